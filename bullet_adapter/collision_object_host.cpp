@@ -1,0 +1,95 @@
+#include "collision_object_host.h"
+
+#include "convert.h"
+#include "tessellation.h"
+
+namespace oilskin::bullet {
+
+namespace {
+
+/// Corners of a clipped plane are rounded to float; a hair inside the box they cannot leave it.
+Box a_hair_smaller(const Box& box) {
+  const Vec3 hair = 1e-6 * box.min.cwiseAbs().cwiseMax(box.max.cwiseAbs());
+  return {box.min + hair, box.max - hair};
+}
+
+bool is_finite(const btTransform& t) {
+  bool finite = to_vec3(t.getOrigin()).allFinite();
+  for (int row = 0; row < 3; ++row) finite = finite && to_vec3(t.getBasis().getRow(row)).allFinite();
+  return finite;
+}
+
+}  // namespace
+
+CollisionObjectHost::CollisionObjectHost(const btCollisionObject* object, const Box& kill_box)
+    : object_(object), kill_box_(a_hair_smaller(kill_box)), transform_(btTransform::getIdentity()) {}
+
+void CollisionObjectHost::set_kill_box(const Box& kill_box) {
+  kill_box_ = a_hair_smaller(kill_box);
+  world_.clear();
+}
+
+Status CollisionObjectHost::read_if_changed() {
+  const btCollisionShape* shape = object_->getCollisionShape();
+  if (!shape)
+    return Status::refused("collision object has no collision shape: call setCollisionShape() first");
+  std::vector<double> signature = shape_signature(*shape);
+  if (!forget_motion_ && signature == signature_) return Status::accepted();
+  const Status status = read_shape(*shape, &mesh_);
+  world_.clear();  // stale
+  if (status.ok()) signature_ = std::move(signature);
+  return status;
+}
+
+/// World positions, and the triangles that go with them: a plane's polygon depends on where the object is.
+Status CollisionObjectHost::place(const btTransform& transform) {
+  if (!world_.empty() && transform == transform_) return Status::accepted();
+  if (!is_finite(transform)) return Status::refused("collision object has a transform that is not finite");
+  transform_ = transform;
+  world_.clear();
+  for (const btVector3& v : mesh_.vertices) world_.push_back(to_vec3(transform * v));
+  triangles_ = mesh_.triangles;
+  for (const ShapeMesh::Plane& plane : mesh_.planes) {
+    const Vec3 n = to_vec3(transform.getBasis() * plane.normal);
+    const double c = static_cast<double>(plane.constant) + n.dot(to_vec3(transform.getOrigin()));
+    const PointMesh polygon = clipped_plane(n.normalized(), c / n.norm(), kill_box_);
+    const auto first = static_cast<std::uint32_t>(world_.size());
+    for (const Vec3& p : polygon.points) world_.push_back(stored(p, bt_storage));
+    for (const Triangle& t : polygon.triangles)
+      triangles_.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  if (triangles_.empty())
+    return Status::refused("static plane lies outside the kill box: enlarge the box or leave the plane out");
+  return Status::accepted();
+}
+
+Gathered CollisionObjectHost::gather(double dt, SurfaceMotion& motion) {
+  Gathered result;
+  result.status = read_if_changed();
+  if (result.status.ok()) result.status = place(object_->getWorldTransform());
+  if (!result.status.ok()) {
+    signature_.clear();
+    return result;
+  }
+  const std::size_t n = world_.size();
+  if (motion.triangles != triangles_ || motion.x_t1.size() != n) {
+    result.new_surface = true;
+    motion.triangles = triangles_;
+    motion.storage = bt_storage;
+    motion.nodes_movable = false;
+  }
+  motion.x_t1 = world_;
+  motion.inverse_mass.assign(n, 0);
+  motion.holdable.assign(n, 0);
+  motion.velocity.resize(n);
+  const double moved_for = result.new_surface || forget_motion_ ? 0 : dt;
+  for (std::size_t i = 0; i < n; ++i) motion.velocity[i] = prescribed_velocity(motion, i, moved_for);
+  forget_motion_ = false;
+  return result;
+}
+
+void CollisionObjectHost::scatter(SurfaceMotion& motion) {
+  if (motion.x_t1.size() == world_.size()) motion.x_t1 = world_;
+}
+
+}  // namespace oilskin::bullet

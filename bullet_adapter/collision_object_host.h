@@ -1,0 +1,43 @@
+/// A static or kinematic btCollisionObject as a surface.
+#pragma once
+
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+
+#include "oilskin/surface_motion.h"
+#include "shape_mesh.h"
+
+namespace oilskin::bullet {
+
+/// Every node is prescribed and not holdable: the object goes where its owner puts it, and takes no impulse.
+/// Positions are world positions in btScalar, computed with the object's transform as Bullet computes them.
+class CollisionObjectHost : public SurfaceHost {
+ public:
+  /// Static planes are cut to their part in `kill_box` [m].
+  CollisionObjectHost(const btCollisionObject* object, const Box& kill_box);
+
+  /// Reads transform and scaling anew. Refuses shapes without triangles, planes outside the kill box and
+  /// transforms that are not finite.
+  Gathered gather(double dt, SurfaceMotion& motion) override;
+  /// The object does not answer; puts back where it is.
+  void scatter(SurfaceMotion& motion) override;
+
+  void set_kill_box(const Box& kill_box);
+
+  /// The motion up to the next gather is a teleport, and the shape is read again.
+  void forget_motion() { forget_motion_ = true; }
+
+ private:
+  Status read_if_changed();
+  Status place(const btTransform& transform);
+
+  const btCollisionObject* object_;
+  Box kill_box_;
+  bool forget_motion_ = true;
+  std::vector<double> signature_;
+  ShapeMesh mesh_;
+  btTransform transform_;  // of world_
+  std::vector<Vec3> world_;
+  std::vector<Triangle> triangles_;
+};
+
+}  // namespace oilskin::bullet

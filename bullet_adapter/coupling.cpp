@@ -1,0 +1,210 @@
+#include <LinearMath/btQuickprof.h>
+
+#include <algorithm>
+
+#include "convert.h"
+#include "coupling_impl.h"
+
+namespace oilskin::bullet {
+
+Attachment* btFluidCoupling::Impl::find(const btCollisionObject* object) {
+  const auto it = std::find_if(attachments.begin(), attachments.end(),
+                               [object](const Attachment& a) { return a.object == object; });
+  return it == attachments.end() ? nullptr : &*it;
+}
+
+Status btFluidCoupling::Impl::attach(Attachment& a) {
+  if (a.rigid) a.rigid->set_kill_box(world()->settings().kill_box);
+  return world()->attach(a.host(), a.settings, &a.id);
+}
+
+void btFluidCoupling::Impl::detach(Attachment& a) {
+  if (a.id) world()->detach(a.id);
+  a.id = SurfaceId();
+}
+
+Status btFluidCoupling::Impl::add(Attachment a) {
+  if (find(a.object)) return Status::refused("this body is attached already: remove it first");
+  Status status = a.settings.validate();
+  if (status.ok() && fluid) {
+    status = attach(a);
+  } else if (status.ok()) {
+    SurfaceMotion trial;
+    status = a.host().gather(0, trial).status;
+  }
+  if (status.ok()) attachments.push_back(std::move(a));
+  return status;
+}
+
+void btFluidCoupling::Impl::remove(const btCollisionObject* object) {
+  Attachment* a = find(object);
+  if (!a) return;
+  detach(*a);
+  attachments.erase(attachments.begin() + (a - attachments.data()));
+}
+
+void btFluidCoupling::Impl::forget_motion(const btCollisionObject* object) {
+  Attachment* a = find(object);
+  if (!a) return;
+  if (a->soft) a->soft->forget_motion();
+  if (a->rigid) a->rigid->forget_motion();
+  if (a->id) world()->reset_motion(a->id);
+}
+
+const SurfaceMotion* btFluidCoupling::Impl::surface(const btCollisionObject* object) {
+  const Attachment* a = find(object);
+  return a && a->id ? world()->surface(a->id) : nullptr;
+}
+
+/// btSoftRigidDynamicsWorld::setGravity() does not reach soft bodies: what they fall with is their world
+/// info's.
+Status btFluidCoupling::Impl::follow_gravity() {
+  if (!use_cloth_gravity) return Status::accepted();
+  for (const Attachment& a : attachments) {
+    if (!a.cloth || !a.cloth->getWorldInfo()) continue;
+    const Vec3 gravity = to_vec3(a.cloth->getWorldInfo()->m_gravity);
+    return gravity == world()->settings().gravity ? Status::accepted() : world()->set_gravity(gravity);
+  }
+  return Status::accepted();
+}
+
+const StepReport& btFluidCoupling::Impl::refuse(std::string why) {
+  refused = StepReport();
+  refused.status = Status::refused(std::move(why));
+  return refused;
+}
+
+btFluidCoupling::btFluidCoupling(btFluid* fluid) : m_impl(std::make_unique<Impl>()) {
+  // A constructor cannot refuse; step() says what is wrong.
+  if (!fluid) return;
+  const Status status = addFluid(fluid);
+  if (!status.ok()) m_impl->refuse(status.message);
+}
+
+btFluidCoupling::~btFluidCoupling() {
+  if (m_impl->fluid) removeFluid(m_impl->fluid);
+}
+
+Status btFluidCoupling::addFluid(btFluid* fluid) {
+  if (!fluid) return Status::refused("fluid is null");
+  if (m_impl->fluid) return Status::refused("a coupling takes one fluid: remove the first one");
+  if (fluid->m_coupling) return Status::refused("this fluid is in another coupling: remove it there first");
+  Status status = fluid->getWorld().status();
+  if (!status.ok()) return status;
+  m_impl->fluid = fluid;
+  fluid->m_coupling = this;
+  for (std::size_t i = 0; i < m_impl->attachments.size() && status.ok(); ++i)
+    status = m_impl->attach(m_impl->attachments[i]);
+  if (!status.ok()) removeFluid(fluid);
+  return status;
+}
+
+void btFluidCoupling::removeFluid(btFluid* fluid) {
+  if (!fluid || fluid != m_impl->fluid) return;
+  for (Attachment& a : m_impl->attachments) m_impl->detach(a);
+  fluid->m_coupling = nullptr;
+  m_impl->fluid = nullptr;
+}
+
+btFluid* btFluidCoupling::getFluid() const {
+  return m_impl->fluid;
+}
+
+Status btFluidCoupling::addCloth(btSoftBody* cloth, btScalar thickness, const SlipSettings& slip) {
+  SurfaceSettings settings;
+  settings.thickness = static_cast<double>(thickness);
+  settings.slip = slip;
+  return addCloth(cloth, settings);
+}
+
+Status btFluidCoupling::addCloth(btSoftBody* cloth, const SurfaceSettings& settings, bool mayHoldPins,
+                                 bool weldNodes) {
+  if (!cloth) return Status::refused("cloth is null");
+  SoftBodyHost::Options options;
+  options.may_hold_pins = mayHoldPins;
+  options.weld = weldNodes;
+  Attachment a;
+  a.object = a.cloth = cloth;
+  a.settings = settings;
+  a.soft = std::make_unique<SoftBodyHost>(cloth, options);
+  return m_impl->add(std::move(a));
+}
+
+void btFluidCoupling::removeCloth(btSoftBody* cloth) {
+  m_impl->remove(cloth);
+}
+
+Status btFluidCoupling::addCollisionObject(btCollisionObject* object, btScalar thickness,
+                                           const SlipSettings& slip) {
+  SurfaceSettings settings;
+  settings.thickness = static_cast<double>(thickness);
+  settings.slip = slip;
+  return addCollisionObject(object, settings);
+}
+
+Status btFluidCoupling::addCollisionObject(btCollisionObject* object, const SurfaceSettings& settings) {
+  if (!object) return Status::refused("collision object is null");
+  if (object->getInternalType() == btCollisionObject::CO_SOFT_BODY)
+    return Status::refused("a soft body is a cloth: use addCloth()");
+  if (!object->isStaticOrKinematicObject())
+    return Status::refused(
+        "dynamic rigid bodies do not feel the fluid yet and are refused: give the body mass 0, or set "
+        "btCollisionObject::CF_KINEMATIC_OBJECT and move it yourself");
+  Attachment a;
+  a.object = object;
+  a.settings = settings;
+  a.rigid = std::make_unique<CollisionObjectHost>(object, WorldSettings().kill_box);
+  return m_impl->add(std::move(a));
+}
+
+void btFluidCoupling::removeCollisionObject(btCollisionObject* object) {
+  m_impl->remove(object);
+}
+
+void btFluidCoupling::resetMotion(btSoftBody* cloth) {
+  m_impl->forget_motion(cloth);
+}
+void btFluidCoupling::resetMotion(btCollisionObject* object) {
+  m_impl->forget_motion(object);
+}
+
+void btFluidCoupling::setUseClothGravity(bool use) {
+  m_impl->use_cloth_gravity = use;
+}
+
+const StepReport& btFluidCoupling::couple(double dt, bool updateNormals) {
+  BT_PROFILE("oilskin::step");
+  if (!m_impl->fluid)
+    return m_impl->refused.status.ok() ? m_impl->refuse("there is no fluid: call addFluid() first")
+                                       : m_impl->refused;
+  if (dt == 0) return getReport();
+  const Status gravity = m_impl->follow_gravity();
+  if (!gravity.ok()) return m_impl->refuse(gravity.message);
+  m_impl->refused = StepReport();
+  for (Attachment& a : m_impl->attachments)
+    if (a.soft) a.soft->set_update_normals(updateNormals);
+  return m_impl->world()->step(dt);
+}
+
+const StepReport& btFluidCoupling::step(btScalar dt) {
+  return couple(static_cast<double>(dt), true);
+}
+
+const StepReport& btFluidCoupling::getReport() const {
+  return m_impl->fluid && m_impl->refused.status.ok() ? m_impl->world()->report() : m_impl->refused;
+}
+
+const std::vector<Vec3>* btFluidCoupling::getNodeImpulses(const btSoftBody* cloth) const {
+  const Attachment* a = m_impl->find(cloth);
+  return a && a->id ? &a->soft->node_impulses() : nullptr;
+}
+
+const SurfaceMotion* btFluidCoupling::getSurface(const btSoftBody* cloth) const {
+  return m_impl->surface(cloth);
+}
+
+const SurfaceMotion* btFluidCoupling::getSurface(const btCollisionObject* object) const {
+  return m_impl->surface(object);
+}
+
+}  // namespace oilskin::bullet

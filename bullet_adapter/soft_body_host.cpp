@@ -1,0 +1,240 @@
+#include "soft_body_host.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "convert.h"
+#include "welding.h"
+
+namespace oilskin::bullet {
+
+namespace {
+
+bool finite(const btVector3& v) {
+  return to_vec3(v).allFinite();
+}
+
+/// A body whose simulation is switched off stays where its owner puts it, whatever its masses say.
+bool is_simulated(const btSoftBody& body) {
+  return body.getActivationState() != DISABLE_SIMULATION;
+}
+
+}  // namespace
+
+Status SoftBodyHost::check() const {
+  if (body_->m_faces.size() == 0)
+    return Status::refused(
+        "soft body has no faces: contact needs triangles; build it with faces "
+        "(btSoftBodyHelpers::CreatePatch, "
+        "CreateFromTriMesh) or call appendFace()");
+  const std::ptrdiff_t nodes = body_->m_nodes.size();
+  for (int f = 0; f < body_->m_faces.size(); ++f)
+    for (const btSoftBody::Node* n : body_->m_faces[f].m_n)
+      if (n < &body_->m_nodes[0] || n >= &body_->m_nodes[0] + nodes)
+        return Status::refused("face " + std::to_string(f) +
+                               " of the soft body refers to a node of another body");
+  for (int i = 0; i < body_->m_nodes.size(); ++i) {
+    const btSoftBody::Node& n = body_->m_nodes[i];
+    if (!finite(n.m_x) || !finite(n.m_v) || !std::isfinite(n.m_im) || n.m_im < 0)
+      return Status::refused(
+          "node " + std::to_string(i) +
+          " of the soft body has a position, velocity or inverse mass that is not finite (or a "
+          "negative mass): lower Bullet's time step or stiffness");
+  }
+  return Status::accepted();
+}
+
+/// True where faces or nodes are not those of the last call.
+bool SoftBodyHost::read_faces() {
+  std::vector<Triangle> faces(static_cast<std::size_t>(body_->m_faces.size()));
+  const btSoftBody::Node* first = &body_->m_nodes[0];
+  for (int f = 0; f < body_->m_faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k)
+      faces[static_cast<std::size_t>(f)][k] = static_cast<std::uint32_t>(body_->m_faces[f].m_n[k] - first);
+  const bool same =
+      faces == faces_ && contact_node_.size() == static_cast<std::size_t>(body_->m_nodes.size());
+  faces_ = std::move(faces);
+  return !same;
+}
+
+bool SoftBodyHost::is_prescribed(std::size_t i) const {
+  return node(i).m_im == 0 || !is_simulated(*body_);
+}
+
+void SoftBodyHost::weld_all() {
+  const auto n = static_cast<std::size_t>(body_->m_nodes.size());
+  contact_node_.resize(n);
+  PointNumbers places;
+  for (std::size_t i = 0; i < n; ++i)
+    contact_node_[i] = options_.weld ? places.number_of(to_vec3(node(i).m_x)) : static_cast<std::uint32_t>(i);
+  contact_nodes_ = options_.weld ? places.size() : n;
+  count_copies();
+}
+
+void SoftBodyHost::count_copies() {
+  copies_.assign(contact_nodes_, 0);
+  for (std::uint32_t c : contact_node_) ++copies_[c];
+}
+
+/// Pinned copies that somebody moves apart cannot be one node: all copies there become nodes of their own,
+/// for good. They start where the common node was at the start of the interval.
+bool SoftBodyHost::split_pins(SurfaceMotion& motion) {
+  const std::size_t n = contact_node_.size();
+  if (contact_nodes_ == n) return false;
+  std::vector<std::size_t> pin(contact_nodes_, n);
+  std::vector<std::uint8_t> apart(contact_nodes_, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint32_t c = contact_node_[i];
+    if (!is_prescribed(i)) continue;
+    if (pin[c] == n) pin[c] = i;
+    apart[c] |= node(i).m_x != node(pin[c]).m_x;
+  }
+  if (std::count(apart.begin(), apart.end(), 0) == static_cast<std::ptrdiff_t>(contact_nodes_)) return false;
+  constexpr auto none = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> number(contact_nodes_, none);
+  const bool has_start = motion.x_t0.size() == contact_nodes_;
+  std::vector<Vec3> x_t0;
+  std::uint32_t count = 0;
+  for (std::uint32_t& c : contact_node_) {
+    const std::uint32_t old = c;
+    const bool is_new = apart[old] || number[old] == none;
+    if (is_new && has_start) x_t0.push_back(motion.x_t0[old]);
+    c = is_new ? count++ : number[old];
+    if (!apart[old]) number[old] = c;
+  }
+  if (has_start) motion.x_t0 = std::move(x_t0);
+  contact_nodes_ = count;
+  count_copies();
+  return true;
+}
+
+/// Where a contact node is: with a pinned copy if there is one, else at the centre of mass of its copies.
+void SoftBodyHost::fill(double dt, SurfaceMotion& motion) {
+  motion.x_t1.resize(contact_nodes_);
+  motion.velocity.assign(contact_nodes_, Vec3::Zero());
+  motion.inverse_mass.assign(contact_nodes_, 0);
+  motion.holdable.assign(contact_nodes_, 0);
+  constexpr auto none = std::numeric_limits<std::uint32_t>::max();
+  first_copy_.assign(contact_nodes_, none);
+  for (std::size_t i = 0; i < contact_node_.size(); ++i) {
+    std::uint32_t& first = first_copy_[contact_node_[i]];
+    if (first == none || (is_prescribed(i) && !is_prescribed(first))) first = static_cast<std::uint32_t>(i);
+  }
+  // Relative to the first copy, so that equal copies give exactly their value.
+  std::vector<double> mass(contact_nodes_, 0);
+  std::vector<Vec3> moment(contact_nodes_, Vec3::Zero());
+  for (std::size_t i = 0; i < contact_node_.size(); ++i) {
+    const std::uint32_t c = contact_node_[i];
+    if (copies_[c] == 1 || is_prescribed(first_copy_[c])) continue;
+    const double m = 1 / static_cast<double>(node(i).m_im);
+    mass[c] += m;
+    moment[c] += m * (to_vec3(node(i).m_x) - to_vec3(node(first_copy_[c]).m_x));
+  }
+  const std::vector<Vec3> velocity = common_velocities();
+  for (std::size_t c = 0; c < contact_nodes_; ++c) {
+    const btSoftBody::Node& first = node(first_copy_[c]);
+    motion.x_t1[c] = to_vec3(first.m_x);
+    if (is_prescribed(first_copy_[c])) {
+      motion.velocity[c] = prescribed_velocity(motion, c, dt);
+      motion.holdable[c] = options_.may_hold_pins;
+      continue;
+    }
+    const bool sewn = copies_[c] > 1;
+    if (sewn) motion.x_t1[c] = stored(motion.x_t1[c] + moment[c] / mass[c], bt_storage);
+    motion.velocity[c] = velocity[c];
+    motion.inverse_mass[c] = sewn ? 1 / mass[c] : static_cast<double>(first.m_im);
+  }
+}
+
+/// Of the free copies of each contact node, weighted by mass.
+std::vector<Vec3> SoftBodyHost::common_velocities() const {
+  std::vector<Vec3> velocity(contact_nodes_);
+  for (std::size_t c = 0; c < contact_nodes_; ++c) velocity[c] = to_vec3(node(first_copy_[c]).m_v);
+  if (contact_nodes_ == contact_node_.size()) return velocity;
+  std::vector<double> mass(contact_nodes_, 0);
+  std::vector<Vec3> moment(contact_nodes_, Vec3::Zero());
+  for (std::size_t i = 0; i < contact_node_.size(); ++i) {
+    const std::uint32_t c = contact_node_[i];
+    if (copies_[c] == 1 || is_prescribed(first_copy_[c])) continue;
+    const double m = 1 / static_cast<double>(node(i).m_im);
+    mass[c] += m;
+    moment[c] += m * (to_vec3(node(i).m_v) - velocity[c]);
+  }
+  for (std::size_t c = 0; c < contact_nodes_; ++c)
+    if (mass[c] > 0) velocity[c] += moment[c] / mass[c];
+  return velocity;
+}
+
+Gathered SoftBodyHost::gather(double dt, SurfaceMotion& motion) {
+  Gathered result;
+  result.status = check();
+  if (!result.status.ok()) return result;
+  bool teleported = forget_motion_;
+  if (read_faces()) {
+    weld_all();
+    result.new_surface = teleported = true;
+  } else {
+    result.new_surface = split_pins(motion);
+  }
+  if (result.new_surface || motion.triangles.size() != faces_.size()) {
+    result.new_surface = true;  // a motion that has never been filled, too
+    motion.storage = bt_storage;
+    motion.nodes_movable = false;  // Bullet's position solver turns moved nodes into velocity
+    motion.triangles = faces_;
+    for (Triangle& t : motion.triangles)
+      for (std::uint32_t& node : t) node = contact_node_[node];
+  }
+  fill(teleported ? 0 : dt, motion);
+  forget_motion_ = false;
+  return result;
+}
+
+/// Velocities by adding, positions only where contact moved them or copies are kept together. True where
+/// contact moved the node.
+bool SoftBodyHost::scatter_node(std::size_t i, const Vec3& velocity, const SurfaceMotion& motion) {
+  btSoftBody::Node& n = node(i);
+  const std::uint32_t c = contact_node_[i];
+  const bool moved = motion.moved[c] != 0, sewn = copies_[c] > 1;
+  if (motion.inverse_mass[c] > 0) {
+    if (sewn || !motion.impulse[c].isZero(0))
+      n.m_v = to_bt(velocity + motion.inverse_mass[c] * motion.impulse[c]);
+  } else if (moved && motion.holdable[c]) {
+    // A velocity left on a pin would carry it off: Bullet integrates nodes of mass 0, too.
+    n.m_v = btVector3(0, 0, 0);
+  } else if (!is_prescribed(i)) {
+    n.m_v = to_bt(motion.velocity[c]);  // sewn to a pin
+  } else {
+    return false;
+  }
+  n.m_vn = n.m_v;  // the implicit deformable solver restarts from it
+  if (moved || sewn) n.m_x = to_bt(motion.x_t1[c]);
+  return moved;
+}
+
+void SoftBodyHost::scatter(SurfaceMotion& motion) {
+  const std::size_t n = contact_node_.size();
+  node_impulse_.assign(n, Vec3::Zero());
+  if (static_cast<std::size_t>(body_->m_nodes.size()) != n || motion.impulse.size() != contact_nodes_ ||
+      motion.moved.size() != contact_nodes_)
+    return;  // the body changed since gather: the next gather sees a new surface
+  const std::vector<Vec3> velocity = common_velocities();
+  bool any_moved = false, any_impulse = false;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint32_t c = contact_node_[i];
+    any_moved |= scatter_node(i, velocity[c], motion);
+    const double share = motion.inverse_mass[c] > 0 && copies_[c] > 1
+                             ? motion.inverse_mass[c] / static_cast<double>(node(i).m_im)
+                             : 1.0 / copies_[c];
+    node_impulse_[i] = share * motion.impulse[c];
+    any_impulse |= motion.inverse_mass[c] > 0 && !motion.impulse[c].isZero(0);
+  }
+  if (any_impulse && !body_->isActive()) body_->activate();
+  if (any_moved) {
+    body_->updateBounds();
+    if (update_normals_) body_->updateNormals();
+  }
+  for (std::size_t i = 0; i < n; ++i) motion.x_t1[contact_node_[i]] = to_vec3(node(i).m_x);
+}
+
+}  // namespace oilskin::bullet

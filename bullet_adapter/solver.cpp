@@ -1,0 +1,38 @@
+#include <algorithm>
+
+#include "oilskin/bullet.h"
+
+namespace oilskin::bullet {
+
+btFluidSoftBodySolver::btFluidSoftBodySolver() = default;
+btFluidSoftBodySolver::~btFluidSoftBodySolver() = default;
+
+void btFluidSoftBodySolver::setCouplingInterval(int n) {
+  btAssert(n >= 1);
+  m_interval = std::max(1, n);
+}
+
+const StepReport& btFluidSoftBodySolver::getReport() const {
+  return m_coupling.getReport();
+}
+
+/// The only call that knows the length of a sub-step. Bullet hands it over as a float in any precision, and
+/// moves its soft bodies by that.
+void btFluidSoftBodySolver::predictMotion(btScalar solverdt) {
+  m_pendingTime += static_cast<double>(solverdt);
+  btDefaultSoftBodySolver::predictMotion(solverdt);
+}
+
+/// The last call of a sub-step: links, contacts and self-collision are solved, normals are not yet renewed.
+/// What is written now stays (before this point Bullet would overwrite it).
+void btFluidSoftBodySolver::updateSoftBodies() {
+  ++m_pending;
+  if (m_pending >= m_interval && m_pendingTime > 0) {
+    if (m_coupling.getFluid()) m_coupling.couple(m_pendingTime, /*updateNormals=*/false);
+    m_pending = 0;
+    m_pendingTime = 0;
+  }
+  btDefaultSoftBodySolver::updateSoftBodies();
+}
+
+}  // namespace oilskin::bullet

@@ -1,0 +1,162 @@
+#include "tessellation.h"
+
+#include <LinearMath/btConvexHullComputer.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace oilskin::bullet {
+
+namespace {
+
+PointMesh icosahedron() {
+  const double g = (1 + std::sqrt(5.0)) / 2;
+  PointMesh mesh;
+  for (double a : {-1.0, 1.0})
+    for (double b : {-g, g})
+      for (const Vec3& p : {Vec3(0, a, b), Vec3(a, b, 0), Vec3(b, 0, a)})
+        mesh.points.push_back(p.normalized());
+  // Faces are the triples of mutual neighbours; an edge is the shortest distance that occurs.
+  const double edge = 2 / std::sqrt(1 + g * g), reach = 1.1 * edge;
+  auto near = [&](std::uint32_t i, std::uint32_t j) {
+    return (mesh.points[i] - mesh.points[j]).norm() < reach;
+  };
+  for (std::uint32_t i = 0; i < 12; ++i)
+    for (std::uint32_t j = i + 1; j < 12; ++j)
+      for (std::uint32_t k = j + 1; k < 12; ++k) {
+        if (!near(i, j) || !near(j, k) || !near(i, k)) continue;
+        const Vec3 n = (mesh.points[j] - mesh.points[i]).cross(mesh.points[k] - mesh.points[i]);
+        if (n.dot(mesh.points[i]) > 0)
+          mesh.triangles.push_back({i, j, k});
+        else
+          mesh.triangles.push_back({i, k, j});
+      }
+  return mesh;
+}
+
+PointMesh quartered(const PointMesh& coarse) {
+  PointMesh fine;
+  fine.points = coarse.points;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+  auto middle = [&](std::uint32_t a, std::uint32_t b) {
+    const auto [it, is_new] =
+        middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(fine.points.size()));
+    if (is_new) fine.points.push_back((fine.points[a] + fine.points[b]).normalized());
+    return it->second;
+  };
+  for (const Triangle& t : coarse.triangles) {
+    const std::uint32_t a = middle(t[0], t[1]), b = middle(t[1], t[2]), c = middle(t[2], t[0]);
+    fine.triangles.push_back({t[0], a, c});
+    fine.triangles.push_back({a, t[1], b});
+    fine.triangles.push_back({c, b, t[2]});
+    fine.triangles.push_back({a, b, c});
+  }
+  return fine;
+}
+
+/// Drops the points that no triangle uses.
+void compact(PointMesh& mesh) {
+  std::map<std::uint32_t, std::uint32_t> kept;
+  std::vector<Vec3> points;
+  for (Triangle& t : mesh.triangles)
+    for (std::uint32_t& node : t) {
+      const auto [it, is_new] = kept.try_emplace(node, static_cast<std::uint32_t>(points.size()));
+      if (is_new) points.push_back(mesh.points[node]);
+      node = it->second;
+    }
+  mesh.points = std::move(points);
+}
+
+bool is_flat(const PointMesh& mesh) {
+  Box box;
+  for (const Vec3& p : mesh.points) box.add(p);
+  const double size = (box.max - box.min).norm();
+  double volume = 0;
+  for (const Triangle& t : mesh.triangles)
+    volume += (mesh.points[t[1]] - mesh.points[t[0]])
+                  .cross(mesh.points[t[2]] - mesh.points[t[0]])
+                  .dot(mesh.points[0] - mesh.points[t[0]]);
+  return std::abs(volume) <= 1e-9 * size * size * size;
+}
+
+/// Keeps the part of a convex polygon with sign · x[axis] ≤ sign · bound.
+std::vector<Vec3> clip(const std::vector<Vec3>& polygon, int axis, double sign, double bound) {
+  std::vector<Vec3> kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    const double da = sign * (a[axis] - bound), db = sign * (b[axis] - bound);
+    if (da <= 0) kept.push_back(a);
+    if ((da < 0 && db > 0) || (da > 0 && db < 0)) {
+      Vec3 cut = a + da / (da - db) * (b - a);
+      cut[axis] = bound;
+      kept.push_back(cut);
+    }
+  }
+  return kept;
+}
+
+}  // namespace
+
+PointMesh icosphere(int levels) {
+  PointMesh mesh = icosahedron();
+  for (int i = 0; i < levels; ++i) mesh = quartered(mesh);
+  return mesh;
+}
+
+PointMesh circumscribed_sphere(double radius) {
+  PointMesh mesh = icosphere(3);
+  double inner = 1;  // least distance of a triangle's plane from the centre
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3& a = mesh.points[t[0]];
+    const Vec3 n = (mesh.points[t[1]] - a).cross(mesh.points[t[2]] - a).normalized();
+    inner = std::min(inner, n.dot(a));
+  }
+  for (Vec3& p : mesh.points) p *= radius / inner;
+  return mesh;
+}
+
+PointMesh convex_hull(const btAlignedObjectArray<btVector3>& points) {
+  PointMesh mesh;
+  if (points.size() < 4) return mesh;
+  btConvexHullComputer hull;
+  hull.compute(&points[0].m_floats[0], static_cast<int>(sizeof(btVector3)), points.size(), 0, 0);
+  for (int i = 0; i < points.size(); ++i) {
+    const btVector3& p = points[i];
+    mesh.points.emplace_back(p.x(), p.y(), p.z());
+  }
+  // The hull computer rounds its own vertices; the original ones are exact.
+  auto original = [&](int v) { return static_cast<std::uint32_t>(hull.original_vertex_index[v]); };
+  for (int f = 0; f < hull.faces.size(); ++f) {
+    const btConvexHullComputer::Edge* first = &hull.edges[hull.faces[f]];
+    const std::uint32_t corner = original(first->getSourceVertex());
+    for (auto* e = first->getNextEdgeOfFace(); e->getTargetVertex() != first->getSourceVertex();
+         e = e->getNextEdgeOfFace())
+      mesh.triangles.push_back({corner, original(e->getSourceVertex()), original(e->getTargetVertex())});
+  }
+  compact(mesh);
+  return mesh.triangles.empty() || is_flat(mesh) ? PointMesh() : mesh;
+}
+
+PointMesh clipped_plane(const Vec3& normal, double constant, const Box& box) {
+  const Vec3 center = 0.5 * (box.min + box.max);
+  const double reach = (box.max - box.min).norm();
+  const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
+  const Vec3 foot = center - (normal.dot(center) - constant) * normal;
+  std::vector<Vec3> polygon = {foot - reach * u - reach * v, foot + reach * u - reach * v,
+                               foot + reach * u + reach * v, foot - reach * u + reach * v};
+  for (int axis = 0; axis < 3 && !polygon.empty(); ++axis) {
+    polygon = clip(polygon, axis, 1, box.max[axis]);
+    polygon = clip(polygon, axis, -1, box.min[axis]);
+  }
+  PointMesh mesh;
+  for (const Vec3& p : polygon)
+    if (mesh.points.empty() || (p != mesh.points.back() && p != mesh.points.front()))
+      mesh.points.push_back(p);
+  for (std::uint32_t i = 1; i + 1 < mesh.points.size(); ++i) mesh.triangles.push_back({0, i, i + 1});
+  if (mesh.triangles.empty()) mesh.points.clear();
+  return mesh;
+}
+
+}  // namespace oilskin::bullet

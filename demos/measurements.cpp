@@ -1,0 +1,153 @@
+#include "measurements.h"
+
+#include <algorithm>
+
+#include "nearest_surface.h"
+#include "shadow.h"
+
+namespace oilskin::demo {
+namespace {
+
+constexpr std::uint64_t look_every = 10;  // steps, for what changes slowly
+
+}
+
+Vec3 Measurer::up() const {
+  const Vec3& g = scene_.world.gravity;
+  return g.norm() > 0 ? Vec3(-g.normalized()) : Vec3(0, 1, 0);
+}
+
+void Measurer::after_step(Simulation& simulation, const StepReport& report, std::uint64_t steps) {
+  const Acceptance& a = scene_.acceptance;
+  const double t = scene_.dt * static_cast<double>(steps);
+  if (a.vertical_momentum) measure_impulses(simulation);
+  if (a.pin_reaction) measure_reaction(simulation, report, t);
+  if (steps % look_every != 0) return;
+  if (a.max_stretch) measure_stretch(simulation);
+  if (a.min_over_rim) measure_rim(simulation);
+  if (a.dry_shadow) measure_shadow(simulation);
+  if (a.slip_ratio) measure_slip(simulation, t);
+}
+
+void Measurer::measure_impulses(Simulation& simulation) {
+  auto add = [this](const SurfaceMotion* motion) {
+    if (motion != nullptr)
+      for (const Vec3& j : motion->impulse) result_.impulse_on_cloth += j;
+  };
+  for (std::size_t i = 0; i < scene_.cloth.size(); ++i) add(simulation.cloth(i));
+  for (std::size_t i = 0; i < scene_.bodies.size(); ++i) add(simulation.body(i));
+}
+
+/// What the pins gave is what changed the momentum of the free nodes besides gravity and the water, plus what
+/// the water gave to pinned nodes directly. Links are internal to the cloth. The fluid's momentum is not
+/// used.
+void Measurer::measure_reaction(Simulation& simulation, const StepReport& report, double t) {
+  const bool counts = t > scene_.duration - scene_.acceptance.pin_reaction->window;
+  velocity_before_.resize(scene_.cloth.size());
+  double gained = 0, free_mass = 0;
+  for (std::size_t c = 0; c < scene_.cloth.size(); ++c) {
+    const SurfaceMotion* motion = simulation.cloth(c);
+    if (motion == nullptr) continue;
+    const bool known = velocity_before_[c].size() == motion->velocity.size();
+    for (std::size_t i = 0; i < motion->velocity.size() && known; ++i) {
+      const double j = motion->impulse[i].dot(up());
+      gained -= j;  // the pins answer for a pinned node; a free node's change below contains j
+      if (motion->inverse_mass[i] == 0) continue;
+      const double m = 1 / motion->inverse_mass[i];
+      gained += m * (motion->velocity[i] - velocity_before_[c][i]).dot(up());
+      free_mass += m;
+    }
+    velocity_before_[c] = motion->velocity;
+  }
+  if (!counts) return;
+  const double g = scene_.world.gravity.norm();
+  const double water =
+      simulation.world().particle_mass() * static_cast<double>(simulation.world().particle_count());
+  result_.reaction_impulse += gained + free_mass * g * report.dt;
+  result_.weight_impulse += (free_mass + water) * g * report.dt;
+}
+
+void Measurer::measure_stretch(Simulation& simulation) {
+  for (std::size_t c = 0; c < scene_.cloth.size(); ++c) {
+    const ClothModel& model = simulation.models()[c];
+    const SurfaceMotion* motion = simulation.cloth(c);
+    if (motion == nullptr) continue;
+    for (const auto& [i, j] : model.links) {
+      const double rest = (model.rest[i] - model.rest[j]).norm();
+      result_.largest_stretch =
+          std::max(result_.largest_stretch, (motion->x_t1[i] - motion->x_t1[j]).norm() / rest);
+    }
+  }
+}
+
+void Measurer::measure_rim(Simulation& simulation) {
+  Box outline;
+  for (const Vec3& x : simulation.models()[0].rest) outline.add(x);
+  const World& world = simulation.world();
+  const Vec3 n = up();
+  double rim = std::numeric_limits<double>::infinity();
+  for (const Vec3& x : simulation.models()[0].rest) rim = std::min(rim, x.dot(n));
+  for (std::size_t i = 0; i < world.particle_count(); ++i) {
+    const Vec3& x = world.positions()[i];
+    // Clamped to the outline in all but the vertical, a particle over the rim moves.
+    const Vec3 off = x - x.cwiseMax(outline.min).cwiseMin(outline.max);
+    if ((off - n * off.dot(n)).norm() > 0 && x.dot(n) < rim - 0.02) result_.over_rim.insert(world.ids()[i]);
+  }
+}
+
+void Measurer::measure_shadow(Simulation& simulation) {
+  const DryShadowCheck& check = *scene_.acceptance.dry_shadow;
+  const SurfaceMotion* motion = simulation.cloth(static_cast<std::size_t>(check.cloth));
+  if (motion == nullptr) return;
+  const Shadow shadow(*motion, -up());
+  for (const Vec3& x : simulation.world().positions())
+    if (shadow.covers(x, check.margin)) ++result_.in_shadow;
+}
+
+void Measurer::measure_slip(Simulation& simulation, double t) {
+  const SlipRatioCheck& check = *scene_.acceptance.slip_ratio;
+  if (t <= scene_.duration - check.window) return;
+  const std::array<int, 2> sheets = {check.free, check.no_slip};
+  for (int s = 0; s < 2; ++s) {
+    const SurfaceMotion* motion = simulation.cloth(static_cast<std::size_t>(sheets[s]));
+    if (motion == nullptr) continue;
+    NearestSurface nearest(check.within * scene_.fluid.spacing);
+    nearest.add(*motion, s);
+    const World& world = simulation.world();
+    for (std::size_t i = 0; i < world.particle_count(); ++i) {
+      NearestSurface::Hit hit;
+      if (!nearest.find(world.positions()[i], &hit) || hit.point.distance == 0) continue;
+      Vec3 u = world.velocities()[i];
+      for (int k = 0; k < 3; ++k) u -= hit.point.weights[k] * motion->velocity[hit.nodes[k]];
+      const Vec3 n = hit.point.offset / hit.point.distance;
+      result_.slip_speed_sum[s] += (u - n * n.dot(u)).norm();
+      ++result_.slip_samples[s];
+    }
+  }
+}
+
+void Measurer::finish(Simulation& simulation) {
+  auto count = [this](Span<const Vec3> values) {
+    for (const Vec3& v : values) result_.not_finite += v.allFinite() ? 0 : 1;
+  };
+  count(simulation.world().positions());
+  count(simulation.world().velocities());
+  for (std::size_t c = 0; c < scene_.cloth.size(); ++c) {
+    const SurfaceMotion* motion = simulation.cloth(c);
+    if (motion == nullptr) continue;
+    count(motion->x_t1);
+    count(motion->velocity);
+    if (c == 0) result_.centre_node = motion->x_t1[centre_node(simulation.models()[0])];
+  }
+}
+
+std::size_t centre_node(const ClothModel& model) {
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& x : model.rest) mean += x / static_cast<double>(model.rest.size());
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < model.rest.size(); ++i)
+    if ((model.rest[i] - mean).squaredNorm() < (model.rest[best] - mean).squaredNorm()) best = i;
+  return best;
+}
+
+}  // namespace oilskin::demo

@@ -1,0 +1,50 @@
+/// What acceptance checks need to see while a scene runs. Only what the scene asks for is measured.
+#pragma once
+
+#include <unordered_set>
+
+#include "simulation.h"
+
+namespace oilskin::demo {
+
+struct Measurements {
+  Vec3 impulse_on_cloth = Vec3::Zero();        ///< Σ of the impulses on the nodes of every surface [N s]
+  double largest_stretch = 1;                  ///< edge over rest length
+  std::unordered_set<std::uint64_t> over_rim;  ///< ids seen outside and below cloth 0
+  std::uint64_t in_shadow = 0;                 ///< particles seen below the cloth, summed over looks
+  std::array<double, 2> slip_speed_sum{};      ///< next to the free and the no-slip sheet [m/s]
+  std::array<std::uint64_t, 2> slip_samples{};
+  double reaction_impulse = 0;      ///< of the pins, upwards, in the window [N s]
+  double weight_impulse = 0;        ///< of free cloth and water over the window [N s]
+  std::uint64_t not_finite = 0;     ///< coordinates of particles and nodes
+  Vec3 centre_node = Vec3::Zero();  ///< of cloth 0, now [m]
+};
+
+class Measurer {
+ public:
+  explicit Measurer(const Scene& scene) : scene_(scene) {}
+
+  /// Once after every step; `steps` have been done.
+  void after_step(Simulation& simulation, const StepReport& report, std::uint64_t steps);
+  /// Once after the last step.
+  void finish(Simulation& simulation);
+  const Measurements& result() const { return result_; }
+
+ private:
+  void measure_impulses(Simulation& simulation);
+  void measure_reaction(Simulation& simulation, const StepReport& report, double t);
+  void measure_stretch(Simulation& simulation);
+  void measure_rim(Simulation& simulation);
+  void measure_shadow(Simulation& simulation);
+  void measure_slip(Simulation& simulation, double t);
+  Vec3 up() const;
+
+  const Scene& scene_;
+  Measurements result_;
+  std::vector<std::vector<Vec3>> velocity_before_;  ///< per cloth, as the last step left them
+};
+
+/// Index of the node in the middle of a cloth.
+std::size_t centre_node(const ClothModel& model);
+
+}  // namespace oilskin::demo

@@ -1,0 +1,246 @@
+#include "picture_parts.h"
+
+#include <vtkFloatArray.h>
+#include <vtkGlyph3DMapper.h>
+#include <vtkOpenGLSphereMapper.h>
+#include <vtkPointData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkPolyDataNormals.h>
+#include <vtkProperty.h>
+#include <vtkSphereSource.h>
+#include <vtkTextProperty.h>
+
+#include <algorithm>
+#include <map>
+
+#include "nearest_surface.h"
+#include "vtk_convert.h"
+
+namespace oilskin::demo {
+namespace {
+
+constexpr double ink[3] = {0.13, 0.15, 0.19};
+
+/// Edges of one triangle only.
+vtkSmartPointer<vtkCellArray> border_edges(const std::vector<Triangle>& triangles) {
+  std::map<std::array<std::uint32_t, 2>, int> count;
+  for (const Triangle& t : triangles)
+    for (int k = 0; k < 3; ++k) ++count[{std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])}];
+  auto cells = vtkSmartPointer<vtkCellArray>::New();
+  for (const auto& [edge, times] : count)
+    if (times == 1) cells->InsertNextCell({vtkIdType(edge[0]), vtkIdType(edge[1])});
+  return cells;
+}
+
+void colour_surface(vtkActor* actor, bool is_cloth) {
+  vtkProperty* front = actor->GetProperty();
+  if (is_cloth) {
+    front->SetColor(0.93, 0.76, 0.62);
+  } else {
+    front->SetColor(0.72, 0.74, 0.77);
+  }
+  front->SetInterpolationToPhong();
+  front->SetAmbient(0.18);
+  front->SetDiffuse(0.85);
+  front->SetSpecular(0.12);
+  front->SetSpecularPower(18);
+  vtkNew<vtkProperty> back;
+  back->DeepCopy(front);
+  if (is_cloth) back->SetColor(0.86, 0.52, 0.40);
+  actor->SetBackfaceProperty(back);
+}
+
+}  // namespace
+
+vtkSmartPointer<vtkColorTransferFunction> speed_colours(double max_speed) {
+  auto colours = vtkSmartPointer<vtkColorTransferFunction>::New();
+  colours->SetColorSpaceToLab();
+  const double stops[6][3] = {{0.06, 0.13, 0.34}, {0.08, 0.30, 0.58}, {0.13, 0.49, 0.74},
+                              {0.30, 0.68, 0.83}, {0.58, 0.84, 0.88}, {0.90, 0.97, 0.95}};
+  for (int i = 0; i < 6; ++i) colours->AddRGBPoint(max_speed * i / 5, stops[i][0], stops[i][1], stops[i][2]);
+  return colours;
+}
+
+namespace {
+
+void colour_by_speed(vtkMapper* mapper, vtkColorTransferFunction* colours) {
+  mapper->SetScalarModeToUsePointFieldData();
+  mapper->SelectColorArray("speed");
+  mapper->SetLookupTable(colours);
+  mapper->UseLookupTableScalarRangeOn();
+}
+
+void shine(vtkActor* actor) {
+  actor->GetProperty()->SetAmbient(0.25);
+  actor->GetProperty()->SetDiffuse(0.8);
+  actor->GetProperty()->SetSpecular(0.35);
+  actor->GetProperty()->SetSpecularPower(30);
+}
+
+vtkSmartPointer<vtkGlyph3DMapper> drop_mapper(vtkPolyData* data) {
+  vtkNew<vtkSphereSource> drop;
+  drop->SetRadius(1);
+  drop->SetThetaResolution(14);
+  drop->SetPhiResolution(9);
+  auto mapper = vtkSmartPointer<vtkGlyph3DMapper>::New();
+  mapper->SetInputData(data);
+  mapper->SetSourceConnection(drop->GetOutputPort());
+  mapper->SetScaleArray("half_axes");
+  mapper->SetScaleModeToScaleByVectorComponents();
+  mapper->SetOrientationArray("normal");
+  mapper->SetOrientationModeToDirection();
+  return mapper;
+}
+
+}  // namespace
+
+struct DrawnWater::Points {
+  std::vector<Vec3> position;
+  vtkNew<vtkFloatArray> speed, shape, normal;
+
+  Points(const char* shape_name, int components) {
+    speed->SetName("speed");
+    shape->SetName(shape_name);
+    shape->SetNumberOfComponents(components);
+    normal->SetName("normal");
+    normal->SetNumberOfComponents(3);
+  }
+};
+
+DrawnWater::DrawnWater(double spacing, vtkColorTransferFunction* colours) : spacing_(spacing) {
+  vtkNew<vtkOpenGLSphereMapper> balls;
+  balls->SetInputData(balls_.data);
+  balls->SetScaleArray("radius");
+  colour_by_speed(balls, colours);
+  balls_.actor->SetMapper(balls);
+  const auto drops = drop_mapper(film_.data);
+  colour_by_speed(drops, colours);
+  film_.actor->SetMapper(drops);
+  shine(balls_.actor);
+  shine(film_.actor);
+}
+
+void DrawnWater::show(Part& part, const Points& points) {
+  part.data->SetPoints(to_vtk(points.position, VTK_FLOAT));
+  part.data->SetVerts(vertex_cells(points.position.size()));
+  part.data->GetPointData()->AddArray(points.speed);
+  part.data->GetPointData()->AddArray(points.shape);
+  part.data->GetPointData()->AddArray(points.normal);
+  part.data->Modified();
+  part.actor->SetVisibility(!points.position.empty());
+}
+
+void DrawnWater::update(const FrameData& frame) {
+  const double radius = 0.5 * spacing_;
+  NearestSurface nearest(radius);
+  for (const SurfaceMotion* cloth : frame.cloth)
+    if (cloth != nullptr) nearest.add(*cloth, 0);
+  for (const SurfaceMotion* body : frame.bodies)
+    if (body != nullptr) nearest.add(*body, 1);
+  Points balls("radius", 1), film("half_axes", 3);
+  for (std::size_t i = 0; i < frame.position.size(); ++i) {
+    NearestSurface::Hit hit;
+    const bool beside = nearest.find(frame.position[i], &hit) && hit.point.distance > 0;
+    Points& points = beside ? film : balls;
+    points.position.push_back(frame.position[i]);
+    points.speed->InsertNextValue(static_cast<float>(frame.velocity[i].norm()));
+    if (!beside) {
+      balls.shape->InsertNextValue(static_cast<float>(radius));
+      balls.normal->InsertNextTuple3(0, 1, 0);
+      continue;
+    }
+    const Vec3 n = hit.point.offset / hit.point.distance;
+    film.shape->InsertNextTuple3(hit.point.distance, radius, radius);
+    film.normal->InsertNextTuple3(n.x(), n.y(), n.z());
+  }
+  show(balls_, balls);
+  show(film_, film);
+}
+
+DrawnSurface::DrawnSurface(bool is_cloth) : is_cloth_(is_cloth) {
+  vtkNew<vtkPolyDataNormals> normals;
+  normals->SetInputData(data_);
+  normals->SplittingOff();
+  normals->ConsistencyOff();
+  if (!is_cloth) {
+    normals->SplittingOn();
+    normals->SetFeatureAngle(40);
+  }
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputConnection(normals->GetOutputPort());
+  mapper->ScalarVisibilityOff();
+  actor_->SetMapper(mapper);
+  colour_surface(actor_, is_cloth);
+
+  vtkNew<vtkPolyDataMapper> lines;
+  lines->SetInputData(border_);
+  outline_->SetMapper(lines);
+  outline_->GetProperty()->SetColor(ink[0], ink[1], ink[2]);
+  outline_->GetProperty()->SetLineWidth(3);
+  outline_->GetProperty()->LightingOff();
+
+  vtkNew<vtkPolyDataMapper> dots;
+  dots->SetInputData(pinned_);
+  pins_->SetMapper(dots);
+  pins_->GetProperty()->SetColor(ink[0], ink[1], ink[2]);
+  pins_->GetProperty()->SetPointSize(8);
+  pins_->GetProperty()->RenderPointsAsSpheresOn();
+}
+
+void DrawnSurface::update(const SurfaceMotion* motion) {
+  actor_->SetVisibility(motion != nullptr);
+  outline_->SetVisibility(motion != nullptr && is_cloth_);
+  pins_->SetVisibility(motion != nullptr && is_cloth_);
+  if (motion == nullptr) return;
+  const auto points = to_vtk(motion->x_t1, VTK_FLOAT);
+  data_->SetPoints(points);
+  border_->SetPoints(points);
+  pinned_->SetPoints(points);
+  if (!built_) {
+    data_->SetPolys(to_vtk(motion->triangles));
+    if (is_cloth_) border_->SetLines(border_edges(motion->triangles));
+    built_ = true;
+  }
+  auto pins = vtkSmartPointer<vtkCellArray>::New();
+  for (std::size_t i = 0; i < motion->inverse_mass.size(); ++i)
+    if (motion->inverse_mass[i] == 0) pins->InsertNextCell({vtkIdType(i)});
+  pinned_->SetVerts(pins);
+  data_->Modified();
+}
+
+vtkSmartPointer<vtkScalarBarActor> speed_legend(vtkColorTransferFunction* colours, double text_scale) {
+  auto bar = vtkSmartPointer<vtkScalarBarActor>::New();
+  bar->SetLookupTable(colours);
+  bar->SetTitle("speed [m/s]");
+  bar->SetNumberOfLabels(5);
+  bar->SetLabelFormat("%.3g");
+  bar->UnconstrainedFontSizeOn();
+  for (vtkTextProperty* text : {bar->GetTitleTextProperty(), bar->GetLabelTextProperty()}) {
+    text->SetColor(ink[0], ink[1], ink[2]);
+    text->SetFontFamilyToArial();
+    text->SetFontSize(static_cast<int>(15 * text_scale));
+    text->ItalicOff();
+    text->BoldOff();
+    text->ShadowOff();
+  }
+  bar->SetOrientationToHorizontal();
+  bar->SetPosition(0.60, 0.025);
+  bar->SetWidth(0.36);
+  bar->SetHeight(0.10);
+  bar->SetBarRatio(0.22);
+  return bar;
+}
+
+vtkSmartPointer<vtkTextActor> label(double x, double y, int size, bool bold) {
+  auto text = vtkSmartPointer<vtkTextActor>::New();
+  text->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
+  text->SetPosition(x, y);
+  text->GetTextProperty()->SetFontSize(size);
+  text->GetTextProperty()->SetFontFamilyToArial();
+  text->GetTextProperty()->SetBold(bold);
+  text->GetTextProperty()->SetColor(ink[0], ink[1], ink[2]);
+  text->GetTextProperty()->SetVerticalJustificationToTop();
+  return text;
+}
+
+}  // namespace oilskin::demo

@@ -1,0 +1,27 @@
+/// DIR/report.json (docs/formats.md).
+#pragma once
+
+#include <string>
+
+#include "acceptance.h"
+#include "fields.h"
+
+namespace oilskin::demo {
+
+struct RunSummary {
+  const Scene& scene;
+  const Totals& totals;
+  const std::vector<CheckResult>& acceptance;
+  Simulation& simulation;
+  int threads = 0;
+  double wall_seconds = 0;
+  double output_seconds = 0;
+  int signal = 0;  ///< that stopped the run, or 0
+};
+
+Json make_report(const RunSummary& summary);
+
+/// Written under a temporary name and renamed. Throws OutputError.
+void write_report(const Json& report, const std::string& directory);
+
+}  // namespace oilskin::demo

@@ -1,0 +1,173 @@
+#include "runner.h"
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "acceptance.h"
+#include "fields.h"
+#include "frames.h"
+#include "output_error.h"
+#include "progress.h"
+#include "run_report.h"
+#include "signals.h"
+#include "trace_output.h"
+
+namespace oilskin::demo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Refuses a folder that cannot be written to before anything is computed.
+std::string prepare_directory(const Scene& scene, const RunOptions& options) {
+  const std::string directory = options.out.empty() ? "out/" + scene.name : options.out;
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  const std::string probe = directory + "/report.json.part";
+  std::ofstream file(probe);
+  if (error || !file)
+    throw SceneError("--out " + directory + ": the folder cannot be written to" +
+                     (error ? ": " + error.message() : std::string()));
+  file.close();
+  std::filesystem::remove(probe, error);
+  return directory;
+}
+
+/// One run: the loop, what is recorded along it, and its end.
+class Run {
+ public:
+  Run(const Scene& scene, const RunOptions& options)
+      : scene_(scene),
+        options_(options),
+        progress_(options.quiet, options.trace == "-"),
+        directory_(prepare_directory(scene, options)),
+        measurer_(scene) {
+    simulation_options_.threads = options.threads;
+    open_frames();
+    simulation_ = make_simulation(scene, simulation_options_);
+    if (options.trace.empty()) return;
+    trace_ = std::make_unique<TraceOutput>(options.trace, options.trace_steps);
+    simulation_->world().set_observer(trace_.get());
+  }
+
+  int execute() {
+    watch_signals();
+    start_ = Clock::now();
+    const auto steps = static_cast<std::uint64_t>(std::ceil(scene_.duration / scene_.dt - 1e-6));
+    write_frame();
+    for (std::uint64_t s = 0; s < steps && caught_signal() == 0; ++s) {
+      advance(s);
+      progress_.update(double(s + 1) / double(steps), totals_.simulated,
+                       simulation_->world().particle_count(), totals_.contact.crossings_found_by_verify);
+      if (frames_ && !frames_->window_open()) break;
+    }
+    progress_.finish();
+    return finish();
+  }
+
+ private:
+  void open_frames() {
+    if (options_.frames_per_second == 0 && !options_.view) return;
+    std::string why;
+    const bool wanted = options_.render.value_or(true);
+    const bool can = pictures_available(&why);
+    if ((options_.view || options_.render.value_or(false)) && !can)
+      throw SceneError(std::string(options_.view ? "--view" : "--render") + ": " + why);
+    if (wanted && !can) progress_.line("No pictures: " + why + ".");
+    FrameOptions frames;
+    frames.directory = directory_;
+    frames.files = options_.frames_per_second > 0;
+    frames.pictures = wanted && can && options_.frames_per_second > 0;
+    frames.window = options_.view;
+    frames_ = make_frames(scene_, frames);
+  }
+
+  void advance(std::uint64_t s) {
+    if (trace_) trace_->begin_step(s);
+    const StepReport& report = simulation_->step();
+    if (!report.status.ok()) throw SceneError("step " + std::to_string(s) + ": " + report.status.message);
+    totals_.add(report);
+    if (trace_) trace_->check();
+    measurer_.after_step(*simulation_, report, s + 1);
+    const double rate = options_.frames_per_second > 0 ? options_.frames_per_second : 30;
+    if (scene_.dt * double(s + 1) >= frame_number_ / rate - 1e-9) write_frame();
+  }
+
+  void write_frame() {
+    if (!frames_) return;
+    const Clock::time_point start = Clock::now();
+    const World& world = simulation_->world();
+    FrameData data;
+    data.t = totals_.simulated;
+    data.id = world.ids();
+    data.position = world.positions();
+    data.velocity = world.velocities();
+    data.density = world.densities();
+    data.pressure = world.pressures();
+    for (std::size_t i = 0; i < scene_.cloth.size(); ++i) data.cloth.push_back(simulation_->cloth(i));
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) data.bodies.push_back(simulation_->body(i));
+    data.crossings = totals_.contact.crossings_found_by_verify;
+    frames_->write(frame_number_++, data);
+    output_seconds_ += seconds_since(start);
+  }
+
+  int finish() {
+    measurer_.finish(*simulation_);
+    const double wall = seconds_since(start_);
+    std::vector<CheckResult> checks;
+    if (caught_signal() == 0)
+      checks = check_acceptance(scene_, totals_, measurer_.result(), *simulation_, simulation_options_);
+    RunSummary summary{scene_,           totals_, checks,          *simulation_,
+                       options_.threads, wall,    output_seconds_, caught_signal()};
+    write_report(make_report(summary), directory_);
+    tell(checks, wall);
+    if (caught_signal() != 0) return static_cast<int>(ExitCode::signalled) + caught_signal();
+    for (const CheckResult& c : checks)
+      if (!c.ok) return static_cast<int>(ExitCode::check_failed);
+    return static_cast<int>(ExitCode::done);
+  }
+
+  void tell(const std::vector<CheckResult>& checks, double wall) {
+    char text[200];
+    std::snprintf(text, sizeof text, "%s: %llu steps, %.3f s simulated in %.1f s, %llu particles emitted",
+                  scene_.name.c_str(), static_cast<unsigned long long>(totals_.steps), totals_.simulated,
+                  wall, static_cast<unsigned long long>(totals_.emitted));
+    progress_.line(text);
+    for (const std::string& message : totals_.messages) progress_.line("  note: " + message);
+    for (const std::string& flag : flag_texts(totals_.flags)) progress_.line("  flag: " + flag);
+    for (const CheckResult& c : checks) {
+      std::snprintf(text, sizeof text, "  %-18s %12.6g   limit %-10.6g %s", c.name.c_str(), c.value, c.limit,
+                    c.ok ? "ok" : "FAILED");
+      progress_.line(text);
+    }
+    progress_.line("  " + directory_ + "/report.json");
+  }
+
+  const Scene& scene_;
+  const RunOptions& options_;
+  Progress progress_;
+  std::string directory_;
+  SimulationOptions simulation_options_;
+  std::unique_ptr<TraceOutput> trace_;  // outlives the world that it watches
+  std::unique_ptr<Simulation> simulation_;
+  std::unique_ptr<Frames> frames_;
+  Totals totals_;
+  Measurer measurer_;
+  Clock::time_point start_;
+  double output_seconds_ = 0;
+  int frame_number_ = 0;
+};
+
+}  // namespace
+
+int run_scene(const Scene& scene, const RunOptions& options) {
+  Run run(scene, options);
+  return run.execute();
+}
+
+}  // namespace oilskin::demo

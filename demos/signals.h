@@ -1,0 +1,10 @@
+/// Stops a run at the end of its step on SIGINT or SIGTERM; a second one ends it at once.
+#pragma once
+
+namespace oilskin::demo {
+
+void watch_signals();
+/// The signal that came, or 0.
+int caught_signal();
+
+}  // namespace oilskin::demo

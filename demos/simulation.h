@@ -1,0 +1,51 @@
+/// A scene brought to life on one host.
+#pragma once
+
+#include <memory>
+
+#include "cloth_model.h"
+#include "oilskin/world.h"
+#include "scene.h"
+
+namespace oilskin::demo {
+
+struct SimulationOptions {
+  int threads = 0;
+  bool emitters = true;  ///< false: the same cloth run dry
+};
+
+class Simulation {
+ public:
+  virtual ~Simulation() = default;
+
+  /// One coupled step of the scene's dt.
+  virtual const StepReport& step() = 0;
+  virtual World& world() = 0;
+  /// Positions, velocities and impulses as the last step left them; null while a surface is left out.
+  virtual const SurfaceMotion* cloth(std::size_t i) const = 0;
+  virtual const SurfaceMotion* body(std::size_t i) const = 0;
+  /// Time that the host itself took so far [s].
+  virtual double host_seconds() const = 0;
+  virtual const char* precision() const = 0;
+
+  const std::vector<ClothModel>& models() const { return models_; }
+
+ protected:
+  std::vector<ClothModel> models_;
+};
+
+/// Throws SceneError for what is refused.
+std::unique_ptr<Simulation> make_bullet_simulation(const Scene& scene, const SimulationOptions& options);
+std::unique_ptr<Simulation> make_mock_simulation(const Scene& scene, const SimulationOptions& options);
+std::unique_ptr<Simulation> make_simulation(const Scene& scene, const SimulationOptions& options);
+
+/// The host that this program was built with: bullet or bullet64.
+HostKind built_in_host();
+
+/// Gives the world its emitters.
+void add_emitters(const Scene& scene, World& world);
+WorldSettings world_settings(const Scene& scene, const SimulationOptions& options);
+/// Throws SceneError with the key in front.
+void require(const Status& status, const std::string& key);
+
+}  // namespace oilskin::demo

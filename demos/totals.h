@@ -1,0 +1,32 @@
+/// What a run adds up from the reports of its steps.
+#pragma once
+
+#include "oilskin/world.h"
+
+namespace oilskin::demo {
+
+struct Totals {
+  std::uint64_t steps = 0;
+  double simulated = 0;  ///< [s]
+  StageSeconds seconds;
+  ContactReport contact;
+  std::uint64_t emitted = 0, removed = 0, quarantined = 0, blocked_starts = 0;
+  double mass_emitted = 0, mass_removed = 0;  ///< [kg]
+  double density_error_sum = 0, density_error_max = 0;
+  std::uint64_t pressure_iterations = 0;
+  Vec3 momentum_emitted = Vec3::Zero(), momentum_removed = Vec3::Zero(), momentum_gravity = Vec3::Zero();
+  Vec3 momentum_residual = Vec3::Zero();
+  double momentum_scale = 0;  ///< Σ of the lengths of all that was exchanged [N s]
+  std::uint32_t flags = 0;
+  std::vector<std::string> messages;  ///< each once
+
+  void add(const StepReport& report);
+};
+
+/// Momentum of the fluid now [N s], summed over the particles.
+Vec3 fluid_momentum(const World& world);
+
+/// The names of the bits in StepReport::flags, each with what mends it.
+std::vector<std::string> flag_texts(std::uint32_t flags);
+
+}  // namespace oilskin::demo

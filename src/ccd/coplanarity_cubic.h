@@ -1,0 +1,39 @@
+/// The cubic whose roots are the times at which a moving point lies in the plane of a moving triangle
+/// (Provot 1997), in Bernstein form on [0, 1], with a bound of its rounding error. Internal to the room.
+#pragma once
+
+#include "ccd/separation.h"
+
+namespace oilskin::ccd::detail {
+
+/// The four Bernstein coefficients of the cubic on some interval.
+struct Coefficients {
+  double k[4];
+};
+
+class CoplanarityCubic {
+ public:
+  CoplanarityCubic(const PointTriangleMotion& m, const RelativeMotion& relative);
+
+  /// False where a product may have underflowed or overflowed: the error bound holds no longer.
+  bool bounded() const { return bounded_; }
+  /// Greatest error of a computed coefficient on any interval, and of a computed value.
+  double error() const { return error_; }
+  /// +1 or −1 where a computed coefficient or value has a certain sign, else 0.
+  int sign(double value) const { return value > error_ ? 1 : (value < -error_ ? -1 : 0); }
+
+  const Coefficients& coefficients() const { return whole_; }
+  Coefficients on(const TimeSpan& span) const;
+  double value(double t) const;
+  double value_and_slope(double t, double* slope) const;
+
+ private:
+  Coefficients whole_;
+  double error_ = 0;
+  bool bounded_ = false;
+};
+
+/// Narrows an interval at whose ends the cubic has certain, opposite signs. They keep them in the result.
+TimeSpan narrow_crossing(const CoplanarityCubic& cubic, TimeSpan bracket);
+
+}  // namespace oilskin::ccd::detail

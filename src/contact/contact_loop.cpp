@@ -1,0 +1,119 @@
+#include "contact/contact_loop.h"
+
+#include <algorithm>
+
+#include "contact/meetings.h"
+#include "contact/zones.h"
+#include "core/assert.h"
+
+namespace oilskin::contact {
+
+void ContactLoop::begin(double dt, const ContactSettings& settings, ParticleMotion& particles,
+                        Span<SurfaceMotion* const> surfaces, ContactReport& report, StageSeconds& seconds) {
+  StageTimer timer(seconds.proximity);
+  OILSKIN_ASSERT(dt > 0);
+  context_.dt = dt;
+  context_.settings = &settings;
+  context_.workers = workers_.get();
+  context_.particles = &particles;
+  context_.surfaces = surfaces;
+  context_.report = &report;
+  context_.seconds = &seconds;
+  context_.epoch = 1;
+  context_.particle_stamp.assign(particles.id.size(), 0);
+  context_.out_of_play.assign(particles.id.size(), 0);
+  prepare_surfaces();
+  candidates_.collect(context_);
+  records_.find(context_, candidates_);
+}
+
+void ContactLoop::prepare_surfaces() {
+  const std::size_t count = context_.surfaces.size();
+  context_.caches.resize(count);
+  context_.node_stamp.resize(count);
+  context_.surface_stamp.assign(count, 0);
+  for (std::size_t k = 0; k < count; ++k) {
+    SurfaceMotion& s = *context_.surfaces[k];
+    const std::size_t nodes = s.x_t0.size();
+    OILSKIN_ASSERT(s.id != 0 && s.delta > 0);
+    OILSKIN_ASSERT(s.x_t1.size() == nodes && s.velocity.size() == nodes && s.inverse_mass.size() == nodes);
+    SurfaceCache& cache = caches_[s.id];
+    if (cache.id != s.id) {
+      cache.id = s.id;
+      cache.topology = Topology(s.triangles, nodes);
+    }
+    context_.caches[k] = &cache;
+    context_.node_stamp[k].assign(nodes, 0);
+    s.impulse.assign(nodes, Vec3::Zero());
+    s.moved.assign(nodes, 0);
+  }
+}
+
+const std::vector<ContactRecord>& ContactLoop::select_records() {
+  StageTimer timer(context_.seconds->impulses);
+  records_.select_active(context_, active_);
+  return active_;
+}
+
+void ContactLoop::run() {
+  const ContactSettings& settings = *context_.settings;
+  {
+    StageTimer timer(context_.seconds->proximity);
+    std::fill(context_.particle_stamp.begin(), context_.particle_stamp.end(), context_.epoch);
+    for (std::size_t p = 0; p < context_.particle_count(); ++p)
+      if (context_.particles->removed[p]) context_.out_of_play[p] = 1;  // quarantined since begin()
+    records_.update(context_, candidates_, candidates_.refresh(context_));
+    context_.report->candidates = candidates_.size();
+  }
+  const double energy_before = kinetic_energy();
+  select_records();
+  {
+    StageTimer timer(context_.seconds->impulses);
+    std::vector<Row> rows;
+    rows.reserve(active_.size());
+    for (const ContactRecord& r : active_) rows.push_back(row_of_record(context_, r));
+    solve_rows(context_, rows);
+    context_.report->contacts = active_.size();
+  }
+  bool certified = false;
+  for (int round = 0; settings.ccd && round < settings.rounds && !certified; ++round) {
+    std::vector<BadPair> bad;
+    {
+      StageTimer timer(context_.seconds->ccd);
+      bad = detect(context_, candidates_);
+    }
+    certified = bad.empty();
+    if (certified) break;
+    StageTimer timer(context_.seconds->impulses);
+    ++context_.report->rounds;
+    context_.report->meetings += bad.size();
+    std::vector<Row> rows = rows_of_bad_pairs(context_, bad, round);
+    solve_rows(context_, rows);
+  }
+  if (settings.zones && !certified) run_zones(context_, candidates_);
+  book_impulses();
+  context_.report->kinetic_energy_change = kinetic_energy() - energy_before;
+}
+
+double ContactLoop::kinetic_energy() const {
+  double energy = 0;
+  const ParticleMotion& particles = *context_.particles;
+  for (std::size_t p = 0; p < particles.id.size(); ++p)
+    if (particles.inverse_mass[p] > 0) energy += 0.5 * particles.velocity[p].squaredNorm() / particles.inverse_mass[p];
+  for (const SurfaceMotion* s : context_.surfaces)
+    for (std::size_t i = 0; i < s->velocity.size(); ++i)
+      if (s->inverse_mass[i] > 0) energy += 0.5 * s->velocity[i].squaredNorm() / s->inverse_mass[i];
+  return energy;
+}
+
+void ContactLoop::book_impulses() {
+  ContactReport& report = *context_.report;
+  for (std::uint32_t k = 0; k < context_.surfaces.size(); ++k) {
+    const SurfaceMotion& s = *context_.surfaces[k];
+    for (std::size_t i = 0; i < s.impulse.size(); ++i)
+      (s.inverse_mass[i] > 0 ? report.impulse_on_free_nodes : report.impulse_on_prescribed) += s.impulse[i];
+  }
+  report.least_distance = std::min(report.least_distance, candidates_.least_end_distance(context_));
+}
+
+}  // namespace oilskin::contact

@@ -1,0 +1,122 @@
+#include "oilskin/contact.h"
+
+#include <cmath>
+#include <sstream>
+
+#include "contact/contact_loop.h"
+
+namespace oilskin {
+
+struct ContactSolver::Impl {
+  ContactSettings settings;
+  std::shared_ptr<Workers> workers;
+  contact::ContactLoop loop;
+
+  Impl(const ContactSettings& s, std::shared_ptr<Workers> w) : settings(s), workers(std::move(w)), loop(workers) {}
+};
+
+ContactSolver::ContactSolver(const ContactSettings& settings, int threads)
+    : ContactSolver(settings, std::make_shared<Workers>(threads)) {}
+ContactSolver::ContactSolver(const ContactSettings& settings, std::shared_ptr<Workers> workers)
+    : impl_(std::make_unique<Impl>(settings, std::move(workers))) {}
+ContactSolver::~ContactSolver() = default;
+ContactSolver::ContactSolver(ContactSolver&&) noexcept = default;
+ContactSolver& ContactSolver::operator=(ContactSolver&&) noexcept = default;
+
+const ContactSettings& ContactSolver::settings() const { return impl_->settings; }
+
+Status ContactSolver::set_settings(const ContactSettings& settings) {
+  Status status = settings.validate();
+  if (status.ok()) impl_->settings = settings;
+  return status;
+}
+
+namespace {
+
+template <class... Parts>
+Status refuse(const Parts&... parts) {
+  std::ostringstream s;
+  (s << ... << parts);
+  return Status::refused(s.str());
+}
+
+Status check_finite(const char* name, Span<const Vec3> values) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!values[i].allFinite()) return refuse(name, "[", i, "] is not finite");
+  return {};
+}
+
+Status check_particles(const ParticleMotion& p) {
+  const std::size_t n = p.id.size();
+  if (p.x_t0.size() != n || p.x_t1.size() != n || p.velocity.size() != n || p.inverse_mass.size() != n ||
+      p.removed.size() != n)
+    return refuse("the arrays of the particles differ in length; each must have ", n, " entries, as id has");
+  if (!(p.spacing > 0)) return refuse("the spacing of the particles is ", p.spacing, "; it must be > 0 m");
+  for (const auto& [name, values] : {std::pair<const char*, Span<const Vec3>>{"particle x_t0", p.x_t0},
+                                     {"particle x_t1", Span<const Vec3>(p.x_t1)},
+                                     {"particle velocity", Span<const Vec3>(p.velocity)}})
+    if (Status s = check_finite(name, values); !s.ok()) return s;
+  for (std::size_t i = 0; i < n; ++i)
+    if (!(p.inverse_mass[i] >= 0) || !std::isfinite(p.inverse_mass[i]))
+      return refuse("particle inverse_mass[", i, "] is ", p.inverse_mass[i], "; it must be finite and ≥ 0");
+  return {};
+}
+
+Status check_surface(const SurfaceMotion& s) {
+  const std::size_t n = s.x_t0.size();
+  if (s.id == 0) return refuse("a surface has id 0; ids begin at 1");
+  if (s.x_t1.size() != n || s.velocity.size() != n || s.inverse_mass.size() != n)
+    return refuse("the arrays of surface ", s.id, " differ in length; each must have ", n, " entries, as x_t0 has");
+  if (!s.holdable.empty() && s.holdable.size() != n)
+    return refuse("holdable of surface ", s.id, " has ", s.holdable.size(), " entries; it must have ", n, " or none");
+  if (s.triangles.empty()) return refuse("surface ", s.id, " has no triangles");
+  for (std::size_t t = 0; t < s.triangles.size(); ++t)
+    for (std::uint32_t v : s.triangles[t])
+      if (v >= n) return refuse("triangle ", t, " of surface ", s.id, " names node ", v, "; there are ", n);
+  if (!(s.delta > 0) || !(s.thickness >= 4 * s.delta))
+    return refuse("surface ", s.id, " has thickness ", s.thickness, " and delta ", s.delta,
+                  "; it must hold that thickness ≥ 4 delta > 0");
+  for (const auto& [name, values] : {std::pair<const char*, Span<const Vec3>>{"surface x_t0", s.x_t0},
+                                     {"surface x_t1", s.x_t1},
+                                     {"surface velocity", s.velocity}})
+    if (Status status = check_finite(name, values); !status.ok()) return status;
+  for (std::size_t i = 0; i < n; ++i)
+    if (!(s.inverse_mass[i] >= 0) || !std::isfinite(s.inverse_mass[i]))
+      return refuse("surface inverse_mass[", i, "] is ", s.inverse_mass[i], "; it must be finite and ≥ 0");
+  return {};
+}
+
+}  // namespace
+
+Status ContactSolver::resolve(double dt, ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
+                              ContactReport& report, StageSeconds& seconds) {
+  if (!(dt > 0) || !std::isfinite(dt)) return refuse("dt is ", dt, "; it must be finite and > 0 s");
+  if (Status s = impl_->settings.validate(); !s.ok()) return s;
+  if (Status s = check_particles(particles); !s.ok()) return s;
+  for (const SurfaceMotion* surface : surfaces)
+    if (Status s = check_surface(*surface); !s.ok()) return s;
+  report = {};
+  std::fill(particles.removed.begin(), particles.removed.end(), std::uint8_t{0});
+  impl_->loop.begin(dt, impl_->settings, particles, surfaces, report, seconds);
+  impl_->loop.run();
+  if (impl_->settings.verify) {
+    contact::StageTimer timer(seconds.verify);
+    report.crossings_found_by_verify = count_crossings(particles, surfaces, &report.verified_pairs);
+  }
+  return {};
+}
+
+const std::vector<ContactRecord>& ContactSolver::find_records(const ParticleMotion& particles,
+                                                              Span<SurfaceMotion* const> surfaces) {
+  static thread_local ContactReport report;
+  static thread_local StageSeconds seconds;
+  ParticleMotion copy = particles;
+  impl_->loop.begin(1, impl_->settings, copy, surfaces, report, seconds);
+  return impl_->loop.select_records();
+}
+
+const std::vector<ContactRecord>& ContactSolver::records() const { return impl_->loop.records(); }
+
+void ContactSolver::forget(std::uint64_t surface_id) { impl_->loop.forget(surface_id); }
+
+}  // namespace oilskin

@@ -1,0 +1,83 @@
+/// The context of one interval: what the stages of contact read, what they change, what they leave behind.
+#pragma once
+
+#include <chrono>
+
+#include "contact/predicates.h"
+#include "contact/topology.h"
+#include "core/parallel.h"
+#include "oilskin/contact.h"
+#include "proximity/surface_tree.h"
+
+namespace oilskin::contact {
+
+/// What is kept of a surface from step to step.
+struct SurfaceCache {
+  std::uint64_t id = 0;
+  Topology topology;
+  proximity::SurfaceTree tree;
+};
+
+struct Context {
+  // Input
+  double dt = 0;
+  const ContactSettings* settings = nullptr;
+  const Workers* workers = nullptr;
+  ParticleMotion* particles = nullptr;
+  Span<SurfaceMotion* const> surfaces;
+  std::vector<SurfaceCache*> caches;  // one per surface
+
+  // State: the epoch in which a point's end position last changed. Pairs are tested again when a stamp is younger
+  // than their last test.
+  std::uint32_t epoch = 1;
+  std::vector<std::uint32_t> particle_stamp;
+  std::vector<std::vector<std::uint32_t>> node_stamp;
+  std::vector<std::uint32_t> surface_stamp;   // youngest stamp of the surface's nodes
+  std::vector<std::uint8_t> out_of_play;      // removed, or allowed to pass
+
+  // Output
+  ContactReport* report = nullptr;
+  StageSeconds* seconds = nullptr;
+
+  std::size_t particle_count() const { return particles->id.size(); }
+  Quad start(std::uint32_t p, std::uint32_t surface, std::uint32_t triangle) const {
+    const SurfaceMotion& s = *surfaces[surface];
+    const Triangle& t = s.triangles[triangle];
+    return {particles->x_t0[p], s.x_t0[t[0]], s.x_t0[t[1]], s.x_t0[t[2]]};
+  }
+  Quad end(std::uint32_t p, std::uint32_t surface, std::uint32_t triangle) const {
+    const SurfaceMotion& s = *surfaces[surface];
+    const Triangle& t = s.triangles[triangle];
+    return {particles->x_t1[p], s.x_t1[t[0]], s.x_t1[t[1]], s.x_t1[t[2]]};
+  }
+  /// Positions change through these two only, so that no stamp is forgotten.
+  void set_particle_end(std::uint32_t p, const Vec3& x) {
+    particles->x_t1[p] = x;
+    particle_stamp[p] = epoch;
+  }
+  void set_node_end(std::uint32_t surface, std::uint32_t node, const Vec3& x) {
+    SurfaceMotion& s = *surfaces[surface];
+    const Vec3 rounded = stored(x, s.storage);
+    if (rounded == s.x_t1[node]) return;
+    s.x_t1[node] = rounded;
+    s.moved[node] = 1;
+    node_stamp[surface][node] = epoch;
+    surface_stamp[surface] = epoch;
+  }
+};
+
+/// Adds the wall time of a scope to a stage.
+class StageTimer {
+ public:
+  explicit StageTimer(double& seconds) : seconds_(seconds), begin_(Clock::now()) {}
+  ~StageTimer() { seconds_ += std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  StageTimer(const StageTimer&) = delete;
+  StageTimer& operator=(const StageTimer&) = delete;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& seconds_;
+  Clock::time_point begin_;
+};
+
+}  // namespace oilskin::contact

@@ -1,0 +1,95 @@
+#include "contact/detection.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace oilskin::contact {
+
+namespace {
+
+constexpr std::size_t chunk = 256;
+
+// Do the boxes of the whole paths come within `margin`? Comparisons of stored numbers; the margin is padded, so
+// rounding can only let pairs through to the real tests.
+bool swept_boxes_apart(const Quad& x0, const Quad& x1, double margin) {
+  for (int k = 0; k < 3; ++k) {
+    const double low = std::min({x0.a[k], x0.b[k], x0.c[k], x1.a[k], x1.b[k], x1.c[k]});
+    const double high = std::max({x0.a[k], x0.b[k], x0.c[k], x1.a[k], x1.b[k], x1.c[k]});
+    if (std::max(x0.p[k], x1.p[k]) + margin < low || high + margin < std::min(x0.p[k], x1.p[k])) return true;
+  }
+  return false;
+}
+
+bool end_boxes_apart(const Quad& x1, double margin) {
+  for (int k = 0; k < 3; ++k) {
+    const double low = std::min({x1.a[k], x1.b[k], x1.c[k]}), high = std::max({x1.a[k], x1.b[k], x1.c[k]});
+    if (x1.p[k] + margin < low || high + margin < x1.p[k]) return true;
+  }
+  return false;
+}
+
+// Tests one pair; true = bad. The end distance is measured up to h, for the report, and judged at δ.
+bool test_pair(const Context& context, const SurfaceMotion& s, const Quad& x0, const Quad& x1, CandidatePair& pair,
+               BadPair& bad) {
+  pair.end_distance = std::numeric_limits<double>::infinity();
+  const double reach = std::max(s.thickness, 1.0001 * s.delta);
+  if (swept_boxes_apart(x0, x1, reach)) return false;
+  if (!end_boxes_apart(x1, reach)) {
+    const EndDistance d = end_distance(x1, s.delta);
+    pair.end_distance = d.distance;
+    bad.near = d.near;
+  }
+  if (context.settings->ccd) {
+    const ccd::Meeting m = meets(x0, x1);
+    bad.meets = m.hit;
+    if (m.hit) bad.time = m.time;
+  }
+  return bad.near || bad.meets;
+}
+
+void detect_for_particle(const Context& context, CandidateSet& candidates, std::uint32_t p, std::vector<BadPair>& out) {
+  const std::uint32_t stamp = context.particle_stamp[p];
+  for (std::uint32_t s = 0; s < context.surfaces.size(); ++s) {
+    const SurfaceMotion& motion = *context.surfaces[s];
+    for (CandidatePair& pair : candidates.of(s, p)) {
+      const Triangle& t = motion.triangles[pair.triangle];
+      if (pair.tested > 0) {
+        std::uint32_t youngest = stamp;
+        if (context.surface_stamp[s] > pair.tested)
+          for (std::uint32_t v : t) youngest = std::max(youngest, context.node_stamp[s][v]);
+        if (youngest <= pair.tested) continue;
+      }
+      BadPair bad;
+      bad.particle = p;
+      bad.surface = s;
+      bad.triangle = pair.triangle;
+      const bool is_bad =
+          test_pair(context, motion, context.start(p, s, pair.triangle), context.end(p, s, pair.triangle), pair, bad);
+      pair.tested = is_bad ? 0 : context.epoch;
+      if (is_bad) out.push_back(bad);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<BadPair> detect(Context& context, CandidateSet& candidates) {
+  candidates.refresh(context);
+  const std::size_t n = context.particle_count();
+  std::vector<std::vector<BadPair>> part((n + chunk - 1) / chunk);
+  context.workers->for_chunks(n, chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
+    for (std::size_t p = begin; p < end; ++p)
+      if (!context.out_of_play[p]) detect_for_particle(context, candidates, static_cast<std::uint32_t>(p), part[c]);
+  });
+  std::vector<BadPair> bad;
+  for (const auto& pairs : part) bad.insert(bad.end(), pairs.begin(), pairs.end());
+  const Span<const std::uint64_t> id = context.particles->id;
+  std::sort(bad.begin(), bad.end(), [&](const BadPair& a, const BadPair& b) {
+    return std::make_tuple(a.time, id[a.particle], a.surface, a.triangle) <
+           std::make_tuple(b.time, id[b.particle], b.surface, b.triangle);
+  });
+  ++context.epoch;
+  return bad;
+}
+
+}  // namespace oilskin::contact

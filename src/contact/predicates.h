@@ -1,0 +1,32 @@
+/// The two predicates that the promise is made of. Pure functions of stored numbers: same bits, same answer.
+#pragma once
+
+#include "ccd/point_triangle.h"
+#include "core/closest_point.h"
+#include "oilskin/types.h"
+
+namespace oilskin::contact {
+
+/// Four points at one moment.
+struct Quad {
+  Vec3 p, a, b, c;
+};
+
+struct EndDistance {
+  bool near = false;     ///< nearer than δ, or rounding cannot tell
+  double distance = 0;   ///< computed [m]
+};
+
+/// near(p, T, x). Not near = the true distance is ≥ δ: certified by a separating direction whose three dot products
+/// are bounded, whatever the quality of the closest point that suggested it.
+EndDistance end_distance(const Quad& q, double delta);
+
+/// meets(p, T): false only if the paths x0 → x1 are certainly disjoint (ccd/point_triangle.h).
+inline ccd::Meeting meets(const Quad& x0, const Quad& x1) {
+  return ccd::point_triangle({x0.p, x0.a, x0.b, x0.c, x1.p, x1.a, x1.b, x1.c});
+}
+
+/// x0 + t (x1 − x0), for choosing directions only, never for deciding.
+Quad interpolate(const Quad& x0, const Quad& x1, double t);
+
+}  // namespace oilskin::contact

@@ -1,0 +1,362 @@
+#include "contact/zones.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "contact/meetings.h"
+#include "contact/records.h"
+#include "core/assert.h"
+
+namespace oilskin::contact {
+
+namespace {
+
+enum class Level : std::uint8_t { follow, hold };
+
+constexpr int hold_bad_zones_after = 16;
+constexpr int hold_everything_after = 20;
+constexpr int give_up_after = 24;
+constexpr std::uint8_t max_nudges = 3;
+
+// All points of the interval under one numbering: particles first, then the nodes of each surface.
+class Zones {
+ public:
+  Zones(Context& context, CandidateSet& candidates);
+  void run(std::vector<BadPair> bad);
+
+ private:
+  std::uint32_t node_point(std::uint32_t surface, std::uint32_t node) const { return offset_[surface] + node; }
+  bool is_particle(std::uint32_t point) const { return point < offset_.front(); }
+  std::uint32_t surface_of(std::uint32_t point) const {
+    return static_cast<std::uint32_t>(std::upper_bound(offset_.begin(), offset_.end(), point) - offset_.begin() - 1);
+  }
+  std::uint32_t find(std::uint32_t point);
+  void unite(std::uint32_t a, std::uint32_t b);
+
+  double inverse_mass(std::uint32_t point) const;
+  const Vec3& start(std::uint32_t point) const;
+  const Vec3& velocity(std::uint32_t point) const;
+  void set_end(std::uint32_t point, const Vec3& x);
+  void add_momentum(std::uint32_t point, const Vec3& new_velocity);
+  bool is_holdable(std::uint32_t point) const;
+
+  std::array<std::uint32_t, 4> points_of(const BadPair& b) const;
+  void treat(const BadPair& b, const std::array<std::uint32_t, 4>& roots);
+  void give_up(const BadPair& b);
+  void apply_zones(const std::vector<BadPair>& bad);
+  void apply_zone(const std::vector<std::uint32_t>& members, Level level, const std::vector<BadPair>& bad,
+                  std::vector<std::uint8_t>& needs_giving_up);
+  void follow_free(const std::vector<std::uint32_t>& members);
+  void follow_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement);
+  void hold(const std::vector<std::uint32_t>& members, bool hold_prescribed);
+  void count_members();
+
+  Context& context_;
+  CandidateSet& candidates_;
+  std::vector<std::uint32_t> offset_;      // of each surface's nodes; offset_[0] = number of particles
+  std::uint32_t total_ = 0;
+  std::vector<std::uint32_t> parent_;
+  std::vector<Level> level_;               // of roots
+  std::vector<Vec3> d0_;                   // displacement when the zones began
+  std::vector<Vec3> nudge_;                // of particles
+  std::vector<std::uint8_t> nudges_;
+  std::vector<int> followed_in_;           // of particles: the round that let it follow its triangle, −1 = none
+  int round_ = 0;
+  std::vector<std::uint8_t> was_held_;
+};
+
+Zones::Zones(Context& context, CandidateSet& candidates) : context_(context), candidates_(candidates) {
+  const std::size_t n = context.particle_count();
+  total_ = static_cast<std::uint32_t>(n);
+  for (const SurfaceMotion* s : context.surfaces) {
+    offset_.push_back(total_);
+    total_ += static_cast<std::uint32_t>(s->x_t0.size());
+  }
+  parent_.resize(total_);
+  std::iota(parent_.begin(), parent_.end(), 0u);
+  level_.assign(total_, Level::follow);
+  was_held_.assign(total_, 0);
+  nudge_.assign(n, Vec3::Zero());
+  nudges_.assign(n, 0);
+  followed_in_.assign(n, -1);
+  d0_.reserve(total_);
+  for (std::size_t p = 0; p < n; ++p) d0_.push_back(context.particles->x_t1[p] - context.particles->x_t0[p]);
+  for (const SurfaceMotion* s : context.surfaces)
+    for (std::size_t i = 0; i < s->x_t0.size(); ++i) d0_.push_back(s->x_t1[i] - s->x_t0[i]);
+}
+
+std::uint32_t Zones::find(std::uint32_t point) {
+  while (parent_[point] != point) point = parent_[point] = parent_[parent_[point]];
+  return point;
+}
+
+void Zones::unite(std::uint32_t a, std::uint32_t b) {
+  a = find(a);
+  b = find(b);
+  if (a == b) return;
+  if (b < a) std::swap(a, b);
+  parent_[b] = a;
+  level_[a] = std::max(level_[a], level_[b]);
+}
+
+double Zones::inverse_mass(std::uint32_t point) const {
+  if (is_particle(point)) return context_.particles->inverse_mass[point];
+  const std::uint32_t s = surface_of(point);
+  return context_.surfaces[s]->inverse_mass[point - offset_[s]];
+}
+
+const Vec3& Zones::start(std::uint32_t point) const {
+  if (is_particle(point)) return context_.particles->x_t0[point];
+  const std::uint32_t s = surface_of(point);
+  return context_.surfaces[s]->x_t0[point - offset_[s]];
+}
+
+const Vec3& Zones::velocity(std::uint32_t point) const {
+  if (is_particle(point)) return context_.particles->velocity[point];
+  const std::uint32_t s = surface_of(point);
+  return context_.surfaces[s]->velocity[point - offset_[s]];
+}
+
+void Zones::set_end(std::uint32_t point, const Vec3& x) {
+  if (is_particle(point)) {
+    if (x != context_.particles->x_t1[point]) context_.set_particle_end(point, x);
+    return;
+  }
+  const std::uint32_t s = surface_of(point);
+  context_.set_node_end(s, point - offset_[s], x);
+}
+
+void Zones::add_momentum(std::uint32_t point, const Vec3& new_velocity) {
+  if (is_particle(point)) {
+    context_.particles->velocity[point] = new_velocity;
+    return;
+  }
+  const std::uint32_t s = surface_of(point);
+  SurfaceMotion& motion = *context_.surfaces[s];
+  const std::uint32_t node = point - offset_[s];
+  motion.impulse[node] += (new_velocity - motion.velocity[node]) / motion.inverse_mass[node];
+  motion.velocity[node] = new_velocity;
+}
+
+bool Zones::is_holdable(std::uint32_t point) const {
+  if (is_particle(point)) return false;
+  const std::uint32_t s = surface_of(point);
+  const SurfaceMotion& motion = *context_.surfaces[s];
+  return !motion.holdable.empty() && motion.holdable[point - offset_[s]] != 0;
+}
+
+std::array<std::uint32_t, 4> Zones::points_of(const BadPair& b) const {
+  const Triangle& t = context_.surfaces[b.surface]->triangles[b.triangle];
+  return {b.particle, node_point(b.surface, t[0]), node_point(b.surface, t[1]), node_point(b.surface, t[2])};
+}
+
+// One bad pair, with the zones as they were at the start of the round.
+void Zones::treat(const BadPair& b, const std::array<std::uint32_t, 4>& roots) {
+  if (followed_in_[b.particle] >= 0) {
+    give_up(b);
+    return;
+  }
+  const bool one_zone = roots[1] == roots[0] && roots[2] == roots[0] && roots[3] == roots[0];
+  if (!one_zone) {
+    for (int k = 1; k < 4; ++k) unite(roots[0], roots[k]);
+  } else if (!b.meets && nudges_[b.particle] < max_nudges && level_[find(roots[0])] == Level::follow) {
+    const SurfaceMotion& s = *context_.surfaces[b.surface];
+    const Quad x1 = context_.end(b.particle, b.surface, b.triangle);
+    const StrikeGeometry g = strike_geometry(context_.start(b.particle, b.surface, b.triangle), x1, 1, s.delta);
+    const double d = end_distance(x1, s.delta).distance;
+    nudge_[b.particle] += std::max(2 * s.delta - d, 0.5 * s.delta) * g.normal;
+    ++nudges_[b.particle];
+    ++context_.report->nudged;
+  } else if (level_[find(roots[0])] != Level::hold) {
+    level_[find(roots[0])] = Level::hold;
+  } else {
+    give_up(b);  // only prescribed nodes that may not be held can cause this
+  }
+}
+
+// First an affine follow of the triangle, certified like any end; if that is bad too, by policy.
+void Zones::give_up(const BadPair& b) {
+  const std::uint32_t p = b.particle;
+  if (context_.out_of_play[p] || followed_in_[p] == round_) return;
+  if (followed_in_[p] < 0) {
+    followed_in_[p] = round_;
+    const SurfaceMotion& s = *context_.surfaces[b.surface];
+    const Quad x0 = context_.start(p, b.surface, b.triangle);
+    const StrikeGeometry g = strike_geometry(x0, context_.end(p, b.surface, b.triangle), b.time, s.delta);
+    Vec3 end = context_.particles->x_t0[p] + 2 * s.delta * g.normal;
+    const Triangle& t = s.triangles[b.triangle];
+    for (int k = 0; k < 3; ++k) end += g.weights[k] * (s.x_t1[t[k]] - s.x_t0[t[k]]);
+    context_.set_particle_end(p, end);
+    return;
+  }
+  context_.out_of_play[p] = 1;
+  if (context_.settings->infeasible == Infeasible::allow) {
+    ++context_.report->allowed;
+  } else {
+    ++context_.report->removed;
+    context_.particles->removed[p] = 1;
+    const double u = context_.particles->inverse_mass[p];
+    if (u > 0) context_.report->momentum_removed += context_.particles->velocity[p] / u;
+  }
+}
+
+void Zones::follow_free(const std::vector<std::uint32_t>& members) {
+  double mass = 0;
+  Vec3 moment = Vec3::Zero(), momentum = Vec3::Zero();
+  for (std::uint32_t m : members) {
+    const double w = 1 / inverse_mass(m);
+    mass += w;
+    moment += w * d0_[m];
+    momentum += w * velocity(m);
+  }
+  const Vec3 displacement = moment / mass, v = momentum / mass;
+  for (std::uint32_t m : members) {
+    set_end(m, start(m) + displacement + (is_particle(m) ? nudge_[m] : Vec3::Zero()));
+    add_momentum(m, v);
+  }
+}
+
+void Zones::follow_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement) {
+  const Vec3 v = displacement / context_.dt;
+  Vec3 reaction = Vec3::Zero();
+  std::vector<std::uint32_t> supports;
+  for (std::uint32_t m : members) {
+    if (inverse_mass(m) == 0) {
+      if (!is_particle(m)) supports.push_back(m);
+      continue;
+    }
+    set_end(m, start(m) + displacement + (is_particle(m) ? nudge_[m] : Vec3::Zero()));
+    reaction -= (v - velocity(m)) / inverse_mass(m);
+    add_momentum(m, v);
+  }
+  for (std::uint32_t m : supports) {
+    const std::uint32_t s = surface_of(m);
+    context_.surfaces[s]->impulse[m - offset_[s]] += reaction / static_cast<double>(supports.size());
+  }
+}
+
+void Zones::hold(const std::vector<std::uint32_t>& members, bool hold_prescribed) {
+  double mass = 0;
+  Vec3 momentum = Vec3::Zero();
+  for (std::uint32_t m : members) {
+    if (inverse_mass(m) == 0) continue;
+    mass += 1 / inverse_mass(m);
+    momentum += velocity(m) / inverse_mass(m);
+  }
+  for (std::uint32_t m : members) {
+    if (inverse_mass(m) > 0) {
+      set_end(m, start(m));
+      add_momentum(m, momentum / mass);
+      was_held_[m] = 1;
+    } else if (hold_prescribed && is_holdable(m)) {
+      set_end(m, start(m));
+      was_held_[m] = 1;
+    }
+  }
+}
+
+void Zones::apply_zone(const std::vector<std::uint32_t>& members, Level level, const std::vector<BadPair>& bad,
+                       std::vector<std::uint8_t>& needs_giving_up) {
+  bool any_prescribed = false, equal = true, all_holdable = true;
+  Vec3 displacement = Vec3::Zero();
+  for (std::uint32_t m : members) {
+    if (inverse_mass(m) > 0) continue;
+    const Vec3& d = d0_[m];  // of a prescribed node: what the host proposed, untouched so far
+    if (any_prescribed) equal &= d == displacement;
+    displacement = d;
+    any_prescribed = true;
+    all_holdable &= is_holdable(m);
+  }
+  if (level == Level::follow && !any_prescribed) {
+    follow_free(members);
+    return;
+  }
+  if (level == Level::follow && equal) {
+    follow_prescribed(members, displacement);
+    return;
+  }
+  const bool may_hold = all_holdable && context_.settings->infeasible == Infeasible::stall;
+  hold(members, may_hold);
+  if (!any_prescribed || may_hold) return;
+  const std::uint32_t root = find(members.front());
+  for (std::size_t k = 0; k < bad.size(); ++k)
+    if (find(bad[k].particle) == root) needs_giving_up[k] = 1;
+}
+
+void Zones::apply_zones(const std::vector<BadPair>& bad) {
+  if (round_ > hold_bad_zones_after)
+    for (const BadPair& b : bad) level_[find(b.particle)] = Level::hold;
+  const bool hold_all = round_ > hold_everything_after;
+
+  // Zones in order of their roots, members ascending: fixed order, whatever united them.
+  std::vector<std::uint32_t> size(total_, 0);
+  for (std::uint32_t i = 0; i < total_; ++i) ++size[find(i)];
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> by_root;
+  for (std::uint32_t i = 0; i < total_; ++i) {
+    const std::uint32_t root = find(i);
+    if (is_particle(i) && (context_.out_of_play[i] || followed_in_[i] >= 0)) continue;
+    if (size[root] > 1 || level_[root] == Level::hold || hold_all) by_root.emplace_back(root, i);
+  }
+  std::sort(by_root.begin(), by_root.end());
+  std::vector<std::uint8_t> needs_giving_up(bad.size(), 0);
+  std::vector<std::uint32_t> members;
+  for (std::size_t k = 0; k < by_root.size();) {
+    const std::uint32_t root = by_root[k].first;
+    members.clear();
+    for (; k < by_root.size() && by_root[k].first == root; ++k) members.push_back(by_root[k].second);
+    apply_zone(members, hold_all ? Level::hold : level_[root], bad, needs_giving_up);
+  }
+  for (std::size_t k = 0; k < bad.size(); ++k)
+    if (needs_giving_up[k]) give_up(bad[k]);
+}
+
+void Zones::count_members() {
+  ContactReport& report = *context_.report;
+  std::vector<std::uint32_t> size(total_, 0);
+  for (std::uint32_t i = 0; i < total_; ++i) ++size[find(i)];
+  for (std::uint32_t i = 0; i < total_; ++i) {
+    if (size[find(i)] > 1) ++report.zone_points;
+    if (!was_held_[i]) continue;
+    ++report.held;
+    if (inverse_mass(i) == 0) ++report.stalled;
+  }
+  for (std::size_t p = 0; p < followed_in_.size(); ++p)
+    if (followed_in_[p] >= 0 && !context_.out_of_play[p]) ++report.followed;
+}
+
+void Zones::run(std::vector<BadPair> bad) {
+  for (round_ = 0; !bad.empty(); ++round_) {
+    {
+      StageTimer timer(context_.seconds->zones);
+      ++context_.report->zone_rounds;
+      std::vector<std::array<std::uint32_t, 4>> roots;
+      roots.reserve(bad.size());
+      for (const BadPair& b : bad) {
+        std::array<std::uint32_t, 4> r = points_of(b);
+        for (std::uint32_t& point : r) point = find(point);
+        roots.push_back(r);
+      }
+      for (std::size_t k = 0; k < bad.size(); ++k) {
+        if (round_ > give_up_after) give_up(bad[k]);
+        else treat(bad[k], roots[k]);
+      }
+      apply_zones(bad);
+    }
+    StageTimer timer(context_.seconds->ccd);
+    bad = detect(context_, candidates_);
+  }
+  count_members();
+}
+
+}  // namespace
+
+void run_zones(Context& context, CandidateSet& candidates) {
+  std::vector<BadPair> bad;
+  {
+    StageTimer timer(context.seconds->ccd);
+    bad = detect(context, candidates);
+  }
+  if (!bad.empty()) Zones(context, candidates).run(std::move(bad));
+}
+
+}  // namespace oilskin::contact

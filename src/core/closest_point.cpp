@@ -1,0 +1,61 @@
+#include "core/closest_point.h"
+
+#include <cmath>
+
+namespace oilskin {
+
+namespace {
+
+// All corners are relative to the point: the query is the origin.
+ClosestPoint from_weights(const Vec3& a, const Vec3& b, const Vec3& c, double wa, double wb, double wc) {
+  ClosestPoint r;
+  r.weights = {wa, wb, wc};
+  r.offset = -(wa * a + wb * b + wc * c);
+  r.distance = r.offset.norm();
+  r.feature = static_cast<std::uint8_t>((wa != 0) | (wb != 0) << 1 | (wc != 0) << 2);
+  return r;
+}
+
+// Parameter of the point of the segment u → v that is closest to the origin; 0 for a segment without length.
+double segment_parameter(const Vec3& u, const Vec3& v) {
+  const Vec3 e = v - u;
+  const double l2 = e.squaredNorm();
+  if (!(l2 > 0)) return 0;
+  const double t = -u.dot(e) / l2;
+  return t <= 0 ? 0 : (t >= 1 ? 1 : t);
+}
+
+ClosestPoint closest_of_segments(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double tab = segment_parameter(a, b);
+  const double tbc = segment_parameter(b, c);
+  const double tca = segment_parameter(c, a);
+  const ClosestPoint candidates[3] = {from_weights(a, b, c, 1 - tab, tab, 0), from_weights(a, b, c, 0, 1 - tbc, tbc),
+                                      from_weights(a, b, c, tca, 0, 1 - tca)};
+  const ClosestPoint* best = &candidates[0];
+  for (const ClosestPoint& k : candidates)
+    if (k.distance < best->distance) best = &k;
+  return *best;
+}
+
+}  // namespace
+
+ClosestPoint closest_point(const Vec3& p, const Vec3& pa, const Vec3& pb, const Vec3& pc) {
+  const Vec3 a = pa - p, b = pb - p, c = pc - p;
+  const Vec3 ab = b - a, ac = c - a, bc = c - b;
+  const Vec3 n = ab.cross(ac);
+  const double longest2 = std::max({ab.squaredNorm(), ac.squaredNorm(), bc.squaredNorm()});
+  const double n2 = n.squaredNorm();
+  if (!(n2 > 1e-14 * longest2 * longest2)) return closest_of_segments(a, b, c);
+
+  // Signed areas of the projections: the face is closest when all are positive.
+  const double wa = n.dot(b.cross(c));
+  const double wb = n.dot(c.cross(a));
+  const double wc = n.dot(a.cross(b));
+  if (wa > 0 && wb > 0 && wc > 0) {
+    const double sum = wa + wb + wc;
+    return from_weights(a, b, c, wa / sum, wb / sum, 1 - wa / sum - wb / sum > 0 ? 1 - wa / sum - wb / sum : 0);
+  }
+  return closest_of_segments(a, b, c);
+}
+
+}  // namespace oilskin

@@ -1,0 +1,63 @@
+/// Parallel loops whose results do not depend on the number of threads: the range is cut into chunks of a size
+/// that the caller fixes, each chunk is computed by one thread, and what chunks produce is combined in the order
+/// of the chunks. The only header that stands between the project and oneTBB.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace oilskin {
+
+class Workers {
+ public:
+  /// 0 = one per hardware thread.
+  explicit Workers(int threads = 0);
+  ~Workers();
+  Workers(const Workers&) = delete;
+  Workers& operator=(const Workers&) = delete;
+
+  int threads() const;
+
+  /// f(begin, end, chunk) for every chunk of [0, n); chunks may run at the same time, in any order.
+  template <class F>
+  void for_chunks(std::size_t n, std::size_t chunk_size, const F& f) const {
+    if (n == 0) return;
+    const std::size_t chunks = (n + chunk_size - 1) / chunk_size;
+    auto run = [&](std::size_t c) { f(c * chunk_size, std::min(n, (c + 1) * chunk_size), c); };
+    if (chunks == 1) {
+      run(0);
+      return;
+    }
+    run_tasks(chunks, [](const void* context, std::size_t c) { (*static_cast<const decltype(run)*>(context))(c); },
+              &run);
+  }
+
+  /// f(i) for every i of [0, n).
+  template <class F>
+  void for_each(std::size_t n, std::size_t chunk_size, const F& f) const {
+    for_chunks(n, chunk_size, [&](std::size_t begin, std::size_t end, std::size_t) {
+      for (std::size_t i = begin; i < end; ++i) f(i);
+    });
+  }
+
+  /// Σ f(begin, end) over chunks, added in the order of the chunks. T needs += and a zero.
+  template <class T, class F>
+  T ordered_sum(std::size_t n, std::size_t chunk_size, T zero, const F& f) const {
+    std::vector<T> partial((n + chunk_size - 1) / chunk_size, zero);
+    for_chunks(n, chunk_size,
+               [&](std::size_t begin, std::size_t end, std::size_t c) { partial[c] = f(begin, end); });
+    T sum = zero;
+    for (const T& p : partial) sum += p;
+    return sum;
+  }
+
+ private:
+  void run_tasks(std::size_t chunks, void (*task)(const void*, std::size_t), const void* context) const;
+
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace oilskin

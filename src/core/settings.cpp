@@ -1,0 +1,66 @@
+#include "oilskin/settings.h"
+
+#include <cmath>
+#include <sstream>
+
+#include "oilskin/surface_motion.h"
+
+namespace oilskin {
+
+namespace {
+
+template <class T>
+Status wrong(const char* field, const T& value, const char* range) {
+  std::ostringstream s;
+  s << field << " is " << value << "; it must be " << range;
+  return Status::refused(s.str());
+}
+
+bool positive(double x) { return std::isfinite(x) && x > 0; }
+bool not_negative(double x) { return std::isfinite(x) && x >= 0; }
+
+}  // namespace
+
+Status FluidSettings::validate() const {
+  if (!positive(spacing)) return wrong("fluid.spacing", spacing, "a finite length > 0 m");
+  if (!positive(rest_density)) return wrong("fluid.rest_density", rest_density, "finite and > 0 kg/m³");
+  if (!(support_ratio >= 1.5 && support_ratio <= 4)) return wrong("fluid.support_ratio", support_ratio, "1.5 … 4");
+  if (!not_negative(tolerance)) return wrong("fluid.tolerance", tolerance, "finite and ≥ 0");
+  if (min_iterations < 1) return wrong("fluid.min_iterations", min_iterations, "≥ 1");
+  if (max_iterations < min_iterations) return wrong("fluid.max_iterations", max_iterations, "≥ fluid.min_iterations");
+  if (!positive(stiffness)) return wrong("fluid.stiffness", stiffness, "finite and > 0 m²/s²");
+  if (!not_negative(viscosity)) return wrong("fluid.viscosity", viscosity, "finite and ≥ 0 m²/s");
+  if (!not_negative(xsph_rate)) return wrong("fluid.xsph_rate", xsph_rate, "finite and ≥ 0 1/s");
+  return {};
+}
+
+Status SurfaceSettings::validate() const {
+  if (!positive(thickness)) return wrong("thickness", thickness, "a finite length > 0 m");
+  if (std::isnan(slip.friction) || slip.friction < 0) return wrong("slip.friction", slip.friction, "≥ 0");
+  if (std::isnan(slip.slip_length) || slip.slip_length < 0)
+    return wrong("slip.slip_length", slip.slip_length, "≥ 0 m");
+  return {};
+}
+
+Status ContactSettings::validate() const {
+  if (!not_negative(stiffness)) return wrong("contact.stiffness", stiffness, "finite and ≥ 0 N/m");
+  if (sweeps < 1 || sweeps > 1000) return wrong("contact.sweeps", sweeps, "1 … 1000");
+  if (rounds < 0 || rounds > 100) return wrong("contact.rounds", rounds, "0 … 100");
+  return {};
+}
+
+Status WorldSettings::validate() const {
+  if (!gravity.allFinite()) return wrong("gravity", gravity.transpose(), "finite");
+  if (!kill_box.min.allFinite() || !kill_box.max.allFinite() ||
+      !(kill_box.min.array() < kill_box.max.array()).all())
+    return wrong("kill_box", kill_box.min.transpose(), "finite with min < max on every axis");
+  if (threads < 0) return wrong("threads", threads, "≥ 0 (0 = all)");
+  return {};
+}
+
+double minimum_separation(double thickness, double largest_coordinate, Storage storage) {
+  const double epsilon = storage == Storage::float32 ? std::ldexp(1.0, -23) : std::ldexp(1.0, -52);
+  return std::max(1e-3 * thickness, 64 * epsilon * largest_coordinate);
+}
+
+}  // namespace oilskin

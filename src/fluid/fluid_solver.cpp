@@ -1,0 +1,123 @@
+#include "fluid/fluid_solver.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "core/assert.h"
+#include "fluid/pressure_model.h"
+
+namespace oilskin::fluid {
+
+namespace {
+
+/// Adds the time of its life to a stage.
+class StageTimer {
+ public:
+  explicit StageTimer(double& seconds) : seconds_(seconds), start_(Clock::now()) {}
+  ~StageTimer() { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+  StageTimer(const StageTimer&) = delete;
+  StageTimer& operator=(const StageTimer&) = delete;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& seconds_;
+  Clock::time_point start_;
+};
+
+[[maybe_unused]] bool sorted_by_particle(Span<const PredictionContact> contacts) {
+  return std::is_sorted(contacts.begin(), contacts.end(),
+                        [](const auto& a, const auto& b) { return a.particle < b.particle; });
+}
+
+bool is_identity(const std::vector<std::uint32_t>& order) {
+  for (std::size_t i = 0; i < order.size(); ++i)
+    if (order[i] != i) return false;
+  return true;
+}
+
+}  // namespace
+
+struct FluidSolver::Impl {
+  Impl(const FluidSettings& s, std::shared_ptr<Workers> w)
+      : settings(s),
+        workers(std::move(w)),
+        state(*workers),
+        model(s.solver == PressureSolver::mcg03 ? make_mcg03(s) : make_pcisph(s)) {}
+
+  void load(const Particles& particles);
+  void finish(Particles& particles);
+
+  const FluidSettings settings;
+  std::shared_ptr<Workers> workers;
+  StepState state;
+  std::unique_ptr<PressureModel> model;
+};
+
+FluidSolver::FluidSolver(const FluidSettings& settings, std::shared_ptr<Workers> workers) {
+  OILSKIN_ASSERT(settings.validate().ok());
+  impl_ = std::make_unique<Impl>(settings, std::move(workers));
+}
+
+FluidSolver::~FluidSolver() = default;
+
+double FluidSolver::particle_mass() const {
+  return impl_->model->particle_volume() * impl_->settings.rest_density;
+}
+
+double FluidSolver::support_radius() const {
+  return impl_->settings.support_ratio * impl_->settings.spacing;
+}
+
+void FluidSolver::prepare(Particles& particles, StageSeconds& seconds) {
+  const StageTimer timer(seconds.neighbours);
+  Neighbours& neighbours = impl_->state.neighbours;
+  const auto& order = neighbours.cell_order(particles.position, support_radius(), *impl_->workers);
+  if (!is_identity(order)) particles.permute(order);
+  neighbours.search(particles.position, *impl_->workers);
+}
+
+void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
+                          Span<const PredictionContact> contacts, FluidReport& report,
+                          StageSeconds& seconds) {
+  StepState& state = impl_->state;
+  OILSKIN_ASSERT(dt > 0 && particles.size() == state.size());
+  OILSKIN_ASSERT(sorted_by_particle(contacts));
+  report = FluidReport{};
+  state.dt = dt;
+  state.gravity = gravity;
+  state.contacts = impl_->settings.contact_aware ? contacts : Span<const PredictionContact>();
+  {
+    const StageTimer timer(seconds.other_fluid);
+    impl_->load(particles);
+    impl_->model->explicit_terms(state);
+  }
+  {
+    const StageTimer timer(seconds.pressure);
+    impl_->model->pressure_terms(state, particles.pressure, report);
+  }
+  const StageTimer timer(seconds.other_fluid);
+  impl_->finish(particles);
+  state.previous_dt = dt;
+}
+
+void FluidSolver::Impl::load(const Particles& particles) {
+  const std::size_t n = particles.size();
+  state.velocity.resize(n + 1);
+  state.velocity[n] = Record{0, 0, 0, 0};
+  state.relative_density.resize(n);
+  state.dv.resize(n);
+  state.for_each([&](std::size_t i) {
+    const Eigen::Vector3f v = particles.velocity[i].cast<float>();
+    state.velocity[i] = {v[0], v[1], v[2], 0};
+    state.dv[i] = state.dt * state.gravity;
+  });
+}
+
+void FluidSolver::Impl::finish(Particles& particles) {
+  state.for_each([&](std::size_t i) {
+    particles.velocity[i] += state.dv[i];
+    particles.density[i] = settings.rest_density * static_cast<double>(state.relative_density[i]);
+  });
+}
+
+}  // namespace oilskin::fluid

@@ -1,0 +1,47 @@
+/// SPH: from positions and velocities at the start of a step to velocities at its end, before contact.
+#pragma once
+
+#include <memory>
+
+#include "core/parallel.h"
+#include "fluid/particles.h"
+#include "oilskin/report.h"
+#include "oilskin/settings.h"
+
+namespace oilskin::fluid {
+
+/// A one-sided bound on predicted velocities: v*·normal ≥ least_normal_velocity. For a particle at distance d0 of a
+/// sheet of thickness h that moves with v_w: least = v_w·n − max(0, d0 − h)/dt. Keeps the prediction of PCISPH on
+/// its side of the sheet (method of A.3); gives no impulse to anything.
+struct PredictionContact {
+  std::uint32_t particle = 0;
+  Vec3 normal = Vec3::Zero();
+  double least_normal_velocity = 0;  ///< [m/s]
+};
+
+class FluidSolver {
+ public:
+  /// Settings must be valid.
+  FluidSolver(const FluidSettings& settings, std::shared_ptr<Workers> workers);
+  ~FluidSolver();
+
+  /// Lattice calibrated: ρ0 / Σ W over the cubic lattice of spacing dx [kg].
+  double particle_mass() const;
+  double support_radius() const;  ///< H [m]
+
+  /// Puts the particles into cell order and finds the neighbours within H. Equal input order → equal output order.
+  void prepare(Particles& particles, StageSeconds& seconds);
+
+  /// After prepare(), for the same particles: density and pressure of the start positions, and
+  /// velocity ← velocity + dt (gravity + viscosity + pressure). Positions stay. Pair forces are antisymmetric and
+  /// summed in double, so that the fluid's momentum changes by gravity alone, up to 1e-12 relative.
+  /// `contacts` sorted by particle.
+  void propose(double dt, const Vec3& gravity, Particles& particles, Span<const PredictionContact> contacts,
+               FluidReport& report, StageSeconds& seconds);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace oilskin::fluid

@@ -1,0 +1,255 @@
+#include "fluid/neighbours.h"
+
+#include <cmath>
+
+#include "core/assert.h"
+
+namespace oilskin::fluid {
+
+namespace {
+
+constexpr std::size_t sort_chunk = 8192;
+constexpr int digit_bits = 8;
+constexpr std::size_t digits = std::size_t{1} << digit_bits;
+
+/// Cell indices are clamped to ±2²⁰: what lies beyond shares the outermost cells, which costs time, not
+/// neighbours. Three of them and a margin fit 63 bits.
+constexpr double largest_cell = (1 << 20) - 2;
+
+/// Where padding points to; far from everything, and its square is a finite float.
+constexpr Record far_away = {1e18f, 1e18f, 1e18f, 0};
+
+using Cell = std::array<std::int32_t, 3>;
+
+Cell cell_of(const Vec3& x, double inverse_width) {
+  Cell c;
+  for (int k = 0; k < 3; ++k)
+    c[k] =
+        static_cast<std::int32_t>(std::clamp(std::floor(x[k] * inverse_width), -largest_cell, largest_cell));
+  return c;
+}
+
+struct CellBox {
+  Cell min = {INT32_MAX, INT32_MAX, INT32_MAX}, max = {INT32_MIN, INT32_MIN, INT32_MIN};
+  void operator+=(const CellBox& o) {
+    for (int k = 0; k < 3; ++k) {
+      min[k] = std::min(min[k], o.min[k]);
+      max[k] = std::max(max[k], o.max[k]);
+    }
+  }
+};
+
+int bits_for(std::uint64_t values) {
+  int bits = 0;
+  while ((std::uint64_t{1} << bits) < values) ++bits;
+  return bits;
+}
+
+}  // namespace
+
+const std::vector<std::uint32_t>& Neighbours::cell_order(Span<const Vec3> positions, double support_radius,
+                                                         const Workers& workers) {
+  OILSKIN_ASSERT(positions.size() < UINT32_MAX);
+  support_radius_ = support_radius;
+  make_keys(positions, workers);
+  sort_keys(workers);
+  order_.resize(keys_.size());
+  for (std::size_t i = 0; i < keys_.size(); ++i) order_[i] = keys_[i].particle;
+  return order_;
+}
+
+void Neighbours::make_keys(Span<const Vec3> positions, const Workers& workers) {
+  const double inverse_width = 1 / support_radius_;
+  const CellBox box =
+      workers.ordered_sum(positions.size(), sort_chunk, CellBox{}, [&](std::size_t b, std::size_t e) {
+        CellBox part;
+        for (std::size_t i = b; i < e; ++i) {
+          OILSKIN_ASSERT(positions[i].allFinite());  // the world quarantines what is not
+          const Cell c = cell_of(positions[i], inverse_width);
+          part += CellBox{c, c};
+        }
+        return part;
+      });
+  // One empty cell on either side, so that a neighbouring cell never wraps into another row.
+  for (int k = 0; k < 3; ++k)
+    bits_[k] = bits_for(positions.empty() ? 1 : static_cast<std::uint64_t>(box.max[k] - box.min[k]) + 3);
+  keys_.resize(positions.size());
+  workers.for_each(positions.size(), sort_chunk, [&](std::size_t i) {
+    const Cell c = cell_of(positions[i], inverse_width);
+    std::uint64_t key = 0;
+    for (int k = 2; k >= 0; --k) key = (key << bits_[k]) | static_cast<std::uint64_t>(c[k] - box.min[k] + 1);
+    keys_[i] = {key, static_cast<std::uint32_t>(i)};
+  });
+}
+
+/// Radix sort, least significant digit first: stable, so the result is unique, however it is cut into chunks.
+void Neighbours::sort_keys(const Workers& workers) {
+  const std::size_t n = keys_.size(), chunks = (n + sort_chunk - 1) / sort_chunk;
+  keys_scratch_.resize(n);
+  const int key_bits = bits_[0] + bits_[1] + bits_[2];
+  for (int shift = 0; shift < key_bits; shift += digit_bits) {
+    auto digit = [&](const Key& k) { return (k.cell >> shift) & (digits - 1); };
+    histogram_.assign(chunks * digits, 0);
+    workers.for_chunks(n, sort_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
+      std::uint32_t* h = &histogram_[c * digits];
+      for (std::size_t i = b; i < e; ++i) ++h[digit(keys_[i])];
+    });
+    std::uint32_t sum = 0;
+    for (std::size_t d = 0; d < digits; ++d)
+      for (std::size_t c = 0; c < chunks; ++c) {
+        const std::uint32_t here = histogram_[c * digits + d];
+        histogram_[c * digits + d] = sum;
+        sum += here;
+      }
+    workers.for_chunks(n, sort_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
+      std::uint32_t* h = &histogram_[c * digits];
+      for (std::size_t i = b; i < e; ++i) keys_scratch_[h[digit(keys_[i])]++] = keys_[i];
+    });
+    keys_.swap(keys_scratch_);
+  }
+}
+
+void Neighbours::search(Span<const Vec3> positions, const Workers& workers) {
+  OILSKIN_ASSERT(positions.size() == keys_.size());
+  const std::size_t n = positions.size();
+  make_records(positions, workers);
+  find_cells();
+  find_runs(workers);
+  begin_.resize(n);
+  count_.resize(n);
+  const std::size_t chunks = (n + chunk_size - 1) / chunk_size;
+  if (lists_.size() < chunks) lists_.resize(chunks);
+  used_.assign(chunks, 0);
+  workers.for_chunks(n, chunk_size,
+                     [&](std::size_t b, std::size_t e, std::size_t c) { search_chunk(b, e, c); });
+}
+
+/// The origin is the median of a sample: in the bulk, where rounding to float must not be felt, whatever a
+/// few drops do far away.
+void Neighbours::make_records(Span<const Vec3> positions, const Workers& workers) {
+  const std::size_t n = positions.size(), samples = std::min<std::size_t>(n, 255);
+  origin_.setZero();
+  std::vector<double> sample(samples);
+  for (int k = 0; k < 3 && n > 0; ++k) {
+    for (std::size_t s = 0; s < samples; ++s) sample[s] = positions[s * n / samples][k];
+    std::nth_element(sample.begin(), sample.begin() + static_cast<std::ptrdiff_t>(samples / 2), sample.end());
+    origin_[k] = sample[samples / 2];
+  }
+  const double inverse = 1 / support_radius_;
+  records_.resize(n + 1);
+  records_[n] = far_away;
+  workers.for_each(n, sort_chunk, [&](std::size_t i) {
+    const Eigen::Vector3f x = ((positions[i] - origin_) * inverse).cast<float>();
+    records_[i] = {x[0], x[1], x[2], 0};
+  });
+}
+
+void Neighbours::find_cells() {
+  cell_key_.clear();
+  cell_begin_.clear();
+  row_key_.clear();
+  row_begin_.clear();
+  for (std::size_t i = 0; i < keys_.size(); ++i) {
+    const std::uint64_t key = keys_[i].cell;
+    if (!cell_key_.empty() && cell_key_.back() == key) continue;
+    if (row_key_.empty() || row_key_.back() != key >> bits_[0]) {
+      row_key_.push_back(key >> bits_[0]);
+      row_begin_.push_back(static_cast<std::uint32_t>(cell_key_.size()));
+    }
+    cell_key_.push_back(key);
+    cell_begin_.push_back(static_cast<std::uint32_t>(i));
+  }
+  cell_begin_.push_back(static_cast<std::uint32_t>(keys_.size()));
+  row_begin_.push_back(static_cast<std::uint32_t>(cell_key_.size()));
+}
+
+void Neighbours::find_runs(const Workers& workers) {
+  runs_.resize(cell_key_.size());
+  workers.for_each(row_key_.size(), 64, [&](std::size_t row) { runs_of_row(row); });
+}
+
+void Neighbours::runs_of_row(std::size_t row) {
+  const std::uint64_t x_mask = (std::uint64_t{1} << bits_[0]) - 1;
+  std::size_t slot = 0;
+  for (int dz = -1; dz <= 1; ++dz)
+    for (int dy = -1; dy <= 1; ++dy, ++slot) {
+      const std::uint64_t other =
+          row_key_[row] + (static_cast<std::uint64_t>(dz) << bits_[1]) + static_cast<std::uint64_t>(dy);
+      const auto found = std::lower_bound(row_key_.begin(), row_key_.end(), other);
+      const bool exists = found != row_key_.end() && *found == other;
+      const std::size_t r = exists ? static_cast<std::size_t>(found - row_key_.begin()) : 0;
+      const std::size_t stop = exists ? row_begin_[r + 1] : 0;
+      std::size_t first = exists ? row_begin_[r] : 0, last = first;
+      for (std::size_t c = row_begin_[row]; c < row_begin_[row + 1]; ++c) {
+        const std::uint64_t x = cell_key_[c] & x_mask;  // ≥ 1
+        while (first < stop && (cell_key_[first] & x_mask) < x - 1) ++first;
+        last = std::max(last, first);
+        while (last < stop && (cell_key_[last] & x_mask) <= x + 1) ++last;
+        runs_[c][slot] = {cell_begin_[first], cell_begin_[last]};
+      }
+    }
+}
+
+void Neighbours::search_chunk(std::size_t begin, std::size_t end, std::size_t chunk) {
+  Candidates candidates;
+  std::size_t cell = static_cast<std::size_t>(
+      std::upper_bound(cell_begin_.begin(), cell_begin_.end(), static_cast<std::uint32_t>(begin)) -
+      cell_begin_.begin() - 1);
+  for (std::size_t i = begin; i < end; ++cell) {
+    collect(cell, candidates);
+    const std::uint32_t own_first = runs_[cell][4].begin;
+    for (const std::size_t stop = std::min<std::size_t>(end, cell_begin_[cell + 1]); i < stop; ++i)
+      list_neighbours(i, candidates.own_run + (i - own_first), candidates, chunk);
+  }
+}
+
+void Neighbours::collect(std::size_t cell, Candidates& c) const {
+  std::size_t n = 0;
+  for (const Run& r : runs_[cell]) n += r.end - r.begin;
+  if (c.x.size() < n) {
+    for (std::vector<float>* v : {&c.x, &c.y, &c.z}) v->resize(n);
+    c.near.resize(n);
+    c.particle.reserve(n);
+  }
+  c.particle.resize(n);
+  std::size_t k = 0;
+  for (std::size_t slot = 0; slot < 9; ++slot) {
+    const Run& r = runs_[cell][slot];
+    if (slot == 4) c.own_run = static_cast<std::uint32_t>(k);
+    for (std::uint32_t j = r.begin; j < r.end; ++j, ++k) {
+      c.x[k] = records_[j].x;
+      c.y[k] = records_[j].y;
+      c.z[k] = records_[j].z;
+      c.particle[k] = j;
+    }
+  }
+}
+
+void Neighbours::list_neighbours(std::size_t i, std::size_t own, Candidates& c, std::size_t chunk) {
+  const Record p = records_[i];
+  const std::size_t n = c.particle.size();
+  const float *x = c.x.data(), *y = c.y.data(), *z = c.z.data();
+  std::uint32_t* near = c.near.data();
+  for (std::size_t k = 0; k < n; ++k) {
+    const float dx = x[k] - p.x, dy = y[k] - p.y, dz = z[k] - p.z;
+    near[k] = dx * dx + dy * dy + dz * dz < 1 ? 1 : 0;
+  }
+  std::vector<std::uint32_t>& list = lists_[chunk];
+  const std::size_t begin = used_[chunk];
+  if (list.size() < begin + n + 4) list.resize(begin + n + 4 + list.size() / 2);
+  std::uint32_t* out = list.data() + begin;
+  const std::uint32_t* particle = c.particle.data();
+  std::size_t found = 0;
+  auto keep = [&](std::size_t k) {  // without a branch: write, and move on only if it counts
+    out[found] = particle[k];
+    found += near[k];
+  };
+  for (std::size_t k = 0; k < own; ++k) keep(k);
+  for (std::size_t k = own + 1; k < n; ++k) keep(k);
+  begin_[i] = begin;
+  count_[i] = static_cast<std::uint32_t>(found);
+  while (found % 4 != 0) out[found++] = static_cast<std::uint32_t>(count_.size());
+  used_[chunk] = begin + found;
+}
+
+}  // namespace oilskin::fluid

@@ -1,0 +1,119 @@
+/// The loops over pairs. Lengths are in units of H: Δ = (x_i − x_j)/H, q = |Δ|.
+///
+/// Every pair term is computed from both sides by the same float operations on the same numbers (differences
+/// change sign exactly, everything else commutes), so f_ij = −f_ji holds bit for bit; where it changes
+/// velocities it is summed in double, and the momentum of the fluid is conserved to 1e-16 per particle.
+#pragma once
+
+#include "fluid/kernels.h"
+#include "fluid/step_state.h"
+
+namespace oilskin::fluid {
+
+/// Four pairs of particle i.
+struct Pairs {
+  F4 dx, dy, dz, q2;
+  Pairs(const Record& i, const Record4& j)
+      : dx(F4(i.x) - j.x), dy(F4(i.y) - j.y), dz(F4(i.z) - j.z), q2(dx * dx + dy * dy + dz * dz) {}
+};
+
+/// Σ_j w(q_ij) over the neighbours, without i itself, at the positions `x`.
+template <class Kernel>
+float density_sum(const Neighbours& neighbours, const std::vector<Record>& x, std::size_t i) {
+  const std::uint32_t* j = neighbours.list(i);
+  F4 sum;
+  for (std::uint32_t b = neighbours.blocks(i); b > 0; --b, j += 4) {
+    const Pairs pairs(x[i], Record4(x.data(), j));
+    sum += Kernel::w(root(pairs.q2));
+  }
+  return total(sum);
+}
+
+/// Σ_j (s_i + s_j) w'(q_ij)/q_ij Δ_ij with s = Record::w: the pressure gradient. `Sum` is F4 inside
+/// iterations and Sum4 (double) for what is applied.
+template <class Sum>
+Vec3 pressure_sum(StepState& state, std::size_t i) {
+  const std::uint32_t* j = state.neighbours.list(i);
+  const float* slope = state.slopes(i);
+  const std::vector<Record>& x = state.position();
+  const F4 own(x[i].w);
+  Sum sx, sy, sz;
+  for (std::uint32_t b = state.neighbours.blocks(i); b > 0; --b, j += 4, slope += 4) {
+    const Record4 other(x.data(), j);
+    const Pairs pairs(x[i], other);
+    const F4 f = (own + other.w) * load(slope);
+    sx += f * pairs.dx;
+    sy += f * pairs.dy;
+    sz += f * pairs.dz;
+  }
+  if constexpr (std::is_same_v<Sum, F4>)
+    return {total(sx), total(sy), total(sz)};
+  else
+    return {sx.total(), sy.total(), sz.total()};
+}
+
+/// dv −= scale Σ_j (s_i + s_j) w'/q Δ for all particles.
+inline void apply_pressure(StepState& state, double scale) {
+  state.for_each([&](std::size_t i) { state.dv[i] -= scale * pressure_sum<Sum4>(state, i); });
+}
+
+/// Density, slopes and, `with_velocity`, what smooths velocities. Model::Density and Model::Gradient are
+/// kernels; model.shear(pairs, dv·Δ, slope, w) gives {a, b} of the pair term a Δ − b (v_i − v_j).
+template <bool with_velocity, class Model>
+void explicit_sums(StepState& state, const Model& model, std::size_t i) {
+  const std::vector<Record>& x = state.position();
+  const std::vector<Record>& v = state.velocity;
+  const std::uint32_t* j = state.neighbours.list(i);
+  float* slope = state.slopes(i);
+  F4 density;
+  Sum4 sx, sy, sz;
+  for (std::uint32_t b = state.neighbours.blocks(i); b > 0; --b, j += 4, slope += 4) {
+    const Pairs pairs(x[i], Record4(x.data(), j));
+    const F4 q = root(pairs.q2), w = Model::Density::w(q), g = Model::Gradient::dw_over_q(q);
+    store(slope, g);
+    density += w;
+    if constexpr (with_velocity) {
+      const Record4 u(v.data(), j);
+      const F4 vx = F4(v[i].x) - u.x, vy = F4(v[i].y) - u.y, vz = F4(v[i].z) - u.z;
+      const auto [along, against] =
+          model.shear(pairs, vx * pairs.dx + vy * pairs.dy + vz * pairs.dz, q, g, w);
+      sx += along * pairs.dx - against * vx;
+      sy += along * pairs.dy - against * vy;
+      sz += along * pairs.dz - against * vz;
+    }
+  }
+  state.relative_density[i] = model.self_density + model.density_scale * total(density);
+  if constexpr (with_velocity) state.dv[i] += Vec3(sx.total(), sy.total(), sz.total());
+}
+
+struct Shear {
+  F4 along, against;
+};
+
+/// What both models need: ρ/ρ0 = scale (w(0) + Σ w), and XSPH [Schechter, Bridson 2012] Δv = c Σ V (v_j −
+/// v_i) W with c = 1 − exp(−rate dt), so that the smoothing per second does not depend on dt. V = m/ρ0 for
+/// all, so that the terms are antisymmetric.
+template <class Kernel>
+struct DensityModel {
+  using Density = Kernel;
+  float density_scale, self_density, smoothing;
+
+  DensityModel(double volume, double support_radius, double smoothed_fraction)
+      : density_scale(static_cast<float>(volume * Kernel::norm / std::pow(support_radius, 3))),
+        self_density(density_scale * static_cast<float>(Kernel::w(0.0))),
+        smoothing(static_cast<float>(smoothed_fraction) * density_scale) {}
+};
+
+template <class Model>
+void run_explicit_sums(StepState& state, const Model& model, bool with_velocity) {
+  const std::size_t chunk = Neighbours::chunk_size, chunks = (state.size() + chunk - 1) / chunk;
+  if (state.slope.size() < chunks) state.slope.resize(chunks);
+  state.workers.for_chunks(state.size(), chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
+    const std::size_t pairs = state.neighbours.pair_capacity(c);
+    if (state.slope[c].size() < pairs) state.slope[c].resize(pairs + pairs / 4);
+    for (std::size_t i = begin; i < end; ++i)
+      with_velocity ? explicit_sums<true>(state, model, i) : explicit_sums<false>(state, model, i);
+  });
+}
+
+}  // namespace oilskin::fluid

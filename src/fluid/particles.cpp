@@ -1,0 +1,55 @@
+#include "fluid/particles.h"
+
+#include "core/assert.h"
+
+namespace oilskin::fluid {
+
+namespace {
+
+template <class T>
+void compress_array(std::vector<T>& values, Span<const std::uint8_t> keep) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (keep[i]) values[kept++] = values[i];
+  values.resize(kept);
+}
+
+template <class T>
+void permute_array(std::vector<T>& values, Span<const std::uint32_t> order, std::vector<T>& scratch) {
+  scratch.resize(values.size());
+  for (std::size_t i = 0; i < order.size(); ++i) scratch[i] = values[order[i]];
+  values.swap(scratch);
+}
+
+}  // namespace
+
+void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density) {
+  id.push_back(new_id);
+  position.push_back(x);
+  velocity.push_back(v);
+  density.push_back(rest_density);
+  pressure.push_back(0);
+}
+
+void Particles::compress(Span<const std::uint8_t> keep) {
+  OILSKIN_ASSERT(keep.size() == size());
+  compress_array(position, keep);
+  compress_array(velocity, keep);
+  compress_array(density, keep);
+  compress_array(pressure, keep);
+  compress_array(id, keep);
+}
+
+void Particles::permute(Span<const std::uint32_t> order) {
+  OILSKIN_ASSERT(order.size() == size());
+  std::vector<Vec3> vectors;
+  std::vector<double> scalars;
+  std::vector<std::uint64_t> ids;
+  permute_array(position, order, vectors);
+  permute_array(velocity, order, vectors);
+  permute_array(density, order, scalars);
+  permute_array(pressure, order, scalars);
+  permute_array(id, order, ids);
+}
+
+}  // namespace oilskin::fluid

@@ -1,0 +1,23 @@
+/// The particles of a fluid: arrays by field. Ids are stable; the storage order may change every step.
+#pragma once
+
+#include "oilskin/types.h"
+
+namespace oilskin::fluid {
+
+struct Particles {
+  std::vector<std::uint64_t> id;
+  std::vector<Vec3> position;      ///< [m]
+  std::vector<Vec3> velocity;      ///< [m/s]
+  std::vector<double> density;     ///< [kg/m³]
+  std::vector<double> pressure;    ///< [Pa]; of the last step, the warm start of the next
+
+  std::size_t size() const { return id.size(); }
+  void push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density);
+  /// Keeps those with keep[i] != 0, in order.
+  void compress(Span<const std::uint8_t> keep);
+  /// New storage order: the i-th is the one that was at order[i].
+  void permute(Span<const std::uint32_t> order);
+};
+
+}  // namespace oilskin::fluid

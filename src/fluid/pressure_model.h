@@ -1,0 +1,29 @@
+/// What a fluid model decides: its kernels, its viscosity, and how pressure is found.
+#pragma once
+
+#include <memory>
+
+#include "fluid/step_state.h"
+#include "oilskin/report.h"
+
+namespace oilskin::fluid {
+
+class PressureModel {
+ public:
+  virtual ~PressureModel() = default;
+
+  /// V = m/ρ0, calibrated on the lattice [m³].
+  virtual double particle_volume() const = 0;
+
+  /// Reads the velocities; writes densities and slopes, adds viscosity and XSPH to dv.
+  virtual void explicit_terms(StepState& state) const = 0;
+
+  /// Reads densities, slopes, dv and the pressures of the last step; adds pressure to dv, writes the
+  /// pressures [Pa].
+  virtual void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) = 0;
+};
+
+std::unique_ptr<PressureModel> make_mcg03(const FluidSettings& settings);
+std::unique_ptr<PressureModel> make_pcisph(const FluidSettings& settings);
+
+}  // namespace oilskin::fluid

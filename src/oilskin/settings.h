@@ -1,0 +1,89 @@
+/// Settings: plain structs, every default in place. Each field says its unit, its range, and what happens beyond.
+/// validate() names the first field that is wrong, its value and what would be right.
+#pragma once
+
+#include "oilskin/types.h"
+
+namespace oilskin {
+
+enum class PressureSolver {
+  mcg03,   ///< state equation p = k (ρ − ρ0) [Müller, Charypar, Gross 2003], the paper's reference
+  pcisph,  ///< predictive–corrective incompressible SPH [Solenthaler, Pajarola 2009]
+};
+
+struct FluidSettings {
+  double spacing = 0.005;       ///< rest distance dx of particles [m], > 0
+  double rest_density = 1000;   ///< ρ0 [kg/m³], > 0
+  double support_ratio = 2;     ///< support radius over spacing, H/dx, 1.5 … 4; above 2.2 PCISPH relaxes δ by ω
+  PressureSolver solver = PressureSolver::pcisph;
+  double tolerance = 1e-3;      ///< PCISPH: mean positive density error, relative, at which it stops, ≥ 0
+  int min_iterations = 3;       ///< PCISPH, ≥ 1
+  int max_iterations = 50;      ///< PCISPH, ≥ min_iterations; a step that ends here is counted in the report
+  double stiffness = 4;         ///< MCG03: k [m²/s²], > 0; speed of sound √k, so dt ≤ 0.4 H/(√k + v)
+  double viscosity = 1e-6;      ///< kinematic ν [m²/s], ≥ 0; 0 = none. Explicit: dt ≤ 0.125 H²/ν
+  double xsph_rate = 10;        ///< XSPH smoothing ν_x [1/s], ≥ 0; per step 1 − exp(−ν_x dt); 0 = none
+  bool contact_aware = true;    ///< PCISPH predicts no position behind a sheet in contact (method of A.3)
+  std::uint32_t collision_group = 1;           ///< meets surfaces whose mask has a bit of this group …
+  std::uint32_t collision_mask = 0xffffffffu;  ///< … and whose group has a bit of this mask
+
+  Status validate() const;
+};
+
+enum class SlipModel {
+  free,          ///< no tangential impulse: inviscid
+  coulomb,       ///< |J_t| ≤ μ J_n; μ = 1 is the paper's Eq. 8
+  no_slip,       ///< tangential velocity of the first layer is the sheet's
+  viscous_wall,  ///< wall shear μ_f u/(z + ℓ), implicit
+};
+
+struct SlipSettings {
+  SlipModel model = SlipModel::free;
+  double friction = 1;     ///< coulomb: μ, ≥ 0; infinity sticks
+  double slip_length = 0;  ///< viscous_wall: ℓ [m], ≥ 0; 0 = no slip, infinity = free
+};
+
+struct SurfaceSettings {
+  double thickness = 0.001;  ///< h [m], > 0: the distance that contact keeps; below 4 δ it is refused (δ: World::attach)
+  SlipSettings slip;
+  std::uint32_t collision_group = 1;
+  std::uint32_t collision_mask = 0xffffffffu;
+
+  Status validate() const;
+};
+
+enum class Repulsion {
+  split,    ///< position rows inside the Gauss–Seidel, adds no velocity (default)
+  bridson,  ///< velocity impulses min(k d dt, m_eff (0.1 d/dt − v_n)) of Bridson et al. 2002, as in the paper
+  none,     ///< inelastic stop only
+};
+
+/// What happens to a particle that prescribed surfaces close on.
+enum class Infeasible {
+  stall,   ///< pins that may be held are held for the interval, and counted; others: the particle is removed
+  remove,  ///< the particle is removed; its mass and momentum are booked
+  allow,   ///< the particle passes, counted as a leak
+};
+
+struct ContactSettings {
+  Repulsion repulsion = Repulsion::split;
+  double stiffness = 1000;  ///< bridson: k [N/m], ≥ 0
+  bool ccd = true;          ///< continuous test. Off: there is no promise (shows what happens without)
+  bool zones = true;        ///< impact zones. Off: there is no promise
+  int sweeps = 5;           ///< Gauss–Seidel sweeps, 1 … 1000: accuracy of simultaneous impacts against time
+  int rounds = 5;           ///< rounds of impulses at meetings before zones, 0 … 100
+  Infeasible infeasible = Infeasible::stall;
+  bool verify = false;      ///< re-check every interval by an independent route and count crossings
+
+  Status validate() const;
+};
+
+struct WorldSettings {
+  Vec3 gravity = Vec3(0, -9.81, 0);  ///< [m/s²]; axis-agnostic
+  /// Particles that leave it are removed and counted. Its largest |coordinate| R sets the rounding part of δ.
+  Box kill_box = {Vec3::Constant(-100), Vec3::Constant(100)};
+  int threads = 0;  ///< 0 = all hardware threads; the results do not depend on it
+
+  Status validate() const;
+};
+
+}  // namespace oilskin

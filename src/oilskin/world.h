@@ -1,0 +1,91 @@
+/// A fluid, the surfaces that it meets, and the step.
+#pragma once
+
+#include <memory>
+
+#include "oilskin/contact.h"
+#include "oilskin/emitter.h"
+#include "oilskin/report.h"
+#include "oilskin/settings.h"
+#include "oilskin/surface_motion.h"
+#include "oilskin/trace.h"
+
+namespace oilskin {
+
+/// A typed handle; 0 is none.
+struct SurfaceId {
+  std::uint64_t value = 0;
+  explicit operator bool() const { return value != 0; }
+  bool operator==(SurfaceId o) const { return value == o.value; }
+};
+
+class World {
+ public:
+  /// Settings are validated by the first call that needs them; see status().
+  explicit World(const WorldSettings& world = {}, const FluidSettings& fluid = {}, const ContactSettings& contact = {});
+  ~World();
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  /// Accepted, or what is wrong with the settings given at construction.
+  Status status() const;
+
+  const WorldSettings& settings() const;
+  const FluidSettings& fluid_settings() const;
+  const ContactSettings& contact_settings() const;
+  Status set_gravity(const Vec3& gravity);
+  Status set_contact_settings(const ContactSettings& settings);
+
+  // --- surfaces. The host stays the caller's and must outlive its attachment.
+  /// Refuses a mesh without triangles, indices out of range, non-finite positions, and a thickness below 4 δ (the
+  /// message gives the smallest thickness and the largest kill box that would do). Particles nearer than 2 δ are
+  /// moved out or removed at the next step, and counted.
+  Status attach(SurfaceHost& host, const SurfaceSettings& settings, SurfaceId* id);
+  void detach(SurfaceId id);
+  std::size_t surface_count() const;
+  /// The last step's motion of a surface, with impulses per node; null for an unknown id.
+  const SurfaceMotion* surface(SurfaceId id) const;
+  /// The next gather of this surface is a teleport, not a motion: it becomes a new surface.
+  void reset_motion(SurfaceId id);
+  Status set_slip(SurfaceId id, const SlipSettings& slip);
+
+  // --- fluid
+  Status add_emitter(const DiscEmitter& emitter);
+  Status add_emitter(const BoxEmitter& emitter);
+  Status add_emitter(const MeshEmitter& emitter);
+  Status add_emitter(const RainEmitter& emitter);
+  /// Adds particles by hand; those nearer than 2 δ to a surface are refused one by one and counted in `blocked`.
+  Status add_particles(Span<const Vec3> positions, Span<const Vec3> velocities, std::uint64_t* blocked = nullptr);
+
+  std::size_t particle_count() const;
+  double particle_mass() const;                 ///< [kg], calibrated on the lattice
+  Span<const std::uint64_t> ids() const;        ///< in storage order, which may change every step
+  Span<const Vec3> positions() const;           ///< [m]
+  Span<const Vec3> velocities() const;          ///< [m/s]
+  Span<const double> densities() const;         ///< [kg/m³], of the start of the last step
+  Span<const double> pressures() const;         ///< [Pa]
+  /// Changes velocities from outside, e.g. a gust: v += dv, one value per particle in storage order.
+  Status add_velocities(Span<const Vec3> dv);
+
+  // --- the step
+  /// One coupled step of dt [s]. On refusal (dt ≤ 0 or not finite, bad settings) nothing happens and
+  /// report.status says why.
+  const StepReport& step(double dt);
+  const StepReport& report() const;
+  double time() const;                          ///< [s]
+  std::uint64_t step_count() const;
+  /// Contacts of the last step.
+  const std::vector<ContactRecord>& contacts() const;
+
+  /// 64 bits over id, position and velocity bits of every particle in order of id, then node positions and
+  /// velocities of every surface in order of id. Equal for any number of threads.
+  std::uint64_t state_hash() const;
+
+  void set_observer(IntervalObserver* observer);  ///< not owned; null = none
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace oilskin

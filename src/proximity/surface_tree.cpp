@@ -1,0 +1,243 @@
+// The only file that includes FCL. It stays on the part of FCL whose types hold no transform (trees over
+// axis-aligned boxes, updated and read node by node), and never asks FCL for a verdict.
+#include "proximity/surface_tree.h"
+
+#include <fcl/math/bv/utility.h>
+// BVH_model.h needs the fitting functions of utility.h declared before it.
+#include <fcl/geometry/bvh/BVH_model.h>
+
+#include <cstring>
+#include <stdexcept>
+
+#include "core/assert.h"
+
+namespace oilskin::proximity {
+
+namespace {
+
+using Aabb = fcl::AABB<double>;
+using Model = fcl::BVHModel<Aabb>;
+
+/// Boxes that share a traversal. Consecutive particles of a sorted fluid lie in a few cells.
+constexpr std::size_t block_size = 16;
+/// Boxes that one thread takes at a time; a multiple of block_size, so that blocks do not depend on chunks.
+constexpr std::size_t chunk_size = 64 * block_size;
+/// A block that reaches more triangles than this is far larger than its members (long sweeps, or particles
+/// that are not neighbours): testing them all for every member costs more than a traversal each.
+constexpr std::size_t block_limit = 48;
+
+constexpr double rebuild_growth = 2;
+
+void check(int code, const char* what) {
+  if (code != fcl::BVH_OK)
+    throw std::runtime_error("oilskin: FCL refused to " + std::string(what) +
+                             " a bounding-volume tree, code " + std::to_string(code));
+}
+
+double size(const Aabb& b) {
+  return (b.max_ - b.min_).sum();
+}
+
+/// Plain comparisons: fcl::AABB has an overlap test of its own, but it stays out of line.
+bool overlap(const Aabb& a, const Box& b) {
+  return a.min_[0] <= b.max[0] && b.min[0] <= a.max_[0] && a.min_[1] <= b.max[1] && b.min[1] <= a.max_[1] &&
+         a.min_[2] <= b.max[2] && b.min[2] <= a.max_[2];
+}
+
+bool is_empty(const Box& b) {
+  return !(b.min.array() <= b.max.array()).all();
+}
+
+bool same_triangles(Span<const Triangle> a, const std::vector<Triangle>& b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin());
+}
+
+bool all_finite(Span<const Vec3> x) {
+  return std::all_of(x.begin(), x.end(), [](const Vec3& p) { return p.allFinite(); });
+}
+
+bool all_in_range(Span<const Triangle> triangles, std::size_t nodes) {
+  return std::all_of(triangles.begin(), triangles.end(),
+                     [nodes](const Triangle& t) { return t[0] < nodes && t[1] < nodes && t[2] < nodes; });
+}
+
+/// What one thread needs for its chunk of boxes.
+struct Scratch {
+  std::vector<int> stack;
+  std::vector<std::uint32_t> found;
+};
+
+}  // namespace
+
+struct SurfaceTree::Impl {
+  std::unique_ptr<Model> model;  ///< null: no triangles
+  std::vector<Triangle> triangles;
+  std::vector<Box> boxes;  ///< swept box of each triangle
+  std::size_t nodes = 0;
+  std::size_t builds = 0;
+  double leaf_size_built = 0, tree_size_built = 0;
+
+  void build(Span<const Triangle> tris, Span<const Vec3> x_t1);
+  void refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1);
+  void read_leaves(double* leaf_size, double* tree_size);
+  bool reach(const Box& box, std::size_t limit, Scratch& scratch) const;
+  void query_block(Span<const Box> block, Scratch& scratch, std::uint32_t* counts,
+                   std::vector<std::uint32_t>& triangles_out) const;
+};
+
+/// A used model cannot be built again (FCL clears it and goes out of sequence): always a new one. This call
+/// knows one set of positions only, so a refit must follow to get swept boxes.
+void SurfaceTree::Impl::build(Span<const Triangle> tris, Span<const Vec3> x_t1) {
+  triangles.assign(tris.begin(), tris.end());
+  nodes = x_t1.size();
+  model = std::make_unique<Model>();
+  boxes.assign(tris.size(), Box());
+  ++builds;
+  const std::vector<Vec3> points(x_t1.begin(), x_t1.end());
+  std::vector<fcl::Triangle> faces;
+  faces.reserve(tris.size());
+  for (const Triangle& t : tris) faces.emplace_back(t[0], t[1], t[2]);
+  check(model->beginModel(static_cast<int>(faces.size()), static_cast<int>(points.size())), "begin");
+  check(model->addSubModel(points, faces), "fill");
+  check(model->endModel(), "build");
+}
+
+void SurfaceTree::Impl::refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1) {
+  check(model->beginUpdateModel(), "begin the update of");
+  for (const Vec3& x : x_t1) check(model->updateVertex(x), "update");
+  // FCL would sweep from the positions of its last update. Contact has corrected those since: the motion
+  // starts at x_t0, and a box that starts elsewhere can miss it.
+  std::copy(x_t0.begin(), x_t0.end(), model->prev_vertices);
+  check(model->endUpdateModel(/*refit=*/true, /*bottomup=*/true), "refit");
+}
+
+void SurfaceTree::Impl::read_leaves(double* leaf_size, double* tree_size) {
+  *leaf_size = *tree_size = 0;
+  const int n = model->getNumBVs();
+  for (int i = 0; i < n; ++i) {
+    const auto& node = static_cast<const Model&>(*model).getBV(i);
+    const double s = size(node.bv);
+    *tree_size += s;
+    if (!node.isLeaf()) continue;
+    *leaf_size += s;
+    boxes[static_cast<std::size_t>(node.primitiveId())] = {node.bv.min_, node.bv.max_};
+  }
+}
+
+/// Collects what overlaps the box, unordered; false where it stopped at the limit.
+bool SurfaceTree::Impl::reach(const Box& box, std::size_t limit, Scratch& scratch) const {
+  scratch.found.clear();
+  if (!model || is_empty(box)) return true;
+  const Model& m = *model;
+  // An explicit stack on the heap: where centroids crowd geometrically FCL's trees get deep.
+  std::vector<int>& stack = scratch.stack;
+  stack.assign(1, 0);
+  while (!stack.empty()) {
+    const auto& node = m.getBV(stack.back());
+    stack.pop_back();
+    if (!overlap(node.bv, box)) continue;
+    if (!node.isLeaf()) {
+      stack.push_back(node.rightChild());
+      stack.push_back(node.leftChild());
+      continue;
+    }
+    if (scratch.found.size() == limit) return false;
+    scratch.found.push_back(static_cast<std::uint32_t>(node.primitiveId()));
+  }
+  return true;
+}
+
+void SurfaceTree::Impl::query_block(Span<const Box> block, Scratch& scratch, std::uint32_t* counts,
+                                    std::vector<std::uint32_t>& out) const {
+  Box all;
+  for (const Box& b : block)
+    if (!is_empty(b)) all.add(b);
+  const bool shared = reach(all, block_limit, scratch);
+  if (shared) std::sort(scratch.found.begin(), scratch.found.end());
+  for (std::size_t i = 0; i < block.size(); ++i) {
+    const std::size_t before = out.size();
+    if (is_empty(block[i])) {
+      // has none; its infinities must not meet anything
+    } else if (shared) {
+      for (std::uint32_t t : scratch.found)
+        if (boxes[t].overlaps(block[i])) out.push_back(t);
+    } else {
+      reach(block[i], std::numeric_limits<std::size_t>::max(), scratch);
+      std::sort(scratch.found.begin(), scratch.found.end());
+      out.insert(out.end(), scratch.found.begin(), scratch.found.end());
+    }
+    counts[i] = static_cast<std::uint32_t>(out.size() - before);
+  }
+}
+
+SurfaceTree::SurfaceTree() : impl_(std::make_unique<Impl>()) {}
+SurfaceTree::~SurfaceTree() = default;
+SurfaceTree::SurfaceTree(SurfaceTree&&) noexcept = default;
+SurfaceTree& SurfaceTree::operator=(SurfaceTree&&) noexcept = default;
+
+void SurfaceTree::update(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1) {
+  OILSKIN_ASSERT(x_t0.size() == x_t1.size());
+  OILSKIN_ASSERT(all_in_range(triangles, x_t1.size()));
+  OILSKIN_ASSERT(all_finite(x_t0) && all_finite(x_t1));
+  Impl& s = *impl_;
+  const bool same = s.nodes == x_t1.size() && same_triangles(triangles, s.triangles);
+  if (triangles.empty()) {
+    const std::size_t builds = s.builds;
+    s = Impl();
+    s.builds = builds;
+    return;
+  }
+  double leaf_size = 0, tree_size = 0;
+  if (same) {
+    s.refit(x_t0, x_t1);
+    s.read_leaves(&leaf_size, &tree_size);
+    // Leaves grow with stretch and speed; the whole tree also where parts that were near have moved apart.
+    if (leaf_size <= rebuild_growth * s.leaf_size_built && tree_size <= rebuild_growth * s.tree_size_built)
+      return;
+  }
+  s.build(triangles, x_t1);
+  s.refit(x_t0, x_t1);
+  s.read_leaves(&s.leaf_size_built, &s.tree_size_built);
+}
+
+std::size_t SurfaceTree::builds() const {
+  return impl_->builds;
+}
+
+Box SurfaceTree::bounds() const {
+  if (!impl_->model) return {};
+  const Aabb& root = static_cast<const Model&>(*impl_->model).getBV(0).bv;
+  return {root.min_, root.max_};
+}
+
+void SurfaceTree::query(const Box& box, std::vector<std::uint32_t>& triangles) const {
+  Scratch scratch;
+  impl_->reach(box, std::numeric_limits<std::size_t>::max(), scratch);
+  std::sort(scratch.found.begin(), scratch.found.end());
+  triangles.insert(triangles.end(), scratch.found.begin(), scratch.found.end());
+}
+
+void SurfaceTree::query(Span<const Box> boxes, const Workers& workers, Candidates& candidates) const {
+  const std::size_t n = boxes.size();
+  candidates.begin.assign(n + 1, 0);
+  std::vector<std::vector<std::uint32_t>> found((n + chunk_size - 1) / chunk_size);
+  workers.for_chunks(n, chunk_size, [&](std::size_t begin, std::size_t end, std::size_t chunk) {
+    Scratch scratch;
+    for (std::size_t i = begin; i < end; i += block_size) {
+      const Span<const Box> block(boxes.data() + i, std::min(block_size, end - i));
+      impl_->query_block(block, scratch, candidates.begin.data() + i + 1, found[chunk]);
+    }
+  });
+  std::size_t total = 0;
+  for (const auto& part : found) total += part.size();
+  if (total > std::numeric_limits<std::uint32_t>::max())
+    throw std::length_error("oilskin: more than 2^32 candidate pairs; lower dt");
+  for (std::size_t i = 0; i < n; ++i) candidates.begin[i + 1] += candidates.begin[i];
+  candidates.triangle.resize(total);
+  workers.for_chunks(n, chunk_size, [&](std::size_t begin, std::size_t, std::size_t chunk) {
+    std::copy(found[chunk].begin(), found[chunk].end(),
+              candidates.triangle.begin() + candidates.begin[begin]);
+  });
+}
+
+}  // namespace oilskin::proximity

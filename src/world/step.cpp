@@ -1,0 +1,190 @@
+/// One coupled step, in order. docs/architecture.md has the table of what each stage reads and writes.
+#include <cmath>
+
+#include "world/intake.h"
+#include "world/world_impl.h"
+
+namespace oilskin {
+
+void World::Impl::run_step(double dt) {
+  gather(dt);                                          // surfaces: x_t0 → proposed x_t1
+  quarantine_input();
+  fluid->prepare(particles, report.seconds);           // cell order, neighbours
+  emit(dt);                                            // starts of this interval, or blocked
+  predict_motion(dt);                                  // x_t1 without pressure, to find contacts
+  contact->begin(dt, contact_settings, motion, surfaces, report.contact, report.seconds);
+  predict_contacts(dt);                                // bounds for the pressure solver
+  propose_motion(dt);                                  // pressure, viscosity → x_t1
+  contact->run();                                      // impulses, meetings, zones → certificate
+  certify();                                           // an independent check, when asked for
+  tell_observer(dt);
+  commit();                                            // nothing live has moved since the certificate
+  scatter();
+  time += dt;
+  ++step_count;
+}
+
+void World::Impl::gather(double dt) {
+  contact::StageTimer timer(report.seconds.gather);
+  std::vector<std::uint64_t> stale;
+  attachments.gather(dt, settings, fluid_settings, report, surfaces, stale);
+  for (std::uint64_t id : stale) contact->forget(id);
+  attachments.reseed(surfaces, particles, next_particle_id, *workers, report);
+}
+
+void World::Impl::quarantine_input() {
+  std::vector<std::uint8_t> keep(particles.size(), 1);
+  bool any = false;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    if (world::is_sound(particles.position[i]) && world::is_sound(particles.velocity[i])) continue;
+    keep[i] = 0;
+    any = true;
+    ++report.quarantined;
+  }
+  if (any) particles.compress(keep);
+}
+
+void World::Impl::emit(double dt) {
+  contact::StageTimer timer(report.seconds.other_fluid);
+  const std::size_t live = particles.size();
+  const std::vector<fluid::Start>& starts = emission->due(time, dt);
+  std::vector<Vec3> points;
+  for (const fluid::Start& s : starts) points.push_back(s.position);
+  std::vector<std::uint8_t> blocked;
+  world::ClearanceTest(surfaces, *workers).run(points, blocked);
+  for (std::size_t k = 0; k < starts.size(); ++k)  // outside the kill box nothing starts
+    if (!settings.kill_box.contains(points[k])) blocked[k] = 1;
+  std::size_t emitted = 0;
+  for (std::uint8_t b : blocked) emitted += b == 0;
+
+  now.resize(live + emitted);
+  const double mass = fluid->particle_mass();
+  std::fill(now.inverse_mass.begin(), now.inverse_mass.end(), 1 / mass);
+  for (std::size_t i = 0; i < live; ++i) {
+    now.id[i] = particles.id[i];
+    now.x_t0[i] = particles.position[i];
+    now.velocity[i] = particles.velocity[i];
+    now.remaining[i] = dt;
+    report.momentum_before += mass * particles.velocity[i];
+  }
+  std::size_t at = live;
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    if (blocked[k]) continue;
+    now.id[at] = next_particle_id++;
+    now.x_t0[at] = starts[k].position;
+    now.velocity[at] = starts[k].velocity;
+    now.remaining[at] = starts[k].remaining;
+    report.momentum_emitted += mass * starts[k].velocity;
+    report.momentum_gravity += mass * starts[k].remaining * settings.gravity;
+    ++at;
+  }
+  report.blocked_starts = emission->settle(blocked);
+  report.emitted = emitted;
+  report.mass_emitted = static_cast<double>(emitted) * mass;
+  report.momentum_gravity += static_cast<double>(live) * mass * dt * settings.gravity;
+}
+
+void World::Impl::predict_motion(double) {
+  motion.id = now.id;
+  motion.x_t0 = now.x_t0;
+  motion.x_t1 = now.x_t1;
+  motion.velocity = now.velocity;
+  motion.inverse_mass = now.inverse_mass;
+  motion.removed = now.removed;
+  motion.spacing = fluid_settings.spacing;
+  motion.rest_density = fluid_settings.rest_density;
+  motion.viscosity = fluid_settings.viscosity;
+  for (std::size_t i = 0; i < now.id.size(); ++i) {
+    const double t = now.remaining[i];
+    now.x_t1[i] = now.x_t0[i] + t * (now.velocity[i] + t * settings.gravity);
+  }
+}
+
+void World::Impl::predict_contacts(double dt) {
+  prediction.clear();
+  if (!fluid_settings.contact_aware) return;
+  for (const ContactRecord& r : contact->select_records()) {
+    if (r.particle >= particles.size()) continue;  // emitted: not in the pair sums yet
+    const SurfaceMotion& s = *surfaces[r.surface];
+    Vec3 wall = Vec3::Zero();
+    for (int k = 0; k < 3; ++k) wall += r.weights[k] * (s.x_t1[r.nodes[k]] - s.x_t0[r.nodes[k]]);
+    const double free_way = std::max(0.0, r.distance - s.thickness);
+    prediction.push_back({r.particle, r.normal, (wall.dot(r.normal) - free_way) / dt});
+  }
+}
+
+void World::Impl::propose_motion(double dt) {
+  fluid->propose(dt, settings.gravity, particles, prediction, report.fluid, report.seconds);
+  contact::StageTimer timer(report.seconds.other_fluid);
+  const std::size_t live = particles.size();
+  for (std::size_t i = 0; i < now.id.size(); ++i) {
+    if (i < live) now.velocity[i] = particles.velocity[i];
+    else now.velocity[i] += now.remaining[i] * settings.gravity;
+    now.x_t1[i] = now.x_t0[i] + now.remaining[i] * now.velocity[i];
+    if (world::is_sound(now.x_t1[i]) && world::is_sound(now.velocity[i])) continue;
+    now.x_t1[i] = now.x_t0[i];
+    now.velocity[i] = Vec3::Zero();
+    now.removed[i] = now.quarantined[i] = 1;
+    ++report.quarantined;
+  }
+}
+
+void World::Impl::certify() {
+  if (!contact_settings.verify) return;
+  contact::StageTimer timer(report.seconds.verify);
+  report.contact.crossings_found_by_verify =
+      ContactSolver::count_crossings(motion, surfaces, &report.contact.verified_pairs);
+}
+
+void World::Impl::tell_observer(double dt) {
+  if (!observer) return;
+  Interval interval;
+  interval.number = step_count;
+  interval.length = dt;
+  interval.surfaces = surfaces;
+  std::vector<std::uint64_t> id;
+  std::vector<Vec3> x_t0, x_t1;
+  for (std::size_t i = 0; i < now.id.size(); ++i) {
+    if (now.removed[i]) continue;
+    id.push_back(now.id[i]);
+    x_t0.push_back(now.x_t0[i]);
+    x_t1.push_back(now.x_t1[i]);
+  }
+  interval.id = id;
+  interval.x_t0 = x_t0;
+  interval.x_t1 = x_t1;
+  observer->on_interval(interval);
+}
+
+void World::Impl::commit() {
+  contact::StageTimer timer(report.seconds.other_fluid);
+  const double mass = fluid->particle_mass();
+  for (std::size_t i = particles.size(); i < now.id.size(); ++i)
+    particles.push_back(now.id[i], now.x_t0[i], now.velocity[i], fluid_settings.rest_density);
+  std::vector<std::uint8_t> keep(particles.size(), 1);
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    particles.position[i] = now.x_t1[i];
+    particles.velocity[i] = now.velocity[i];
+    const bool left = !settings.kill_box.contains(now.x_t1[i]);
+    if (!now.removed[i] && !left) {
+      report.momentum_after += mass * now.velocity[i];
+      continue;
+    }
+    keep[i] = 0;
+    report.momentum_removed += mass * now.velocity[i];
+    report.mass_removed += mass;
+    if (!now.removed[i]) ++report.removed;
+  }
+  report.removed += report.contact.removed;
+  if (report.contact.crossings_found_by_verify > 0 && contact_settings.ccd && contact_settings.zones)
+    report.messages.push_back("verify found particles that crossed a surface or ended nearer than δ");
+  particles.compress(keep);
+  report.alive = particles.size();
+}
+
+void World::Impl::scatter() {
+  contact::StageTimer timer(report.seconds.gather);
+  attachments.scatter(surfaces, report);
+}
+
+}  // namespace oilskin

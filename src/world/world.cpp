@@ -1,0 +1,216 @@
+#include "oilskin/world.h"
+
+#include <cmath>
+#include <numeric>
+#include <sstream>
+
+#include "core/hash.h"
+#include "world/intake.h"
+#include "world/world_impl.h"
+
+namespace oilskin {
+
+void IntervalArrays::resize(std::size_t n) {
+  id.assign(n, 0);
+  x_t0.assign(n, Vec3::Zero());
+  x_t1.assign(n, Vec3::Zero());
+  velocity.assign(n, Vec3::Zero());
+  inverse_mass.assign(n, 0);
+  removed.assign(n, 0);
+  remaining.assign(n, 0);
+  quarantined.assign(n, 0);
+}
+
+World::Impl::Impl(const WorldSettings& world, const FluidSettings& fluid_in, const ContactSettings& contact_in)
+    : settings(world), fluid_settings(fluid_in), contact_settings(contact_in) {
+  for (const Status& s : {settings.validate(), fluid_settings.validate(), contact_settings.validate()})
+    if (status.ok() && !s.ok()) status = s;
+  if (!status.ok()) return;
+  workers = std::make_shared<Workers>(settings.threads);
+  fluid = std::make_unique<fluid::FluidSolver>(fluid_settings, workers);
+  emission = std::make_unique<fluid::Emission>(fluid_settings.spacing, fluid_settings.rest_density,
+                                               fluid->particle_mass());
+  contact = std::make_unique<contact::ContactLoop>(workers);
+}
+
+World::World(const WorldSettings& world, const FluidSettings& fluid, const ContactSettings& contact)
+    : impl_(std::make_unique<Impl>(world, fluid, contact)) {}
+World::~World() = default;
+
+Status World::status() const { return impl_->status; }
+const WorldSettings& World::settings() const { return impl_->settings; }
+const FluidSettings& World::fluid_settings() const { return impl_->fluid_settings; }
+const ContactSettings& World::contact_settings() const { return impl_->contact_settings; }
+
+Status World::set_gravity(const Vec3& gravity) {
+  WorldSettings changed = impl_->settings;
+  changed.gravity = gravity;
+  Status s = changed.validate();
+  if (s.ok()) impl_->settings = changed;
+  return s;
+}
+
+Status World::set_contact_settings(const ContactSettings& settings) {
+  Status s = settings.validate();
+  if (s.ok()) impl_->contact_settings = settings;
+  return s;
+}
+
+Status World::attach(SurfaceHost& host, const SurfaceSettings& settings, SurfaceId* id) {
+  if (!impl_->status.ok()) return impl_->status;
+  std::uint64_t handle = 0;
+  Status s = impl_->attachments.attach(host, settings, impl_->settings, &handle);
+  if (s.ok() && id) id->value = handle;
+  return s;
+}
+
+void World::detach(SurfaceId id) {
+  const std::uint64_t trace_id = impl_->attachments.detach(id.value);
+  if (trace_id != 0) impl_->contact->forget(trace_id);
+}
+
+std::size_t World::surface_count() const { return impl_->attachments.all().size(); }
+
+const SurfaceMotion* World::surface(SurfaceId id) const {
+  const world::Attachment* a = impl_->attachments.find(id.value);
+  return a ? &a->motion : nullptr;
+}
+
+void World::reset_motion(SurfaceId id) {
+  if (world::Attachment* a = impl_->attachments.find(id.value)) {
+    a->teleported = true;
+    a->refused = false;
+  }
+}
+
+Status World::set_slip(SurfaceId id, const SlipSettings& slip) {
+  world::Attachment* a = impl_->attachments.find(id.value);
+  if (!a) return Status::refused("there is no surface " + std::to_string(id.value));
+  SurfaceSettings changed = a->settings;
+  changed.slip = slip;
+  Status s = changed.validate();
+  if (s.ok()) a->settings = changed;
+  return s;
+}
+
+Status World::add_emitter(const DiscEmitter& e) { return impl_->status.ok() ? impl_->emission->add(e) : impl_->status; }
+Status World::add_emitter(const BoxEmitter& e) { return impl_->status.ok() ? impl_->emission->add(e) : impl_->status; }
+Status World::add_emitter(const MeshEmitter& e) { return impl_->status.ok() ? impl_->emission->add(e) : impl_->status; }
+Status World::add_emitter(const RainEmitter& e) { return impl_->status.ok() ? impl_->emission->add(e) : impl_->status; }
+
+Status World::add_particles(Span<const Vec3> positions, Span<const Vec3> velocities, std::uint64_t* blocked) {
+  if (!impl_->status.ok()) return impl_->status;
+  if (positions.size() != velocities.size())
+    return Status::refused("there are " + std::to_string(positions.size()) + " positions and " +
+                           std::to_string(velocities.size()) + " velocities; they must be as many");
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    if (!world::is_sound(positions[i]) || !world::is_sound(velocities[i]))
+      return Status::refused("particle " + std::to_string(i) + " is not finite");
+  // Between steps a surface stands where x_t1 says; the clearance test reads x_t0.
+  std::vector<SurfaceMotion> copies;
+  std::vector<SurfaceMotion*> surfaces;
+  for (const auto& a : impl_->attachments.all()) copies.push_back(a->motion);
+  for (SurfaceMotion& m : copies) {
+    m.x_t0 = m.x_t1;
+    surfaces.push_back(&m);
+  }
+  std::vector<std::uint8_t> is_blocked;
+  world::ClearanceTest(surfaces, *impl_->workers).run(positions, is_blocked);
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (is_blocked[i] || !impl_->settings.kill_box.contains(positions[i])) {
+      ++count;
+      continue;
+    }
+    impl_->particles.push_back(impl_->next_particle_id++, positions[i], velocities[i],
+                               impl_->fluid_settings.rest_density);
+  }
+  if (blocked) *blocked = count;
+  return {};
+}
+
+std::size_t World::particle_count() const { return impl_->particles.size(); }
+double World::particle_mass() const { return impl_->fluid ? impl_->fluid->particle_mass() : 0; }
+Span<const std::uint64_t> World::ids() const { return impl_->particles.id; }
+Span<const Vec3> World::positions() const { return impl_->particles.position; }
+Span<const Vec3> World::velocities() const { return impl_->particles.velocity; }
+Span<const double> World::densities() const { return impl_->particles.density; }
+Span<const double> World::pressures() const { return impl_->particles.pressure; }
+
+Status World::add_velocities(Span<const Vec3> dv) {
+  if (dv.size() != impl_->particles.size())
+    return Status::refused("there are " + std::to_string(dv.size()) + " values for " +
+                           std::to_string(impl_->particles.size()) + " particles");
+  for (std::size_t i = 0; i < dv.size(); ++i) impl_->particles.velocity[i] += dv[i];
+  return {};
+}
+
+namespace {
+
+std::uint32_t flags_of(const StepReport& r, const ContactSettings& contact) {
+  std::uint32_t flags = r.flags;
+  if (!r.fluid.converged) flags |= flag_pressure_not_converged;
+  if (r.fluid.diverged) flags |= flag_pressure_diverged;
+  if (r.contact.allowed > 0) flags |= flag_leaked;
+  if (r.contact.stalled > 0) flags |= flag_stalled;
+  if (r.contact.removed > 0) flags |= flag_removed_by_contact;
+  if (r.quarantined > 0) flags |= flag_quarantined;
+  if (r.contact.held > 0) flags |= flag_many_holds;
+  if (!contact.ccd || !contact.zones) flags |= flag_no_promise;
+  return flags;
+}
+
+}  // namespace
+
+const StepReport& World::step(double dt) {
+  Impl& w = *impl_;
+  w.report = {};
+  w.report.step = w.step_count;
+  w.report.time = w.time;
+  w.report.dt = dt;
+  w.report.alive = w.particles.size();
+  w.report.status = w.status;
+  if (!w.status.ok()) return w.report;
+  if (!(dt > 0) || !std::isfinite(dt)) {
+    std::ostringstream s;
+    s << "dt is " << dt << "; it must be finite and > 0 s";
+    w.report.status = Status::refused(s.str());
+    return w.report;
+  }
+  w.run_step(dt);
+  w.report.time = w.time;
+  w.report.flags = flags_of(w.report, w.contact_settings);
+  return w.report;
+}
+
+const StepReport& World::report() const { return impl_->report; }
+double World::time() const { return impl_->time; }
+std::uint64_t World::step_count() const { return impl_->step_count; }
+
+const std::vector<ContactRecord>& World::contacts() const {
+  static const std::vector<ContactRecord> none;
+  return impl_->contact ? impl_->contact->records() : none;
+}
+
+std::uint64_t World::state_hash() const {
+  const fluid::Particles& p = impl_->particles;
+  std::vector<std::uint32_t> order(p.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return p.id[a] < p.id[b]; });
+  Hash64 hash;
+  for (std::uint32_t i : order) {
+    hash.add(p.id[i]);
+    hash.add(p.position[i]);
+    hash.add(p.velocity[i]);
+  }
+  for (const auto& a : impl_->attachments.all()) {
+    hash.add(a->handle);
+    for (const Vec3& x : a->motion.x_t1) hash.add(x);
+    for (const Vec3& v : a->motion.velocity) hash.add(v);
+  }
+  return hash.value();
+}
+
+void World::set_observer(IntervalObserver* observer) { impl_->observer = observer; }
+
+}  // namespace oilskin

@@ -1,0 +1,65 @@
+/// The state of a world, and the stages of its step.
+#pragma once
+
+#include "contact/contact_loop.h"
+#include "fluid/emission.h"
+#include "fluid/fluid_solver.h"
+#include "oilskin/world.h"
+#include "world/attachments.h"
+
+namespace oilskin {
+
+/// Arrays of the interval under way: the live particles in storage order, then those emitted in it.
+struct IntervalArrays {
+  std::vector<std::uint64_t> id;
+  std::vector<Vec3> x_t0, x_t1, velocity;
+  std::vector<double> inverse_mass;
+  std::vector<std::uint8_t> removed;
+  std::vector<double> remaining;   ///< emitted ones: their part of the interval [s]
+  std::vector<std::uint8_t> quarantined;
+
+  void resize(std::size_t n);
+};
+
+struct World::Impl {
+  WorldSettings settings;
+  FluidSettings fluid_settings;
+  ContactSettings contact_settings;
+  Status status;
+
+  std::shared_ptr<Workers> workers;
+  std::unique_ptr<fluid::FluidSolver> fluid;
+  std::unique_ptr<fluid::Emission> emission;
+  std::unique_ptr<contact::ContactLoop> contact;
+  world::Attachments attachments;
+  IntervalObserver* observer = nullptr;
+
+  fluid::Particles particles;
+  std::uint64_t next_particle_id = 1;
+  std::uint64_t step_count = 0;
+  double time = 0;
+  StepReport report;
+
+  // Context of the step under way
+  IntervalArrays now;
+  ParticleMotion motion;
+  std::vector<SurfaceMotion*> surfaces;
+  std::vector<fluid::PredictionContact> prediction;
+
+  Impl(const WorldSettings& world, const FluidSettings& fluid, const ContactSettings& contact);
+
+  // The step, in order (step.cpp)
+  void run_step(double dt);
+  void gather(double dt);
+  void quarantine_input();
+  void emit(double dt);
+  void predict_motion(double dt);
+  void predict_contacts(double dt);
+  void propose_motion(double dt);
+  void certify();
+  void tell_observer(double dt);
+  void commit();
+  void scatter();
+};
+
+}  // namespace oilskin

@@ -1,0 +1,88 @@
+/// A small Bullet world for the tests of the adapter. Compiled in both precisions.
+#pragma once
+
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <memory>
+
+#include "bullet_adapter/convert.h"
+#include "oilskin/surface_motion.h"
+
+namespace oilskin::bullet::test {
+
+constexpr bool is_double = bt_storage == Storage::float64;
+
+inline btScalar bt(double x) {
+  return static_cast<btScalar>(x);
+}
+
+/// Owns the world; soft bodies added with own() go with it.
+class SoftWorld {
+ public:
+  explicit SoftWorld(const btVector3& gravity = btVector3(0, 0, 0), btSoftBodySolver* soft_solver = nullptr)
+      : dispatcher_(&configuration_),
+        world(&dispatcher_, &broadphase_, &constraints_, &configuration_, soft_solver) {
+    world.setGravity(gravity);
+    world.getWorldInfo().m_gravity = gravity;
+  }
+  ~SoftWorld() {
+    for (auto& body : bodies_) world.removeSoftBody(body.get());
+  }
+
+  btSoftBody* own(btSoftBody* body) {
+    bodies_.emplace_back(body);
+    world.addSoftBody(body);
+    return body;
+  }
+
+  /// n × n nodes over size × size metres at height y; the corners of the bit mask `fixed` are pinned.
+  btSoftBody* patch(int n, double size, double y = 0, int fixed = 0, double mass = 0.05) {
+    const double r = size / 2;
+    btSoftBody* cloth =
+        btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), {bt(-r), bt(y), bt(-r)}, {bt(r), bt(y), bt(-r)},
+                                       {bt(-r), bt(y), bt(r)}, {bt(r), bt(y), bt(r)}, n, n, fixed, true);
+    cloth->setTotalMass(bt(mass));
+    cloth->m_cfg.kDP = 0;
+    cloth->m_cfg.piterations = 4;
+    cloth->getCollisionShape()->setMargin(bt(0.005));
+    return own(cloth);
+  }
+
+  /// Exactly one sub-step.
+  void step(double dt) { world.stepSimulation(bt(dt), 0); }
+
+ private:
+  btSoftBodyRigidBodyCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_;
+  btDbvtBroadphase broadphase_;
+  btSequentialImpulseConstraintSolver constraints_;
+
+ public:
+  btSoftRigidDynamicsWorld world;
+
+ private:
+  std::vector<std::unique_ptr<btSoftBody>> bodies_;
+};
+
+inline Vec3 momentum(const btSoftBody& body) {
+  Vec3 p = Vec3::Zero();
+  for (int i = 0; i < body.m_nodes.size(); ++i)
+    if (body.m_nodes[i].m_im > 0)
+      p += to_vec3(body.m_nodes[i].m_v) / static_cast<double>(body.m_nodes[i].m_im);
+  return p;
+}
+
+/// What the world does around a step: x_t0 is what the last scatter left.
+inline Gathered gather_step(SurfaceHost& host, double dt, SurfaceMotion& motion) {
+  motion.x_t0 = motion.x_t1;
+  const Gathered gathered = host.gather(dt, motion);
+  if (gathered.new_surface) motion.x_t0 = motion.x_t1;
+  motion.impulse.assign(motion.x_t1.size(), Vec3::Zero());
+  motion.moved.assign(motion.x_t1.size(), 0);
+  return gathered;
+}
+
+}  // namespace oilskin::bullet::test

@@ -1,0 +1,246 @@
+#include "ccd/queries.h"
+
+#include <cmath>
+
+namespace oilskin::test {
+namespace {
+
+Corners whole(Random& random, int size) {
+  Corners x;
+  for (Vec3& v : x) v = random.whole_vector(size);
+  return x;
+}
+
+/// Moves every coordinate by up to two units in the last place.
+Corners nudged(Corners x, Random& random) {
+  for (Vec3& v : x) {
+    for (int k = 0; k < 3; ++k) {
+      for (int i = random.integer(-2, 2); i != 0; i -= i > 0 ? 1 : -1)
+        v[k] = std::nextafter(v[k], i > 0 ? 1e300 : -1e300);
+    }
+  }
+  return x;
+}
+
+/// Weights of a point of the triangle: inside, on an edge, at a vertex, or just outside by `outside`.
+Vec3 contact_weights(Random& random, double outside) {
+  Vec3 w(random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1));
+  const int kind = random.integer(0, 3);
+  const int k = random.integer(0, 2);
+  if (kind == 1) w[k] = 0;
+  if (kind == 2) w = Vec3::Unit(k);
+  w /= w.sum();
+  if (kind == 3) {
+    w[(k + 1) % 3] += w[k] + outside;
+    w[k] = -outside;
+  }
+  return w;
+}
+
+/// Puts the point on the triangle at a time t (up to rounding), and lets it move on with its own velocity.
+void aim(Corners* x, Random& random, double speed, double outside) {
+  const double t = random.integer(0, 3) == 0 ? random.integer(0, 8) / 8.0 : random.uniform(0, 1);
+  const Vec3 w = contact_weights(random, outside);
+  Vec3 meeting = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) meeting += w[i] * ((1 - t) * (*x)[1 + i] + t * (*x)[5 + i]);
+  const Vec3 velocity = random.vector(speed);
+  (*x)[0] = meeting - t * velocity;
+  (*x)[4] = meeting + (1 - t) * velocity;
+}
+
+Corners constructed(Random& random, double size = 1, double speed = 1) {
+  Corners x;
+  for (int i = 1; i < 4; ++i) x[i] = random.vector(size);
+  for (int i = 1; i < 4; ++i) x[4 + i] = x[i] + random.vector(speed);
+  aim(&x, random, speed, std::abs(random.power_of_ten(-17, -2)));
+  return x;
+}
+
+Corners translated(Corners x, const Vec3& offset) {
+  for (Vec3& v : x) v += offset;
+  return x;
+}
+
+Corners scaled(Corners x, double factor) {
+  for (Vec3& v : x) v *= factor;
+  return x;
+}
+
+/// The third corner almost on the line of the first two, at both ends.
+Corners sliver(Random& random) {
+  Corners x = constructed(random);
+  for (int end = 0; end < 8; end += 4) {
+    const double s = random.uniform(-0.5, 1.5), thickness = std::abs(random.power_of_ten(-16, -4));
+    x[end + 3] = x[end + 1] + s * (x[end + 2] - x[end + 1]) + random.vector(thickness);
+  }
+  aim(&x, random, 1, std::abs(random.power_of_ten(-17, -2)));
+  return x;
+}
+
+/// A whole affine map, which keeps contacts of whole or dyadic coordinates exact.
+Corners mapped(const Corners& x, Random& random, int size) {
+  const Vec3 a = random.whole_vector(size), b = random.whole_vector(size), c = random.whole_vector(size),
+             d = random.whole_vector(size);
+  Corners y;
+  for (int i = 0; i < 8; ++i) y[i] = a * x[i][0] + b * x[i][1] + c * x[i][2] + d;
+  return y;
+}
+
+/// Dips into the plane of a shearing triangle and out again: F = (t − ½)² times a constant.
+Corners grazing(Random& random) {
+  const Corners x{Vec3(.25, .75, .25), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0),
+                  Vec3(.25, -.25, 0),  Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 1)};
+  Corners y = mapped(x, random, 4);
+  const int kind = random.integer(0, 3);
+  if (kind == 1) y = nudged(y, random);
+  if (kind == 2) {  // just above or below: no root, or two close to each other
+    const Vec3 shift = random.vector(1) * random.power_of_ten(-17, -3);
+    y[0] += shift;
+    y[4] += shift;
+  }
+  if (kind == 3) y = translated(y, random.vector(1e3));
+  return y;
+}
+
+/// Everything in one plane: that of two axes, a skew one, or one that turns with time.
+Corners coplanar(Random& random) {
+  Corners x = whole(random, 3);
+  for (Vec3& v : x) v[2] = 0;
+  const int kind = random.integer(0, 2);
+  if (kind == 0) return scaled(x, random.uniform(0.1, 1));
+  Corners start = mapped(x, random, 3);
+  if (kind == 1) return start;
+  const Corners end = mapped(x, random, 3);
+  for (int i = 4; i < 8; ++i) start[i] = end[i];
+  return start;
+}
+
+/// Segments and points, whole or rounded, hit or missed by little.
+Corners degenerate(Random& random) {
+  Corners x = random.integer(0, 1) == 0 ? whole(random, 3) : constructed(random);
+  const int kind = random.integer(0, 3);
+  for (int end = 0; end < 8; end += 4) {
+    if (kind == 0) x[end + 3] = x[end + 2];
+    if (kind == 1) x[end + 2] = x[end + 3] = x[end + 1];
+    if (kind == 2) x[end + 3] = 2 * x[end + 2] - x[end + 1];
+    if (kind == 3 && end == 0) x[end + 3] = x[end + 2];  // a segment that opens
+  }
+  if (random.integer(0, 1) == 0) aim(&x, random, 1, std::abs(random.power_of_ten(-17, -2)));
+  return x;
+}
+
+/// Contact at dyadic time and weights with whole numbers: exactly touching, without any rounding.
+Corners dyadic_contact(Random& random) {
+  Corners x = whole(random, 8);
+  const int n = 1 << random.integer(0, 4), j = random.integer(0, n), m = 1 << random.integer(0, 4);
+  const double t = static_cast<double>(j) / n;
+  const int wa = random.integer(0, m), wb = random.integer(0, m - wa);
+  const Vec3 w = Vec3(wa, wb, m - wa - wb) / m;
+  Vec3 meeting = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) meeting += w[i] * ((1 - t) * x[1 + i] + t * x[5 + i]);
+  const Vec3 velocity = random.whole_vector(8);
+  x[0] = meeting - t * velocity;
+  x[4] = meeting + (1 - t) * velocity;
+  return random.integer(0, 2) == 0 ? nudged(x, random) : x;
+}
+
+/// A point that lies on a sheet with a tiny gap and slides, perhaps over an edge.
+Corners resting(Random& random) {
+  const double gap = random.power_of_ten(-18, -3), slide = random.power_of_ten(-12, 0);
+  Corners x{Vec3(random.uniform(-.1, .6), random.uniform(-.1, .6), gap), Vec3(0, 0, 0), Vec3(1, 0, 0),
+            Vec3(0, 1, 0)};
+  for (int i = 0; i < 4; ++i) x[4 + i] = x[i] + Vec3(0, 0, random.uniform(-1, 1)) * 0.5 * gap;
+  x[4] += Vec3(random.uniform(-1, 1), random.uniform(-1, 1), 0) * slide;
+  if (random.integer(0, 1) == 0) return x;
+  return translated(scaled(x, 0.01), random.vector(1));
+}
+
+/// Whole numbers at the bottom of the range of doubles.
+Corners denormal(Random& random) {
+  const Corners x = random.integer(0, 1) == 0 ? dyadic_contact(random) : whole(random, 2);
+  return scaled(x, std::ldexp(1.0, -random.integer(1010, 1074)));
+}
+
+/// Coordinates of very different sizes in one query.
+Corners mixed_sizes(Random& random) {
+  Corners x;
+  for (Vec3& v : x) {
+    for (int k = 0; k < 3; ++k) v[k] = random.integer(0, 3) == 0 ? 0 : random.power_of_ten(-250, 60);
+  }
+  if (random.integer(0, 1) == 0) aim(&x, random, 1, 0);
+  return x;
+}
+
+Corners scaled_by_power_of_two(Random& random) {
+  const Corners x = random.integer(0, 1) == 0 ? constructed(random) : dyadic_contact(random);
+  return scaled(x, std::ldexp(1.0, random.integer(0, 1) == 0 ? 20 : -20));
+}
+
+}  // namespace
+
+ccd::PointTriangleMotion to_motion(const Corners& x) {
+  return {x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7]};
+}
+
+exact::Motion to_exact(const Corners& x) {
+  exact::Motion motion;
+  for (int i = 0; i < 4; ++i) {
+    motion.t0[i] = {x[i][0], x[i][1], x[i][2]};
+    motion.t1[i] = {x[4 + i][0], x[4 + i][1], x[4 + i][2]};
+  }
+  return motion;
+}
+
+double Random::uniform(double low, double high) {
+  return low + (high - low) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
+}
+
+int Random::integer(int low, int high) {
+  return low + static_cast<int>(engine_() % static_cast<std::uint64_t>(high - low + 1));
+}
+
+Vec3 Random::vector(double size) {
+  const double x = uniform(-size, size), y = uniform(-size, size), z = uniform(-size, size);
+  return {x, y, z};
+}
+
+Vec3 Random::whole_vector(int size) {
+  const int x = integer(-size, size), y = integer(-size, size), z = integer(-size, size);
+  return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+}
+
+double Random::power_of_ten(double low, double high) {
+  const double magnitude = std::pow(10, uniform(low, high));
+  return integer(0, 1) == 0 ? magnitude : -magnitude;
+}
+
+const std::vector<Family>& families() {
+  static const std::vector<Family> all{
+      {"random", [](Random& r) { return constructed(r, 1, r.uniform(0, 2)); }},
+      {"small integers", [](Random& r) { return whole(r, r.integer(1, 3)); }},
+      {"small integers and ulps", [](Random& r) { return nudged(whole(r, 2), r); }},
+      {"constructed contact", [](Random& r) { return constructed(r); }},
+      {"constructed contact and ulps", [](Random& r) { return nudged(constructed(r), r); }},
+      {"dyadic contact", dyadic_contact},
+      {"offset", [](Random& r) { return translated(constructed(r), r.vector(r.power_of_ten(0, 6))); }},
+      {"small and offset",
+       [](Random& r) { return translated(constructed(r, 1e-3, 1e-3), r.vector(r.power_of_ten(0, 6))); }},
+      {"sliver", sliver},
+      {"double root", grazing},
+      {"coplanar", coplanar},
+      {"coplanar and ulps", [](Random& r) { return nudged(coplanar(r), r); }},
+      {"fast", [](Random& r) { return constructed(r, 1, std::abs(r.power_of_ten(2, 6))); }},
+      {"slow", [](Random& r) { return constructed(r, 1, std::abs(r.power_of_ten(-14, -2))); }},
+      {"segments and points", degenerate},
+      {"segments and points and ulps", [](Random& r) { return nudged(degenerate(r), r); }},
+      {"resting", resting},
+      {"scaled by 2^±20", scaled_by_power_of_two},
+      {"denormal", denormal},
+      {"tiny", [](Random& r) { return scaled(constructed(r), std::abs(r.power_of_ten(-300, -90))); }},
+      {"huge", [](Random& r) { return scaled(constructed(r), std::abs(r.power_of_ten(60, 89))); }},
+      {"mixed sizes", mixed_sizes},
+  };
+  return all;
+}
+
+}  // namespace oilskin::test

@@ -1,0 +1,263 @@
+#include "proximity/surface_tree.h"
+
+#include <gtest/gtest.h>
+
+#include "meshes.h"
+
+namespace oilskin::proximity {
+namespace {
+
+using namespace proximity_test;
+
+void expect_exact(const SurfaceTree& tree, const MovingMesh& mesh, const std::vector<Box>& boxes) {
+  const Workers workers(2);
+  Candidates found;
+  tree.query(boxes, workers, found);
+  ASSERT_EQ(found.begin.size(), boxes.size() + 1);
+  EXPECT_EQ(found.begin.back(), found.triangle.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const auto row = found.of(i);
+    const bool empty = boxes[i].min.x() > boxes[i].max.x();
+    const auto expected = empty ? std::vector<std::uint32_t>() : brute_force(mesh, boxes[i]);
+    ASSERT_EQ(std::vector<std::uint32_t>(row.begin(), row.end()), expected) << "box " << i;
+    if (i % 50) continue;
+    std::vector<std::uint32_t> single = {7};
+    tree.query(boxes[i], single);
+    ASSERT_EQ(single.size(), expected.size() + 1);
+    EXPECT_EQ(single.front(), 7u) << "appends";
+    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), single.begin() + 1));
+  }
+}
+
+/// Several steps: the mesh ends each where it starts the next.
+void walk(MovingMesh mesh, double distance, const std::vector<Box>& boxes, Random& random) {
+  SurfaceTree tree;
+  for (int step = 0; step < 3; ++step) {
+    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+    expect_exact(tree, mesh, boxes);
+    mesh.x_t0 = mesh.x_t1;
+    move(mesh, distance, random);
+  }
+}
+
+TEST(SurfaceTree, findsExactlyWhatBruteForceFindsOnMovingSheets) {
+  Random random(1);
+  for (double distance : {0.0, 0.002, 0.2}) {
+    const auto boxes = particle_boxes(400, 1, 0.01, 0.005, random);
+    walk(sheet(24, distance, random), distance, boxes, random);
+  }
+}
+
+TEST(SurfaceTree, findsExactlyWhatBruteForceFindsOnSoups) {
+  Random random(2);
+  walk(soup(60, 500, 0.1, random), 0.1, particle_boxes(300, 1, 0.3, 0.01, random), random);
+  walk(soup(3, 200, 0.1, random), 0.1, particle_boxes(300, 1, 0.3, 0.01, random), random);
+}
+
+TEST(SurfaceTree, findsExactlyWhatBruteForceFindsAmongHugeAndTinyTriangles) {
+  Random random(3);
+  walk(huge_and_tiny(500, random), 0.01, particle_boxes(300, 1, 0.1, 0.001, random), random);
+}
+
+TEST(SurfaceTree, findsExactlyWhatBruteForceFindsOnFansOfTenThousand) {
+  Random random(4);
+  // At the hub every box reaches thousands of triangles; away from it few.
+  const auto mesh = fan(10000, 0.001, random);
+  SurfaceTree tree;
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+  auto boxes = particle_boxes(64, 0.02, 0.01, 0.001, random);
+  const auto far = particle_boxes(64, 1, 0.01, 0.001, random);
+  boxes.insert(boxes.end(), far.begin(), far.end());
+  expect_exact(tree, mesh, boxes);
+}
+
+TEST(SurfaceTree, longSweepsAndBlocksOfStrangersAreExactToo) {
+  Random random(5);
+  const auto mesh = sheet(40, 0.01, random);
+  SurfaceTree tree;
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+  for (double sweep : {0.0, 0.05, 2.0})
+    expect_exact(tree, mesh, particle_boxes(200, 1, sweep, 0.001, random));
+}
+
+TEST(SurfaceTree, touchingBoxesOverlap) {
+  MovingMesh mesh;
+  mesh.triangles = {{0, 1, 2}};
+  mesh.x_t0 = mesh.x_t1 = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 1)};
+  SurfaceTree tree;
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+  std::vector<std::uint32_t> found;
+  tree.query({Vec3(1, 0, 1), Vec3(2, 0, 2)}, found);
+  EXPECT_EQ(found.size(), 1u);
+  tree.query({Vec3(std::nextafter(1.0, 2.0), 0, 1), Vec3(2, 0, 2)}, found);
+  EXPECT_EQ(found.size(), 1u);
+}
+
+TEST(SurfaceTree, noTrianglesGiveNoCandidates) {
+  SurfaceTree tree;
+  const Workers workers(1);
+  const std::vector<Box> boxes(20, Box{Vec3::Zero(), Vec3::Ones()});
+  Candidates found;
+  tree.query(boxes, workers, found);
+  EXPECT_TRUE(found.triangle.empty());
+  const std::vector<Vec3> nodes(5, Vec3::Zero());
+  tree.update({}, nodes, nodes);
+  tree.query(boxes, workers, found);
+  EXPECT_EQ(found.begin, std::vector<std::uint32_t>(21, 0));
+  EXPECT_GT(tree.bounds().min.x(), tree.bounds().max.x());
+  tree.query(Span<const Box>(), workers, found);
+  EXPECT_EQ(found.begin.size(), 1u);
+}
+
+TEST(SurfaceTree, oneDegenerateAndManyDuplicateTrianglesAreFine) {
+  Random random(6);
+  MovingMesh mesh;
+  mesh.x_t0 = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 1)};
+  move(mesh, 0.1, random);
+  const auto boxes = particle_boxes(100, 1, 0.1, 0.01, random);
+  for (const auto& triangles : {std::vector<Triangle>{{0, 1, 2}}, std::vector<Triangle>{{1, 1, 1}},
+                                std::vector<Triangle>(1000, Triangle{0, 1, 2}),
+                                std::vector<Triangle>{{0, 1, 2}, {2, 1, 0}, {0, 0, 1}}}) {
+    mesh.triangles = triangles;
+    SurfaceTree tree;
+    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+    EXPECT_EQ(tree.builds(), 1u);
+    expect_exact(tree, mesh, boxes);
+  }
+}
+
+TEST(SurfaceTree, deepTreesOfCrowdingCentroidsAreTraversed) {
+  Random random(7);
+  MovingMesh mesh;
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    for (int k = 0; k < 3; ++k) mesh.x_t0.push_back(Vec3::Constant(std::pow(0.5, i)) + random.in_cube(1e-9));
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  mesh.x_t1 = mesh.x_t0;
+  SurfaceTree tree;
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+  expect_exact(tree, mesh, particle_boxes(100, 0.01, 0.01, 0.001, random));
+}
+
+TEST(SurfaceTree, sweepStartsAtTheCorrectedPositionsNotAtTheLastProposal) {
+  Random random(8);
+  auto mesh = sheet(12, 0.01, random);
+  SurfaceTree tree;
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+  for (int step = 0; step < 20; ++step) {
+    // Contact moved nodes after the proposal was handed to the tree: far enough to leave all old boxes.
+    for (Vec3& x : mesh.x_t1) x += Vec3(0, 0.5 + 0.1 * step, 0) + random.in_cube(0.2);
+    mesh.x_t0 = mesh.x_t1;
+    move(mesh, 0.01, random);
+    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      for (std::uint32_t node : mesh.triangles[t]) {
+        std::vector<std::uint32_t> found;
+        tree.query({mesh.x_t0[node], mesh.x_t0[node]}, found);
+        ASSERT_TRUE(std::binary_search(found.begin(), found.end(), t)) << "step " << step;
+      }
+    }
+    expect_exact(tree, mesh, particle_boxes(50, 1, 0.1, 0.05, random));
+  }
+}
+
+TEST(SurfaceTree, firstBuildAlreadySweeps) {
+  MovingMesh mesh;
+  mesh.triangles = {{0, 1, 2}};
+  mesh.x_t0 = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 1)};
+  for (const Vec3& x : mesh.x_t0) mesh.x_t1.push_back(x + Vec3(0, 5, 0));
+  SurfaceTree tree;
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+  EXPECT_EQ(tree.bounds().min, Vec3(0, 0, 0));
+  EXPECT_EQ(tree.bounds().max, Vec3(1, 5, 1));
+}
+
+TEST(SurfaceTree, refitsWhileTheMeshKeepsItsSizeAndRebuildsWhenItGrows) {
+  Random random(9);
+  auto mesh = sheet(16, 0.0, random);
+  SurfaceTree tree;
+  for (int step = 0; step < 50; ++step) {
+    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+    mesh.x_t0 = mesh.x_t1;
+    for (Vec3& x : mesh.x_t1) x += Vec3(0.003, 0.001, 0);
+  }
+  EXPECT_EQ(tree.builds(), 1u);
+  for (Vec3& x : mesh.x_t1) x *= 2.5;
+  mesh.x_t0 = mesh.x_t1;
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+  EXPECT_EQ(tree.builds(), 2u);
+  expect_exact(tree, mesh, particle_boxes(100, 2, 0.1, 0.05, random));
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+  EXPECT_EQ(tree.builds(), 2u) << "the size after the last build counts";
+}
+
+TEST(SurfaceTree, rebuildsWhenNeighboursInTheTreeDriftApart) {
+  Random random(10);
+  auto mesh = soup(300, 0, 0, random);
+  for (std::uint32_t i = 0; i < 100; ++i) mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  auto place = [&](double spread) {
+    for (std::uint32_t i = 0; i < 100; ++i) {
+      const Vec3 c = random.in_cube(spread);
+      for (std::uint32_t k = 0; k < 3; ++k) mesh.x_t0[3 * i + k] = c + Vec3::Unit(k) * 0.01;
+    }
+    mesh.x_t1 = mesh.x_t0;
+  };
+  SurfaceTree tree;
+  place(1);
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+  place(4);  // leaves as large as before, the tree above them not
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+  EXPECT_EQ(tree.builds(), 2u);
+}
+
+TEST(SurfaceTree, changedTopologyIsANewTree) {
+  Random random(11);
+  const auto boxes = particle_boxes(100, 1, 0.1, 0.02, random);
+  SurfaceTree tree;
+  std::size_t builds = 0;
+  auto mesh = sheet(10, 0.01, random);
+  auto update = [&] {
+    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+    EXPECT_EQ(tree.builds(), ++builds);
+    expect_exact(tree, mesh, boxes);
+  };
+  update();
+  std::swap(mesh.triangles[3], mesh.triangles[90]);  // same triangles, other numbers
+  update();
+  mesh.triangles.pop_back();
+  update();
+  mesh = sheet(14, 0.01, random);
+  update();
+  mesh.x_t0.emplace_back(9, 9, 9);  // a node more, unused
+  mesh.x_t1.emplace_back(9, 9, 9);
+  update();
+  tree.update({}, mesh.x_t0, mesh.x_t1);
+  update();
+}
+
+TEST(SurfaceTree, anyNumberOfThreadsGivesTheSameRows) {
+  Random random(12);
+  const auto mesh = sheet(40, 0.01, random);
+  SurfaceTree tree;
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+  const auto boxes = particle_boxes(5000, 1, 0.02, 0.01, random);
+  Candidates one, many;
+  tree.query(boxes, Workers(1), one);
+  for (int threads : {2, 3, 7}) {
+    tree.query(boxes, Workers(threads), many);
+    EXPECT_EQ(one.begin, many.begin);
+    EXPECT_EQ(one.triangle, many.triangle);
+  }
+}
+
+TEST(SurfaceTree, canBeMoved) {
+  Random random(13);
+  const auto mesh = sheet(10, 0.01, random);
+  SurfaceTree a;
+  a.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+  SurfaceTree b = std::move(a);
+  expect_exact(b, mesh, particle_boxes(50, 1, 0.1, 0.02, random));
+}
+
+}  // namespace
+}  // namespace oilskin::proximity

@@ -1,0 +1,37 @@
+/// Small things that tests of whole worlds share.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "oilskin/world.h"
+
+namespace oilskin::test {
+
+inline SurfaceSettings sheet_settings(double thickness = 0.001) {
+  SurfaceSettings s;
+  s.thickness = thickness;
+  return s;
+}
+
+inline Vec3 fluid_momentum(const World& w) {
+  Vec3 p = Vec3::Zero();
+  for (const Vec3& v : w.velocities()) p += w.particle_mass() * v;
+  return p;
+}
+
+/// A block of n³ particles above the sheet, all with one velocity.
+inline void add_block(World& w, int n, const Vec3& corner, const Vec3& velocity) {
+  std::vector<Vec3> x, v;
+  const double dx = w.fluid_settings().spacing;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < n; ++k) {
+        x.push_back(corner + dx * Vec3(i, j, k));
+        v.push_back(velocity);
+      }
+  std::uint64_t blocked = 0;
+  ASSERT_TRUE(w.add_particles(x, v, &blocked).ok());
+  ASSERT_EQ(blocked, 0u);
+}
+
+}  // namespace oilskin::test

@@ -1,0 +1,55 @@
+// The contract of hosts on the mock cloth.
+#include "support/contract_suite.h"
+#include "support/mock_cloth.h"
+
+namespace oilskin::test {
+namespace {
+
+template <class Scalar>
+class MockFixture {
+ public:
+  static constexpr bool is_double = sizeof(Scalar) == 8;
+
+  MockFixture() : world_(world_settings(), FluidSettings{}, contact_settings()), cloth_(grid()) {}
+
+  World& world() { return world_; }
+  Status attach(const SurfaceSettings& s) { return world_.attach(cloth_, s, &id_); }
+  void pin(int i, int j) { cloth_.pin(node(i, j)); }
+  void move_pin(int i, int j, const Vec3& by) { cloth_.x[node(i, j)] += by.cast<Scalar>(); }
+  void step(double dt) { world_.step(dt); }
+  Vec3 momentum() const { return cloth_.momentum(); }
+  Vec3 position(int i, int j) const { return cloth_.x[node(i, j)].template cast<double>(); }
+  SurfaceId id() const { return id_; }
+
+ private:
+  static WorldSettings world_settings() {
+    WorldSettings s;
+    s.gravity.setZero();
+    s.kill_box = {Vec3::Constant(-2), Vec3::Constant(2)};
+    return s;
+  }
+  static ContactSettings contact_settings() {
+    ContactSettings s;
+    s.verify = true;
+    return s;
+  }
+  static GridShape grid() {
+    GridShape g;
+    g.nu = g.nv = 17;
+    g.origin = Vec3(-0.1, 0, -0.1);
+    g.u = Vec3(0.2, 0, 0);
+    g.v = Vec3(0, 0, 0.2);
+    return g;
+  }
+  static std::size_t node(int i, int j) { return static_cast<std::size_t>(i + 17 * j); }
+
+  World world_;
+  MockCloth<Scalar> cloth_;
+  SurfaceId id_;
+};
+
+using Hosts = ::testing::Types<MockFixture<float>, MockFixture<double>>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Mock, HostContract, Hosts);
+
+}  // namespace
+}  // namespace oilskin::test

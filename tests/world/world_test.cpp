@@ -1,0 +1,232 @@
+// The world: bad input, quarantine, kill box, emission by contact's rules, threads.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "support/mock_cloth.h"
+#include "support/world_helpers.h"
+
+namespace oilskin {
+namespace {
+
+using test::GridShape;
+using test::MockCloth;
+
+WorldSettings box(double half, const Vec3& gravity = Vec3(0, -9.81, 0), int threads = 1) {
+  WorldSettings s;
+  s.kill_box = {Vec3::Constant(-half), Vec3::Constant(half)};
+  s.gravity = gravity;
+  s.threads = threads;
+  return s;
+}
+
+GridShape sheet(double size, std::uint32_t nodes) {
+  GridShape g;
+  g.nu = g.nv = nodes;
+  g.origin = Vec3(-size / 2, 0, -size / 2);
+  g.u = Vec3(size, 0, 0);
+  g.v = Vec3(0, 0, size);
+  return g;
+}
+
+TEST(World, refuses_steps_and_settings_that_make_no_sense_and_keeps_its_state) {
+  World w(box(2));
+  ASSERT_TRUE(w.status().ok());
+  for (double dt : {0.0, -1e-3, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    const StepReport& r = w.step(dt);
+    EXPECT_FALSE(r.status.ok());
+    EXPECT_NE(r.status.message.find("it must be finite and > 0 s"), std::string::npos);
+    EXPECT_EQ(w.step_count(), 0u);
+  }
+  FluidSettings bad;
+  bad.spacing = -1;
+  World refused(box(2), bad);
+  EXPECT_NE(refused.status().message.find("fluid.spacing is -1"), std::string::npos);
+  EXPECT_FALSE(refused.step(1e-3).status.ok());
+  ContactSettings contact;
+  contact.sweeps = 0;
+  EXPECT_FALSE(w.set_contact_settings(contact).ok());
+  EXPECT_EQ(w.contact_settings().sweeps, 5);
+  EXPECT_FALSE(w.set_gravity(Vec3(0, std::nan(""), 0)).ok());
+}
+
+class Broken : public MockCloth<double> {
+ public:
+  std::function<void(SurfaceMotion&)> spoil;
+  Gathered gather(double dt, SurfaceMotion& m) override {
+    Gathered g = MockCloth<double>::gather(dt, m);
+    if (spoil) spoil(m);
+    return g;
+  }
+};
+
+TEST(World, refuses_broken_meshes_with_a_message) {
+  const struct {
+    std::function<void(SurfaceMotion&)> spoil;
+    const char* message;
+  } cases[] = {
+      {[](SurfaceMotion& m) { m.triangles.clear(); }, "no triangles"},
+      {[](SurfaceMotion& m) { m.triangles[3][2] = 1000; }, "triangle 3 names node 1000; the surface has 81 nodes"},
+      {[](SurfaceMotion& m) { m.x_t1[5].z() = std::nan(""); }, "the position of node 5 is not finite"},
+      {[](SurfaceMotion& m) { m.velocity[6].x() = INFINITY; }, "the velocity of node 6 is not finite"},
+      {[](SurfaceMotion& m) { m.inverse_mass[7] = -1; }, "the inverse mass of node 7 is -1"},
+      {[](SurfaceMotion& m) { m.velocity.pop_back(); }, "80 velocities"},
+      {[](SurfaceMotion& m) { m.storage = Storage::float32; m.x_t1[0].x() = 0.1; }, "node 0 is no number that its storage"},
+  };
+  for (const auto& c : cases) {
+    World w(box(2));
+    Broken cloth;
+    cloth.spoil = c.spoil;
+    const Status s = w.attach(cloth, test::sheet_settings(), nullptr);
+    EXPECT_FALSE(s.ok());
+    EXPECT_NE(s.message.find(c.message), std::string::npos) << s.message;
+    EXPECT_EQ(w.surface_count(), 0u);
+  }
+}
+
+TEST(World, a_surface_that_breaks_while_attached_is_left_out_and_the_rest_goes_on) {
+  World w(box(2));
+  Broken cloth;
+  SurfaceId id;
+  ASSERT_TRUE(w.attach(cloth, test::sheet_settings(), &id).ok());
+  ASSERT_TRUE(w.step(1e-3).status.ok());
+  cloth.spoil = [](SurfaceMotion& m) { m.x_t1[5].z() = std::nan(""); };
+  const StepReport& r = w.step(1e-3);
+  EXPECT_TRUE(r.status.ok());
+  EXPECT_TRUE(r.flags & flag_surface_refused);
+  ASSERT_EQ(r.messages.size(), 1u);
+  EXPECT_NE(r.messages[0].find("position of node 5"), std::string::npos);
+  cloth.spoil = nullptr;
+  w.reset_motion(id);
+  EXPECT_FALSE(w.step(1e-3).flags & flag_surface_refused);
+}
+
+TEST(World, a_surface_that_changes_its_mesh_is_a_new_surface) {
+  World w(box(2));
+  Broken cloth;
+  SurfaceId id;
+  ASSERT_TRUE(w.attach(cloth, test::sheet_settings(), &id).ok());
+  test::add_block(w, 3, Vec3(0.03, 0.01, 0.03), Vec3(0, -2, 0));
+  w.step(1e-3);
+  const std::uint64_t before = w.surface(id)->id;
+  cloth.triangles.pop_back();  // torn
+  w.step(1e-3);
+  EXPECT_NE(w.surface(id)->id, before);
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(w.step(1e-3).status.ok());
+}
+
+TEST(World, non_finite_particles_are_quarantined_and_counted_the_rest_goes_on) {
+  World w(box(2, Vec3::Zero()));
+  test::add_block(w, 3, Vec3(0, 0, 0), Vec3(1, 0, 0));
+  std::vector<Vec3> dv(w.particle_count(), Vec3::Zero());
+  dv[4].y() = std::nan("");
+  dv[7].x() = 1e300;
+  ASSERT_TRUE(w.add_velocities(dv).ok());
+  const StepReport& r = w.step(1e-3);
+  EXPECT_EQ(r.quarantined, 2u);
+  EXPECT_TRUE(r.flags & flag_quarantined);
+  EXPECT_EQ(w.particle_count(), 25u);
+  for (const Vec3& x : w.positions()) EXPECT_TRUE(x.allFinite());
+  EXPECT_FALSE(w.add_velocities(dv).ok());
+  const Vec3 bad(0, std::nan(""), 0), zero = Vec3::Zero();
+  EXPECT_FALSE(w.add_particles(Span<const Vec3>(&bad, 1), Span<const Vec3>(&zero, 1)).ok());
+}
+
+TEST(World, what_leaves_the_kill_box_is_removed_and_booked) {
+  World w(box(0.1, Vec3::Zero()));
+  test::add_block(w, 2, Vec3(0.05, 0, 0), Vec3(10, 0, 0));
+  Vec3 removed = Vec3::Zero();
+  double mass = 0;
+  for (int k = 0; k < 20; ++k) {
+    const StepReport& r = w.step(1e-3);
+    removed += r.momentum_removed;
+    mass += r.mass_removed;
+    EXPECT_LE(r.momentum_residual().norm(), 1e-12);
+  }
+  EXPECT_EQ(w.particle_count(), 0u);
+  EXPECT_NEAR(mass, 8 * w.particle_mass(), 1e-15);
+  EXPECT_NEAR(removed.x(), 80 * w.particle_mass(), 1e-6);
+}
+
+TEST(World, starts_too_near_a_surface_are_blocked_counted_and_wait) {
+  World w(box(1));
+  GridShape g = sheet(0.2, 9);
+  MockCloth<double> cloth(g);
+  for (std::size_t i = 0; i < cloth.x.size(); ++i) cloth.pin(i);
+  ASSERT_TRUE(w.attach(cloth, test::sheet_settings(), nullptr).ok());
+  DiscEmitter jet;
+  jet.center = Vec3(0.001, 1e-9, 0.002);  // in the sheet
+  jet.radius = 0.01;
+  jet.speed = 1;
+  ASSERT_TRUE(w.add_emitter(jet).ok());
+  std::uint64_t blocked = 0, emitted = 0;
+  for (int k = 0; k < 20; ++k) {
+    const StepReport& r = w.step(1e-3);
+    blocked += r.blocked_starts;
+    emitted += r.emitted;
+  }
+  EXPECT_GT(blocked, 0u);
+  EXPECT_EQ(emitted, 0u);
+}
+
+TEST(World, collision_masks_let_fluids_through_surfaces_of_other_groups) {
+  World w(box(1, Vec3::Zero()));
+  MockCloth<double> cloth(sheet(0.2, 9));
+  SurfaceSettings s = test::sheet_settings();
+  s.collision_group = 2;
+  s.collision_mask = 4;
+  ASSERT_TRUE(w.attach(cloth, s, nullptr).ok());
+  test::add_block(w, 2, Vec3(0, 0.002, 0), Vec3(0, -5, 0));
+  for (int k = 0; k < 5; ++k) w.step(1e-3);
+  for (const Vec3& x : w.positions()) EXPECT_LT(x.y(), 0);
+}
+
+struct Splash {
+  std::uint64_t hash;
+  std::uint64_t crossings;
+};
+
+Splash splash(int threads, double dt, Storage storage) {
+  ContactSettings contact;
+  contact.verify = true;
+  World w(box(1, Vec3(0, -9.81, 0), threads), FluidSettings{}, contact);
+  GridShape g = sheet(0.2, 21);
+  MockCloth<double> in_double(g);
+  MockCloth<float> in_float(g);
+  for (std::size_t corner : {0u, 20u, 420u, 440u}) in_double.pin(corner), in_float.pin(corner);
+  SurfaceHost& host = storage == Storage::float64 ? static_cast<SurfaceHost&>(in_double) : in_float;
+  SurfaceSettings s = test::sheet_settings();
+  s.slip.model = SlipModel::coulomb;
+  s.slip.friction = 0.3;
+  EXPECT_TRUE(w.attach(host, s, nullptr).ok());
+  DiscEmitter jet;
+  jet.center = Vec3(0.003, 0.04, -0.002);
+  jet.radius = 0.015;
+  jet.speed = 3;
+  EXPECT_TRUE(w.add_emitter(jet).ok());
+  Splash result{0, 0};
+  for (int k = 0; k < static_cast<int>(0.08 / dt); ++k) {
+    const StepReport& r = w.step(dt);
+    EXPECT_TRUE(r.status.ok());
+    result.crossings += r.contact.crossings_found_by_verify;
+  }
+  EXPECT_GT(w.particle_count(), 500u);
+  result.hash = w.state_hash();
+  return result;
+}
+
+TEST(World, same_input_same_bits_on_any_number_of_threads) {
+  for (Storage storage : {Storage::float32, Storage::float64}) {
+    const Splash one = splash(1, 1e-3, storage);
+    for (int threads : {2, 3}) EXPECT_EQ(splash(threads, 1e-3, storage).hash, one.hash) << threads << " threads";
+    EXPECT_EQ(one.crossings, 0u);
+  }
+}
+
+TEST(World, nothing_crosses_at_any_time_step) {
+  for (double dt : {2e-4, 4e-3, 0.016}) EXPECT_EQ(splash(2, dt, Storage::float32).crossings, 0u) << "dt " << dt;
+}
+
+}  // namespace
+}  // namespace oilskin
