@@ -88,7 +88,7 @@ bool SoftBodyHost::split_pins(SurfaceMotion& motion) {
     const std::uint32_t c = contact_node_[i];
     if (!is_prescribed(i)) continue;
     if (pin[c] == n) pin[c] = i;
-    apart[c] |= node(i).m_x != node(pin[c]).m_x;
+    apart[c] |= to_vec3(node(i).m_x) != to_vec3(node(pin[c]).m_x);
   }
   if (std::count(apart.begin(), apart.end(), 0) == static_cast<std::ptrdiff_t>(contact_nodes_)) return false;
   constexpr auto none = std::numeric_limits<std::uint32_t>::max();

@@ -10,7 +10,9 @@
 #include <vtkSphereSource.h>
 #include <vtkTextProperty.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "nearest_surface.h"
@@ -130,6 +132,27 @@ void DrawnWater::show(Part& part, const Points& points) {
   part.actor->SetVisibility(!points.position.empty());
 }
 
+namespace {
+
+/// How far a flat drop may spread before its rim comes through a fold of the sheet.
+double spread(const NearestSurface& nearest, const Vec3& p, const NearestSurface::Hit& hit, double most) {
+  const Vec3 n = hit.point.offset / hit.point.distance;
+  const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
+  double r = most;
+  for (int k = 0; k < 8; ++k) {
+    const double angle = 0.7853981633974483 * k;
+    const Vec3 way = std::cos(angle) * u + std::sin(angle) * v;
+    for (NearestSurface::Hit rim; r > hit.point.distance && nearest.find(p + r * way, &rim); r *= 0.75) {
+      const Vec3 foot = p + r * way - rim.point.offset;
+      const bool same_side = (p - foot).dot(rim.point.offset) > 0;
+      if (same_side && rim.point.distance > 0.25 * hit.point.distance) break;
+    }
+  }
+  return std::max(r, std::min(most, hit.point.distance));
+}
+
+}  // namespace
+
 void DrawnWater::update(const FrameData& frame) {
   const double radius = 0.5 * spacing_;
   NearestSurface nearest(radius);
@@ -150,7 +173,8 @@ void DrawnWater::update(const FrameData& frame) {
       continue;
     }
     const Vec3 n = hit.point.offset / hit.point.distance;
-    film.shape->InsertNextTuple3(hit.point.distance, radius, radius);
+    const double r = spread(nearest, frame.position[i], hit, radius);
+    film.shape->InsertNextTuple3(hit.point.distance, r, r);
     film.normal->InsertNextTuple3(n.x(), n.y(), n.z());
   }
   show(balls_, balls);

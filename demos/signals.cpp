@@ -1,5 +1,7 @@
 #include "signals.h"
 
+#include <unistd.h>
+
 #include <csignal>
 
 namespace oilskin::demo {
@@ -16,7 +18,6 @@ void on_signal(int number) {
 void watch_signals() {
   struct sigaction action = {};
   action.sa_handler = on_signal;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);  // a reader that leaves shows as a failed write

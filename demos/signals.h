@@ -1,4 +1,4 @@
-/// Stops a run at the end of its step on SIGINT or SIGTERM; a second one ends it at once.
+/// Stops a run at the end of its step on SIGINT or SIGTERM; a third one ends it at once.
 #pragma once
 
 namespace oilskin::demo {

@@ -7,7 +7,7 @@
 #include "ccd/coplanarity_cubic.h"
 #include "ccd/separation.h"
 
-// The method: docs/no_crossing argument. Every answer "no hit" is certified, either by a bound of the cubic's
+// The method. Every answer "no hit" is certified, either by a bound of the cubic's
 // rounding error (the four points are never coplanar) or by a direction that separates point and triangle
 // beyond the rounding error of its dot products. What cannot be certified is a hit.
 

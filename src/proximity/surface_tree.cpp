@@ -6,7 +6,7 @@
 // BVH_model.h needs the fitting functions of utility.h declared before it.
 #include <fcl/geometry/bvh/BVH_model.h>
 
-#include <cstring>
+#include <algorithm>
 #include <stdexcept>
 
 #include "core/assert.h"
@@ -79,6 +79,7 @@ struct SurfaceTree::Impl {
 
   void build(Span<const Triangle> tris, Span<const Vec3> x_t1);
   void refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1);
+  bool holds(Span<const Vec3> x_t0, Span<const Vec3> x_t1) const;
   void read_leaves(double* leaf_size, double* tree_size);
   bool reach(const Box& box, std::size_t limit, Scratch& scratch) const;
   void query_block(Span<const Box> block, Scratch& scratch, std::uint32_t* counts,
@@ -109,6 +110,12 @@ void SurfaceTree::Impl::refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1) {
   // starts at x_t0, and a box that starts elsewhere can miss it.
   std::copy(x_t0.begin(), x_t0.end(), model->prev_vertices);
   check(model->endUpdateModel(/*refit=*/true, /*bottomup=*/true), "refit");
+}
+
+/// Walls and floors ask for the same motion in every round of every step.
+bool SurfaceTree::Impl::holds(Span<const Vec3> x_t0, Span<const Vec3> x_t1) const {
+  return std::equal(x_t0.begin(), x_t0.end(), model->prev_vertices) &&
+         std::equal(x_t1.begin(), x_t1.end(), model->vertices);
 }
 
 void SurfaceTree::Impl::read_leaves(double* leaf_size, double* tree_size) {
@@ -189,6 +196,7 @@ void SurfaceTree::update(Span<const Triangle> triangles, Span<const Vec3> x_t0, 
   }
   double leaf_size = 0, tree_size = 0;
   if (same) {
+    if (s.holds(x_t0, x_t1)) return;
     s.refit(x_t0, x_t1);
     s.read_leaves(&leaf_size, &tree_size);
     // Leaves grow with stretch and speed; the whole tree also where parts that were near have moved apart.

@@ -27,16 +27,18 @@ class SurfaceTree {
   SurfaceTree(SurfaceTree&&) noexcept;
   SurfaceTree& operator=(SurfaceTree&&) noexcept;
 
-  /// Fits every leaf to x_t0 ∪ x_t1 of its triangle exactly (no inflation, no rounding). Builds a new tree when the
-  /// triangles are not those of the last call, or when the leaves or the whole tree have grown to more than twice
-  /// their size after the last build; else refits. What queries find does not depend on which of the two it was.
-  /// Finite positions, indices in range (asserted). Throws std::runtime_error where FCL refuses (out of memory).
+  /// Fits every leaf to x_t0 ∪ x_t1 of its triangle exactly (no inflation, no rounding). Builds a new tree
+  /// when the triangles are not those of the last call, or when the leaves or the whole tree have grown to
+  /// more than twice their size after the last build; else refits. What queries find does not depend on which
+  /// of the two it was. Finite positions, indices in range (asserted). Throws std::runtime_error where FCL
+  /// refuses (out of memory).
   void update(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1);
 
   std::size_t builds() const;  ///< how often a tree was built, for tests and reports
   Box bounds() const;          ///< of everything, empty for no triangles
 
-  /// All triangles whose swept box overlaps `box` (closed), appended in ascending order. Safe from several threads.
+  /// All triangles whose swept box overlaps `box` (closed), appended in ascending order. Safe from several
+  /// threads.
   void query(const Box& box, std::vector<std::uint32_t>& triangles) const;
 
   /// For each of n boxes, exactly the triangles whose swept boxes overlap it. One traversal serves a block of

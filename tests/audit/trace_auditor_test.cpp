@@ -287,7 +287,7 @@ TEST(TraceAuditor, AgreesWithAllPairsDecidedExactly) {
   std::mt19937_64 engine(3);
   const auto coordinate = [&] { return static_cast<double>(static_cast<int>(engine() % 17)) / 16 - 0.5; };
   const auto point = [&] { return Point{coordinate(), coordinate(), coordinate()}; };
-  for (int round = 0; round < 20; ++round) {
+  for (int round = 0; round < 6; ++round) {
     Record record;
     record.number = 1;
     record.length = 1;

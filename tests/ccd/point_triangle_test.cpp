@@ -162,14 +162,14 @@ TEST(PointTriangle, TrueHitsSurviveEverySymmetry) {
 TEST(PointTriangle, ClearQueriesAreAnsweredExactly) {
   Random random(17);
   int hits = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < 8000; ++i) {
     Corners x;
     for (Vec3& v : x) v = random.vector(1);
     const bool truth = exact::point_triangle(to_exact(x)).hit;
     EXPECT_EQ(meet(x).hit, truth);
     hits += truth ? 1 : 0;
   }
-  EXPECT_GT(hits, 1000);
+  EXPECT_GT(hits, 400);  // about one query in thirteen hits
 }
 
 // The public sets (see data/LICENSE), labelled by exact arithmetic.

@@ -250,6 +250,20 @@ TEST(SurfaceTree, anyNumberOfThreadsGivesTheSameRows) {
   }
 }
 
+TEST(SurfaceTree, noticesThatOnlyOneEndOfTheMotionChanged) {
+  Random random(14);
+  auto mesh = sheet(10, 0, random);
+  const auto boxes = particle_boxes(100, 1, 0.1, 0.02, random);
+  SurfaceTree tree;
+  for (int step = 0; step < 6; ++step) {
+    // Nothing, the end, nothing, the start, …: one node far away is enough.
+    if (step % 4 == 1) mesh.x_t1[37] += Vec3(0, 0.4, 0);
+    if (step % 4 == 3) mesh.x_t0[12] -= Vec3(0, 0.4, 0);
+    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+    expect_exact(tree, mesh, boxes);
+  }
+}
+
 TEST(SurfaceTree, canBeMoved) {
   Random random(13);
   const auto mesh = sheet(10, 0.01, random);

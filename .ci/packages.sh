@@ -1,0 +1,40 @@
+# Sourced by demos/run, tests/run and .ci/run: Debian packages and quiet builds.
+
+oilskin_build_packages=(cmake ninja-build g++ pkg-config libeigen3-dev libfcl-dev libccd-dev liboctomap-dev libtbb-dev
+  libbullet-dev nlohmann-json3-dev libcli11-dev)
+oilskin_test_packages=(libgtest-dev)
+oilskin_benchmark_packages=(libbenchmark-dev)
+# xvfb-run needs xauth, and a renderer to draw with.
+oilskin_picture_packages=(libvtk9-dev xvfb xauth libgl1-mesa-dri)
+
+# Installs those of the named packages that are missing; says so first.
+oilskin_install() {
+  local missing=() package sudo=()
+  command -v dpkg-query >/dev/null || {
+    echo "This is no Debian: the packages cannot be looked up, going on with what is there." >&2
+    return 0
+  }
+  for package in "$@"; do
+    [[ $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] || missing+=("$package")
+  done
+  ((${#missing[@]})) || return 0
+  echo "Installing missing packages: ${missing[*]}" >&2
+  ((EUID == 0)) || sudo=(sudo)
+  "${sudo[@]}" apt-get update -qq >&2 &&
+    "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2
+}
+
+# oilskin_build ROOT PRESET [TARGET…]: configures where needed and builds on all cores. The output goes to
+# build/PRESET.log and is shown only when something fails.
+oilskin_build() {
+  local root=$1 preset=$2 log
+  shift 2
+  log=$root/build/$preset.log
+  mkdir -p "$root/build"
+  echo "Building ($preset), log in $log ..." >&2
+  if ! (cd "$root" && cmake --preset "$preset" && cmake --build --preset "$preset" ${1:+--target "$@"}) >"$log" 2>&1; then
+    tail -n 60 "$log" >&2
+    echo "The build failed; the whole log is in $log" >&2
+    return 1
+  fi
+}

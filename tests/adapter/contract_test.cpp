@@ -1,0 +1,52 @@
+// The contract of hosts on Bullet's soft body, in the precision that this file is compiled for.
+#include "support/contract_suite.h"
+
+#include "adapter/bullet_world.h"
+#include "oilskin/bullet.h"
+
+namespace oilskin::test {
+namespace {
+
+class BulletFixture {
+ public:
+  static constexpr bool is_double = bullet::test::is_double;
+  static constexpr int nodes = 17;
+
+  BulletFixture()
+      : fluid_(FluidSettings{}, world_settings(), contact_settings()), bullet_(btVector3(0, 0, 0), &solver_) {
+    cloth_ = bullet_.patch(nodes, 0.2, 0, 0, 0.2 * 0.04);
+    EXPECT_TRUE(solver_.addFluid(&fluid_).ok());
+  }
+
+  World& world() { return fluid_.getWorld(); }
+  Status attach(const SurfaceSettings& s) { return solver_.addCloth(cloth_, s); }
+  void pin(int i, int j) { cloth_->setMass(i + nodes * j, 0); }
+  void move_pin(int i, int j, const Vec3& by) { cloth_->m_nodes[i + nodes * j].m_x += bullet::to_bt(by); }
+  void step(double dt) { bullet_.step(dt); }
+  Vec3 momentum() const { return bullet::test::momentum(*cloth_); }
+  Vec3 position(int i, int j) const { return bullet::to_vec3(cloth_->m_nodes[i + nodes * j].m_x); }
+  SurfaceId id() const { return SurfaceId{1}; }
+
+ private:
+  static WorldSettings world_settings() {
+    WorldSettings s;
+    s.gravity.setZero();
+    s.kill_box = {Vec3::Constant(-2), Vec3::Constant(2)};
+    return s;
+  }
+  static ContactSettings contact_settings() {
+    ContactSettings s;
+    s.verify = true;
+    return s;
+  }
+
+  bullet::btFluid fluid_;
+  bullet::btFluidSoftBodySolver solver_;
+  bullet::test::SoftWorld bullet_;
+  btSoftBody* cloth_ = nullptr;
+};
+
+INSTANTIATE_TYPED_TEST_SUITE_P(Bullet, HostContract, BulletFixture);
+
+}  // namespace
+}  // namespace oilskin::test
