@@ -79,7 +79,7 @@ CommandLine::CommandLine() {
   run->add_option("--dt", options.dt, "step of fluid and contact [s]");
   run->add_option("--threads", options.threads, "0 = all hardware threads")->check(CLI::Range(0, 1024));
   run->add_option("--frames-per-second", options.frames_per_second,
-                  "of simulated time; 0 = none (default 30)")
+                  "of simulated time; 0 = none (default: the scene's, 30)")
       ->check(CLI::Range(0.0, 1e6));
   run->add_flag("--render,!--no-render", render, "draw pictures (default: if the program can)");
   run->add_flag("--view", options.view, "show a window");

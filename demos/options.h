@@ -18,8 +18,8 @@ struct RunOptions {
   std::optional<double> duration, dt;
   std::optional<std::uint64_t> seed;
   int threads = 0;
-  double frames_per_second = 30;
-  std::optional<bool> render;  ///< absent: if the program can
+  std::optional<double> frames_per_second;  ///< absent: as the scene says
+  std::optional<bool> render;               ///< absent: if the program can
   bool view = false;
   std::string trace;  ///< empty: none; "-": standard output
   StepRange trace_steps;

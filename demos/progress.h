@@ -23,7 +23,7 @@ class Progress {
   std::FILE* out_;
   bool quiet_, terminal_, bar_open_ = false;
   std::chrono::steady_clock::time_point start_;
-  double last_shown_ = -1;
+  double last_shown_ = -1e9;
 };
 
 }  // namespace oilskin::demo

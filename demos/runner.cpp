@@ -72,7 +72,7 @@ class Run {
 
  private:
   void open_frames() {
-    if (options_.frames_per_second == 0 && !options_.view) return;
+    if (scene_.pictures.frames_per_second == 0 && !options_.view) return;
     std::string why;
     const bool wanted = options_.render.value_or(true);
     const bool can = pictures_available(&why);
@@ -81,8 +81,8 @@ class Run {
     if (wanted && !can) progress_.line("No pictures: " + why + ".");
     FrameOptions frames;
     frames.directory = directory_;
-    frames.files = options_.frames_per_second > 0;
-    frames.pictures = wanted && can && options_.frames_per_second > 0;
+    frames.files = scene_.pictures.frames_per_second > 0;
+    frames.pictures = wanted && can && scene_.pictures.frames_per_second > 0;
     frames.window = options_.view;
     frames_ = make_frames(scene_, frames);
   }
@@ -94,7 +94,7 @@ class Run {
     totals_.add(report);
     if (trace_) trace_->check();
     measurer_.after_step(*simulation_, report, s + 1);
-    const double rate = options_.frames_per_second > 0 ? options_.frames_per_second : 30;
+    const double rate = scene_.pictures.frames_per_second > 0 ? scene_.pictures.frames_per_second : 30;
     if (scene_.dt * double(s + 1) >= frame_number_ / rate - 1e-9) write_frame();
   }
 

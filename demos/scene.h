@@ -136,8 +136,9 @@ struct View {
 };
 
 struct Pictures {
-  double max_speed = 0;     ///< end of the colour scale [m/s]; 0 = the fastest of the first frames
-  std::vector<View> views;  ///< side by side; empty: two views around the surfaces
+  double frames_per_second = 30;  ///< of simulated time; 0 = none
+  double max_speed = 0;           ///< end of the colour scale [m/s]; 0 = the fastest of the first frames
+  std::vector<View> views;        ///< side by side; empty: two views around the surfaces
 };
 
 struct Scene {

@@ -285,6 +285,7 @@ void describe(Fields& f, View& v) {
 }
 
 void describe(Fields& f, Pictures& p) {
+  f.number("frames_per_second", p.frames_per_second, between(0, 1e6));
   f.number("max_speed", p.max_speed, not_negative());
   f.list("views", p.views, [](Fields& g, View& v) { describe(g, v); });
 }

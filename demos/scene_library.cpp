@@ -54,6 +54,8 @@ Scene load_scene(const RunOptions& options) {
   if (options.duration) json["duration"] = *options.duration;
   if (options.dt) json["dt"] = *options.dt;
   if (options.seed) json["seed"] = *options.seed;
+  if (options.frames_per_second)
+    apply_override(json, "pictures.frames_per_second=" + std::to_string(*options.frames_per_second));
   for (const std::string& assignment : options.set) apply_override(json, assignment);
   Scene scene = read_scene(json, fs::path(file).parent_path().string());
   if (scene.name.empty()) scene.name = fs::path(file).stem().string();

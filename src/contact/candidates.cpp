@@ -14,10 +14,12 @@ Box swept_box(const ParticleMotion& particles, std::uint32_t p) {
   return box;
 }
 
-// A candidate set with room to move is still covering in later rounds; 0.4 dx was so in 99 % of them.
-double slack(const ParticleMotion& particles) { return 0.4 * particles.spacing; }
-
 }  // namespace
+
+// Room for what pressure and rounds of impulses add to the predicted way. Who leaves it is queried again.
+double CandidateSet::slack(const ParticleMotion& particles) {
+  return 0.2 * particles.spacing;
+}
 
 void CandidateSet::collect(Context& context) {
   const std::size_t n = context.particle_count();
@@ -37,7 +39,8 @@ void CandidateSet::collect(Context& context) {
   }
 }
 
-void CandidateSet::query(Context& context, std::uint32_t surface, const std::vector<std::uint32_t>& particles) {
+void CandidateSet::query(Context& context, std::uint32_t surface,
+                         const std::vector<std::uint32_t>& particles) {
   Surface& set = surfaces_[surface];
   const SurfaceMotion& motion = *context.surfaces[surface];
   const double reach = std::max(motion.thickness, 2 * motion.delta) + slack(*context.particles);
@@ -56,7 +59,7 @@ void CandidateSet::query(Context& context, std::uint32_t surface, const std::vec
   }
 }
 
-std::vector<std::uint32_t> CandidateSet::refresh(Context& context) {
+std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin) {
   std::vector<std::uint32_t> stale, queried;
   for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
     Surface& set = surfaces_[s];
@@ -68,14 +71,16 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context) {
       set.pool.clear();
     }
     stale.clear();
-    // Beyond δ nothing can be bad, so a swept box inflated by 2 δ within the queried one is covered.
+    // Beyond δ nothing can be bad, so for detection a swept box inflated by 2 δ within the queried one is
+    // covered.
+    const double reach = std::max(2 * motion.delta, margin * motion.thickness);
     for (std::uint32_t p = 0; p < context.particle_count(); ++p) {
       if (context.out_of_play[p]) {
         set.count[p] = 0;
         continue;
       }
       if (nodes_moved || (context.particle_stamp[p] > 0 &&
-                          !set.box[p].contains(swept_box(*context.particles, p).inflated(2 * motion.delta))))
+                          !set.box[p].contains(swept_box(*context.particles, p).inflated(reach))))
         stale.push_back(p);
     }
     if (!stale.empty()) query(context, s, stale);

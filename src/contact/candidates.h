@@ -7,7 +7,7 @@ namespace oilskin::contact {
 
 struct CandidatePair {
   std::uint32_t triangle = 0;
-  std::uint32_t tested = 0;   ///< epoch of the last test that found it good; 0 = never, or bad
+  std::uint32_t tested = 0;  ///< epoch of the last test that found it good; 0 = never, or bad
   double end_distance = std::numeric_limits<double>::infinity();  ///< where it was computed
 };
 
@@ -16,10 +16,13 @@ class CandidateSet {
   /// Queries every particle: box of x_t0 ∪ x_t1 inflated by thickness + slack.
   void collect(Context& context);
 
-  /// Makes the set cover the present x_t1: particles whose swept box left the box that they were queried with are
-  /// queried again; all are where nodes of the surface moved since its tree was fitted. Returns those that were,
-  /// ascending.
-  std::vector<std::uint32_t> refresh(Context& context);
+  /// Makes the set cover the present x_t1 up to a margin: particles whose swept box, inflated by max(2 δ,
+  /// `margin` × h), left the box that they were queried with are queried again; all are where nodes of the
+  /// surface moved since its tree was fitted. Returns those that were, ascending.
+  std::vector<std::uint32_t> refresh(Context& context, double margin = 0);
+
+  /// How far an end may wander from the prediction, per axis, before refresh(…, 1) queries again [m].
+  static double slack(const ParticleMotion& particles);
 
   Span<CandidatePair> of(std::uint32_t surface, std::uint32_t particle) {
     Surface& s = surfaces_[surface];

@@ -62,7 +62,7 @@ void ContactLoop::run() {
     std::fill(context_.particle_stamp.begin(), context_.particle_stamp.end(), context_.epoch);
     for (std::size_t p = 0; p < context_.particle_count(); ++p)
       if (context_.particles->removed[p]) context_.out_of_play[p] = 1;  // quarantined since begin()
-    records_.update(context_, candidates_, candidates_.refresh(context_));
+    records_.update(context_, candidates_, candidates_.refresh(context_, 1));
     context_.report->candidates = candidates_.size();
   }
   const double energy_before = kinetic_energy();
@@ -99,7 +99,8 @@ double ContactLoop::kinetic_energy() const {
   double energy = 0;
   const ParticleMotion& particles = *context_.particles;
   for (std::size_t p = 0; p < particles.id.size(); ++p)
-    if (particles.inverse_mass[p] > 0) energy += 0.5 * particles.velocity[p].squaredNorm() / particles.inverse_mass[p];
+    if (particles.inverse_mass[p] > 0)
+      energy += 0.5 * particles.velocity[p].squaredNorm() / particles.inverse_mass[p];
   for (const SurfaceMotion* s : context_.surfaces)
     for (std::size_t i = 0; i < s->velocity.size(); ++i)
       if (s->inverse_mass[i] > 0) energy += 0.5 * s->velocity[i].squaredNorm() / s->inverse_mass[i];

@@ -1,5 +1,5 @@
-/// The contact loop of one interval, in two halves so that a fluid can see its contacts before it decides where to
-/// go: begin() → (pressure) → run().
+/// The contact loop of one interval, in two halves so that a fluid can see its contacts before it decides
+/// where to go: begin() → (pressure) → run().
 #pragma once
 
 #include <map>
@@ -13,17 +13,17 @@ class ContactLoop {
  public:
   explicit ContactLoop(std::shared_ptr<Workers> workers) : workers_(std::move(workers)) {}
 
-  /// Collects candidates and records for the predicted x_t1. The arrays behind `particles` and the surfaces must
-  /// stay where they are until run() returns. Surfaces need x_t0, x_t1, velocity, inverse_mass; impulse and moved are
-  /// reset here.
+  /// Collects candidates and records for the predicted x_t1. The arrays behind `particles` and the surfaces
+  /// must stay where they are until run() returns. Surfaces need x_t0, x_t1, velocity, inverse_mass; impulse
+  /// and moved are reset here.
   void begin(double dt, const ContactSettings& settings, ParticleMotion& particles,
              Span<SurfaceMotion* const> surfaces, ContactReport& report, StageSeconds& seconds);
 
   /// Records that act for the present x_t1, ordered by particle, surface and triangle.
   const std::vector<ContactRecord>& select_records();
 
-  /// Impulses, meetings, zones, certificate, for the present x_t1 (the caller may have changed it since begin()).
-  /// Particles that are marked `removed` by now take no part.
+  /// Impulses, meetings, zones, certificate, for the present x_t1 (the caller may have changed it since
+  /// begin()). Particles that are marked `removed` by now take no part.
   void run();
 
   const std::vector<ContactRecord>& records() const { return active_; }

@@ -12,7 +12,8 @@ struct ContactSolver::Impl {
   std::shared_ptr<Workers> workers;
   contact::ContactLoop loop;
 
-  Impl(const ContactSettings& s, std::shared_ptr<Workers> w) : settings(s), workers(std::move(w)), loop(workers) {}
+  Impl(const ContactSettings& s, std::shared_ptr<Workers> w)
+      : settings(s), workers(std::move(w)), loop(workers) {}
 };
 
 ContactSolver::ContactSolver(const ContactSettings& settings, int threads)
@@ -23,7 +24,9 @@ ContactSolver::~ContactSolver() = default;
 ContactSolver::ContactSolver(ContactSolver&&) noexcept = default;
 ContactSolver& ContactSolver::operator=(ContactSolver&&) noexcept = default;
 
-const ContactSettings& ContactSolver::settings() const { return impl_->settings; }
+const ContactSettings& ContactSolver::settings() const {
+  return impl_->settings;
+}
 
 Status ContactSolver::set_settings(const ContactSettings& settings) {
   Status status = settings.validate();
@@ -66,9 +69,11 @@ Status check_surface(const SurfaceMotion& s) {
   const std::size_t n = s.x_t0.size();
   if (s.id == 0) return refuse("a surface has id 0; ids begin at 1");
   if (s.x_t1.size() != n || s.velocity.size() != n || s.inverse_mass.size() != n)
-    return refuse("the arrays of surface ", s.id, " differ in length; each must have ", n, " entries, as x_t0 has");
+    return refuse("the arrays of surface ", s.id, " differ in length; each must have ", n,
+                  " entries, as x_t0 has");
   if (!s.holdable.empty() && s.holdable.size() != n)
-    return refuse("holdable of surface ", s.id, " has ", s.holdable.size(), " entries; it must have ", n, " or none");
+    return refuse("holdable of surface ", s.id, " has ", s.holdable.size(), " entries; it must have ", n,
+                  " or none");
   if (s.triangles.empty()) return refuse("surface ", s.id, " has no triangles");
   for (std::size_t t = 0; t < s.triangles.size(); ++t)
     for (std::uint32_t v : s.triangles[t])
@@ -115,8 +120,12 @@ const std::vector<ContactRecord>& ContactSolver::find_records(const ParticleMoti
   return impl_->loop.select_records();
 }
 
-const std::vector<ContactRecord>& ContactSolver::records() const { return impl_->loop.records(); }
+const std::vector<ContactRecord>& ContactSolver::records() const {
+  return impl_->loop.records();
+}
 
-void ContactSolver::forget(std::uint64_t surface_id) { impl_->loop.forget(surface_id); }
+void ContactSolver::forget(std::uint64_t surface_id) {
+  impl_->loop.forget(surface_id);
+}
 
 }  // namespace oilskin

@@ -27,13 +27,13 @@ struct Context {
   Span<SurfaceMotion* const> surfaces;
   std::vector<SurfaceCache*> caches;  // one per surface
 
-  // State: the epoch in which a point's end position last changed. Pairs are tested again when a stamp is younger
-  // than their last test.
+  // State: the epoch in which a point's end position last changed. Pairs are tested again when a stamp is
+  // younger than their last test.
   std::uint32_t epoch = 1;
   std::vector<std::uint32_t> particle_stamp;
   std::vector<std::vector<std::uint32_t>> node_stamp;
-  std::vector<std::uint32_t> surface_stamp;   // youngest stamp of the surface's nodes
-  std::vector<std::uint8_t> out_of_play;      // removed, or allowed to pass
+  std::vector<std::uint32_t> surface_stamp;  // youngest stamp of the surface's nodes
+  std::vector<std::uint8_t> out_of_play;     // removed, or allowed to pass
 
   // Output
   ContactReport* report = nullptr;

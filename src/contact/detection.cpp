@@ -9,37 +9,36 @@ namespace {
 
 constexpr std::size_t chunk = 256;
 
-// Do the boxes of the whole paths come within `margin`? Comparisons of stored numbers; the margin is padded, so
-// rounding can only let pairs through to the real tests.
-bool swept_boxes_apart(const Quad& x0, const Quad& x1, double margin) {
+// Are the boxes of the whole paths disjoint? Comparisons of stored numbers alone, so the answer is exact, and
+// disjoint boxes cannot meet.
+bool swept_boxes_apart(const Quad& x0, const Quad& x1) {
   for (int k = 0; k < 3; ++k) {
     const double low = std::min({x0.a[k], x0.b[k], x0.c[k], x1.a[k], x1.b[k], x1.c[k]});
     const double high = std::max({x0.a[k], x0.b[k], x0.c[k], x1.a[k], x1.b[k], x1.c[k]});
-    if (std::max(x0.p[k], x1.p[k]) + margin < low || high + margin < std::min(x0.p[k], x1.p[k])) return true;
+    if (std::max(x0.p[k], x1.p[k]) < low || high < std::min(x0.p[k], x1.p[k])) return true;
   }
   return false;
 }
 
-bool end_boxes_apart(const Quad& x1, double margin) {
-  for (int k = 0; k < 3; ++k) {
-    const double low = std::min({x1.a[k], x1.b[k], x1.c[k]}), high = std::max({x1.a[k], x1.b[k], x1.c[k]});
-    if (x1.p[k] + margin < low || high + margin < x1.p[k]) return true;
-  }
-  return false;
+// Squared distance of the particle from the triangle's box at the end: a lower bound of their distance.
+double end_box_distance2(const Quad& x1) {
+  const Vec3 low = x1.a.cwiseMin(x1.b).cwiseMin(x1.c), high = x1.a.cwiseMax(x1.b).cwiseMax(x1.c);
+  return (low - x1.p).cwiseMax(x1.p - high).cwiseMax(0.0).squaredNorm();
 }
 
-// Tests one pair; true = bad. The end distance is measured up to h, for the report, and judged at δ.
-bool test_pair(const Context& context, const SurfaceMotion& s, const Quad& x0, const Quad& x1, CandidatePair& pair,
-               BadPair& bad) {
+// Tests one pair; true = bad. The end distance is judged at δ; beyond it is measured only where it can be the
+// particle's least (for the report).
+bool test_pair(const Context& context, const SurfaceMotion& s, const Quad& x0, const Quad& x1,
+               CandidatePair& pair, double& least, BadPair& bad) {
   pair.end_distance = std::numeric_limits<double>::infinity();
-  const double reach = std::max(s.thickness, 1.0001 * s.delta);
-  if (swept_boxes_apart(x0, x1, reach)) return false;
-  if (!end_boxes_apart(x1, reach)) {
+  const double reach = std::max(1.0001 * s.delta, std::min(s.thickness, least));
+  if (end_box_distance2(x1) <= reach * reach) {
     const EndDistance d = end_distance(x1, s.delta);
     pair.end_distance = d.distance;
+    least = std::min(least, d.distance);
     bad.near = d.near;
   }
-  if (context.settings->ccd) {
+  if (context.settings->ccd && !swept_boxes_apart(x0, x1)) {
     const ccd::Meeting m = meets(x0, x1);
     bad.meets = m.hit;
     if (m.hit) bad.time = m.time;
@@ -47,8 +46,10 @@ bool test_pair(const Context& context, const SurfaceMotion& s, const Quad& x0, c
   return bad.near || bad.meets;
 }
 
-void detect_for_particle(const Context& context, CandidateSet& candidates, std::uint32_t p, std::vector<BadPair>& out) {
+void detect_for_particle(const Context& context, CandidateSet& candidates, std::uint32_t p,
+                         std::vector<BadPair>& out) {
   const std::uint32_t stamp = context.particle_stamp[p];
+  double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t s = 0; s < context.surfaces.size(); ++s) {
     const SurfaceMotion& motion = *context.surfaces[s];
     for (CandidatePair& pair : candidates.of(s, p)) {
@@ -63,8 +64,8 @@ void detect_for_particle(const Context& context, CandidateSet& candidates, std::
       bad.particle = p;
       bad.surface = s;
       bad.triangle = pair.triangle;
-      const bool is_bad =
-          test_pair(context, motion, context.start(p, s, pair.triangle), context.end(p, s, pair.triangle), pair, bad);
+      const bool is_bad = test_pair(context, motion, context.start(p, s, pair.triangle),
+                                    context.end(p, s, pair.triangle), pair, least, bad);
       pair.tested = is_bad ? 0 : context.epoch;
       if (is_bad) out.push_back(bad);
     }
@@ -79,7 +80,8 @@ std::vector<BadPair> detect(Context& context, CandidateSet& candidates) {
   std::vector<std::vector<BadPair>> part((n + chunk - 1) / chunk);
   context.workers->for_chunks(n, chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
     for (std::size_t p = begin; p < end; ++p)
-      if (!context.out_of_play[p]) detect_for_particle(context, candidates, static_cast<std::uint32_t>(p), part[c]);
+      if (!context.out_of_play[p])
+        detect_for_particle(context, candidates, static_cast<std::uint32_t>(p), part[c]);
   });
   std::vector<BadPair> bad;
   for (const auto& pairs : part) bad.insert(bad.end(), pairs.begin(), pairs.end());

@@ -6,7 +6,7 @@
 namespace oilskin::contact {
 
 struct BadPair {
-  double time = 1;              ///< of impact in [0, 1]; 1 for pairs that are only near at the end
+  double time = 1;  ///< of impact in [0, 1]; 1 for pairs that are only near at the end
   std::uint32_t particle = 0;
   std::uint32_t surface = 0;
   std::uint32_t triangle = 0;
@@ -14,8 +14,8 @@ struct BadPair {
   bool near = false;
 };
 
-/// Covers the present x_t1 with candidates and tests every pair that has a point with a new end. With ccd off only
-/// the end distance counts. Ordered by (time, particle id, surface, triangle). Empty = the certificate.
+/// Covers the present x_t1 with candidates and tests every pair that has a point with a new end. With ccd off
+/// only the end distance counts. Ordered by (time, particle id, surface, triangle). Empty = the certificate.
 std::vector<BadPair> detect(Context& context, CandidateSet& candidates);
 
 }  // namespace oilskin::contact

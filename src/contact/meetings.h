@@ -6,9 +6,9 @@
 
 namespace oilskin::contact {
 
-/// A direction from the triangle to the particle near the moment `time` of the motion x0 → x1, with the closest
-/// point's weights. Well defined because the particle starts at d0 ≥ δ: where rounding swamps the distance, an
-/// earlier moment is taken, down to the start.
+/// A direction from the triangle to the particle near the moment `time` of the motion x0 → x1, with the
+/// closest point's weights. Well defined because the particle starts at d0 ≥ δ: where rounding swamps the
+/// distance, an earlier moment is taken, down to the start.
 struct StrikeGeometry {
   std::array<double, 3> weights{};
   Vec3 normal = Vec3::Zero();
@@ -16,9 +16,9 @@ struct StrikeGeometry {
 };
 StrikeGeometry strike_geometry(const Quad& x0, const Quad& x1, double time, double delta);
 
-/// One row for each bad pair, in order; the earliest meeting of a particle also moves its end to the landing point:
-/// where it struck, at gap h (never below 2 δ). `round` counts from 0: later landings come closer, so that a
-/// particle between two layers nearer than h finds a place.
+/// One row for each bad pair, in order; the earliest meeting of a particle also moves its end to the landing
+/// point: where it struck, at gap h (never below 2 δ). `round` counts from 0: later landings come closer, so
+/// that a particle between two layers nearer than h finds a place.
 std::vector<Row> rows_of_bad_pairs(Context& context, const std::vector<BadPair>& bad, int round);
 
 }  // namespace oilskin::contact

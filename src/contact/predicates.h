@@ -13,12 +13,12 @@ struct Quad {
 };
 
 struct EndDistance {
-  bool near = false;     ///< nearer than δ, or rounding cannot tell
-  double distance = 0;   ///< computed [m]
+  bool near = false;    ///< nearer than δ, or rounding cannot tell
+  double distance = 0;  ///< computed [m]
 };
 
-/// near(p, T, x). Not near = the true distance is ≥ δ: certified by a separating direction whose three dot products
-/// are bounded, whatever the quality of the closest point that suggested it.
+/// near(p, T, x). Not near = the true distance is ≥ δ: certified by a separating direction whose three dot
+/// products are bounded, whatever the quality of the closest point that suggested it.
 EndDistance end_distance(const Quad& q, double delta);
 
 /// meets(p, T): false only if the paths x0 → x1 are certainly disjoint (ccd/point_triangle.h).

@@ -14,8 +14,8 @@ double squared_distance_to_box(const Vec3& p, const Quad& q) {
   return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();
 }
 
-ContactRecord make_record(const Context& context, std::uint32_t p, std::uint32_t surface, std::uint32_t triangle,
-                          const Quad& q, const ClosestPoint& c) {
+ContactRecord make_record(const Context& context, std::uint32_t p, std::uint32_t surface,
+                          std::uint32_t triangle, const Quad& q, const ClosestPoint& c) {
   const SurfaceMotion& motion = *context.surfaces[surface];
   ContactRecord r;
   r.particle = p;
@@ -29,23 +29,39 @@ ContactRecord make_record(const Context& context, std::uint32_t p, std::uint32_t
   return r;
 }
 
-void find_for_particle(const Context& context, const CandidateSet& candidates, std::uint32_t p,
-                       std::vector<ContactRecord>& out) {
+// The largest way of a node of each surface.
+std::vector<double> longest_ways(const Context& context) {
+  std::vector<double> longest;
+  for (const SurfaceMotion* s : context.surfaces) {
+    double way2 = 0;
+    for (std::size_t i = 0; i < s->x_t0.size(); ++i)
+      way2 = std::max(way2, (s->x_t1[i] - s->x_t0[i]).squaredNorm());
+    longest.push_back(std::sqrt(way2));
+  }
+  return longest;
+}
+
+void find_for_particle(const Context& context, const CandidateSet& candidates,
+                       const std::vector<double>& longest, std::uint32_t p, std::vector<ContactRecord>& out) {
+  const ParticleMotion& particles = *context.particles;
+  const double way = (particles.x_t1[p] - particles.x_t0[p]).norm() + 2 * CandidateSet::slack(particles);
   for (std::uint32_t s = 0; s < context.surfaces.size(); ++s) {
     const SurfaceMotion& motion = *context.surfaces[s];
-    const double reach = motion.thickness + context.particles->spacing;
+    // Beyond h + dx no record acts, and none whose gap the ways of both sides cannot bring below h.
+    const double reach = motion.thickness + std::min(particles.spacing, way + longest[s]);
     const std::size_t first = out.size();
     for (const CandidatePair& pair : candidates.of(s, p)) {
       const Quad q = context.start(p, s, pair.triangle);
       if (squared_distance_to_box(q.p, q) >= reach * reach) continue;
       const ClosestPoint c = closest_point(q.p, q.a, q.b, q.c);
       if (c.distance >= reach) continue;
+      const Topology& topology = context.caches[s]->topology;
+      if (!topology.is_local_minimum(motion.triangles, motion.x_t0, motion.triangles[pair.triangle], c))
+        continue;
       ContactRecord r = make_record(context, p, s, pair.triangle, q, c);
-      const bool duplicate = std::any_of(out.begin() + first, out.end(),
+      const bool duplicate = std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
                                          [&](const ContactRecord& o) { return o.feature == r.feature; });
-      if (duplicate) continue;
-      if (!context.caches[s]->topology.is_local_minimum(motion.triangles, motion.x_t0, r.nodes, c)) continue;
-      out.push_back(r);
+      if (!duplicate) out.push_back(r);
     }
   }
 }
@@ -70,10 +86,12 @@ Vec3 geometric_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 void RecordSet::find(const Context& context, const CandidateSet& candidates) {
   const std::size_t n = context.particle_count();
+  const std::vector<double> longest = longest_ways(context);
   std::vector<std::vector<ContactRecord>> part((n + chunk - 1) / chunk);
   context.workers->for_chunks(n, chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
     for (std::size_t p = begin; p < end; ++p)
-      if (!context.out_of_play[p]) find_for_particle(context, candidates, static_cast<std::uint32_t>(p), part[c]);
+      if (!context.out_of_play[p])
+        find_for_particle(context, candidates, longest, static_cast<std::uint32_t>(p), part[c]);
   });
   near_.clear();
   for (const auto& records : part) near_.insert(near_.end(), records.begin(), records.end());
@@ -82,9 +100,10 @@ void RecordSet::find(const Context& context, const CandidateSet& candidates) {
 void RecordSet::update(const Context& context, const CandidateSet& candidates,
                        const std::vector<std::uint32_t>& particles) {
   if (particles.empty()) return;
+  const std::vector<double> longest = longest_ways(context);
   std::vector<ContactRecord> fresh;
   for (std::uint32_t p : particles)
-    if (!context.out_of_play[p]) find_for_particle(context, candidates, p, fresh);
+    if (!context.out_of_play[p]) find_for_particle(context, candidates, longest, p, fresh);
   std::vector<ContactRecord> merged;
   merged.reserve(near_.size() + fresh.size());
   const auto is_stale = [&](const ContactRecord& r) {
@@ -116,10 +135,9 @@ bool may_slip(const Context& context, const ContactRecord& r) {
 
 void RecordSet::select_active(const Context& context, std::vector<ContactRecord>& active) const {
   active.clear();
-  for (const ContactRecord& r : near_) {
-    if (context.out_of_play[r.particle]) continue;
-    if (undercuts_thickness(context, r) || may_slip(context, r)) active.push_back(r);
-  }
+  for (const ContactRecord& r : near_)
+    if (!context.out_of_play[r.particle] && (undercuts_thickness(context, r) || may_slip(context, r)))
+      active.push_back(r);
 }
 
 }  // namespace oilskin::contact

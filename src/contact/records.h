@@ -5,13 +5,15 @@
 
 namespace oilskin::contact {
 
-/// Geometry of every particle that starts nearer than thickness + spacing to a surface: one record for each local
-/// minimum of its distance to the surface. Depends on x_t0 alone; which records act depends on x_t1.
+/// Geometry of every particle that starts nearer than thickness + spacing to a surface: one record for each
+/// local minimum of its distance to the surface. The geometry depends on x_t0 alone; which records act
+/// depends on x_t1.
 class RecordSet {
  public:
   void find(const Context& context, const CandidateSet& candidates);
   /// The same for some particles, ascending, whose candidates have changed.
-  void update(const Context& context, const CandidateSet& candidates, const std::vector<std::uint32_t>& particles);
+  void update(const Context& context, const CandidateSet& candidates,
+              const std::vector<std::uint32_t>& particles);
 
   /// Those that undercut the thickness, and those that may slip. Ordered by particle, surface, triangle.
   void select_active(const Context& context, std::vector<ContactRecord>& active) const;
@@ -20,18 +22,19 @@ class RecordSet {
   std::vector<ContactRecord> near_;
 };
 
-/// d0 < h, or the gap along n falls below h by the end (records exist for d0 < h + dx only): stop and repulsion act.
+/// d0 < h, or the gap along n falls below h by the end (records exist for d0 < h + dx only): stop and
+/// repulsion act.
 bool undercuts_thickness(const Context& context, const ContactRecord& record);
 
-/// Is the particle in the first layer, d0 ≤ h + 0.1 dx, of a surface that is not free slip? (At rest particles sit at h
-/// exactly, so d0 ≤ h would be decided by rounding.)
+/// Is the particle in the first layer, d0 ≤ h + 0.1 dx, of a surface that is not free slip? (At rest
+/// particles sit at h exactly, so d0 ≤ h would be decided by rounding.)
 bool may_slip(const Context& context, const ContactRecord& record);
 
 /// Gap along the record's normal at the end of the step: n·(x1_p − Σ w_i x1_i) [m].
 double end_gap(const Context& context, const ContactRecord& record);
 
-/// A unit direction for a particle that lies on a triangle: its geometric normal, or the axis of smallest index
-/// that is not along the triangle where it has no area.
+/// A unit direction for a particle that lies on a triangle: its geometric normal, or the axis of smallest
+/// index that is not along the triangle where it has no area.
 Vec3 geometric_normal(const Vec3& a, const Vec3& b, const Vec3& c);
 
 }  // namespace oilskin::contact

@@ -21,7 +21,8 @@ void apply_impulse(Context& context, const ContactRecord& c, const Vec3& impulse
   SurfaceMotion& s = *context.surfaces[c.surface];
   const Vec3 dv = context.particles->inverse_mass[c.particle] * impulse;
   context.particles->velocity[c.particle] += dv;
-  if (moves_particle) context.set_particle_end(c.particle, context.particles->x_t1[c.particle] + context.dt * dv);
+  if (moves_particle)
+    context.set_particle_end(c.particle, context.particles->x_t1[c.particle] + context.dt * dv);
   for (int k = 0; k < 3; ++k) {
     if (c.weights[k] == 0) continue;
     const std::uint32_t node = c.nodes[k];
@@ -31,7 +32,8 @@ void apply_impulse(Context& context, const ContactRecord& c, const Vec3& impulse
   }
 }
 
-// Inelastic stop: v_n ≥ 0 with λ ≥ 0 accumulated (method A.9.2; Eq. 2 of the paper with the effective mass of A.7.2).
+// Inelastic stop: v_n ≥ 0 with λ ≥ 0 accumulated (method A.9.2; Eq. 2 of the paper with the effective mass of
+// A.7.2).
 void stop(Context& context, Row& row, bool moves_particle) {
   const double vn = relative_velocity(context, row.contact).dot(row.contact.normal);
   const double lambda = std::max(row.normal_impulse - vn / row.k, 0.0);
@@ -54,8 +56,8 @@ void spring(Context& context, Row& row) {
   apply_impulse(context, row.contact, change * row.contact.normal, true);
 }
 
-// Split repulsion: displaces without adding velocity. Accumulated like an impulse, so that many particles on one
-// node remove a tenth of the overlap together, not a tenth each.
+// Split repulsion: displaces without adding velocity. Accumulated like an impulse, so that many particles on
+// one node remove a tenth of the overlap together, not a tenth each.
 void push_apart(Context& context, Row& row) {
   if (!(row.k_position > 0)) return;
   const ContactRecord& c = row.contact;
@@ -77,7 +79,8 @@ void push_apart(Context& context, Row& row) {
   }
 }
 
-// The tangential impulse that the surface's law allows, given the present tangential velocity v_t (method A.7.5).
+// The tangential impulse that the surface's law allows, given the present tangential velocity v_t (method
+// A.7.5).
 Vec3 slip_target(const Context& context, const Row& row, const Vec3& vt) {
   const SlipSettings& slip = context.surfaces[row.contact.surface]->slip;
   const Vec3 sticking = row.slip_impulse - vt / row.k;
@@ -86,7 +89,8 @@ Vec3 slip_target(const Context& context, const Row& row, const Vec3& vt) {
       return Vec3::Zero();
     case SlipModel::coulomb: {
       const double normal = row.normal_impulse + row.spring_impulse;
-      const double most = normal > 0 ? slip.friction * normal : 0;  // infinite friction, no pressure: no impulse
+      const double most =
+          normal > 0 ? slip.friction * normal : 0;  // infinite friction, no pressure: no impulse
       const double size = sticking.norm();
       return size <= most ? sticking : Vec3(sticking * (most / size));
     }

@@ -7,10 +7,10 @@ namespace oilskin::contact {
 
 struct Row {
   ContactRecord contact;
-  double target_gap = 0;      ///< split: least n·(x1_p − Σ w_i x1_i) at the end [m]
-  double overlap = 0;         ///< h − d0 [m], > 0 where the contact begins within the thickness
-  bool stops = true;          ///< stop and repulsion act
-  bool slips = true;          ///< slip acts although no normal impulse does (first layer at rest)
+  double target_gap = 0;  ///< split: least n·(x1_p − Σ w_i x1_i) at the end [m]
+  double overlap = 0;     ///< h − d0 [m], > 0 where the contact begins within the thickness
+  bool stops = true;      ///< stop and repulsion act
+  bool slips = true;      ///< slip acts although no normal impulse does (first layer at rest)
 
   // accumulated
   double normal_impulse = 0;  ///< λ ≥ 0 [N s]
@@ -19,8 +19,8 @@ struct Row {
   Vec3 slip_impulse = Vec3::Zero();
 
   // of the masses
-  double k = 0;               ///< K = 1/m_p + Σ w_i² u_i [1/kg]
-  double k_position = 0;      ///< the same where nodes may be moved, else 1/m_p
+  double k = 0;           ///< K = 1/m_p + Σ w_i² u_i [1/kg]
+  double k_position = 0;  ///< the same where nodes may be moved, else 1/m_p
 };
 
 /// The row of a record at the start positions.

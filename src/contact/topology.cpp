@@ -38,7 +38,8 @@ Topology::Topology(Span<const Triangle> triangles, std::size_t nodes)
     for (std::uint32_t v : triangles[i]) triangle_[fill[v]++] = i;
 }
 
-std::uint64_t Topology::feature_key(std::uint32_t triangle, const Triangle& nodes, std::uint8_t feature) const {
+std::uint64_t Topology::feature_key(std::uint32_t triangle, const Triangle& nodes,
+                                    std::uint8_t feature) const {
   // Two bits of kind, then the nodes (31 bits each are plenty) or the face.
   constexpr std::uint64_t edge_kind = 1ull << 62, face_kind = 2ull << 62;
   std::uint32_t on[3];
@@ -62,8 +63,8 @@ bool Topology::is_local_minimum(Span<const Triangle> triangles, Span<const Vec3>
   const std::uint32_t u = nodes[first], v = nodes[second];
   const Vec3 along = x[v] - x[u];
   const double along2 = along.squaredNorm();
-  // Going from the closest point into a triangle that has this feature, by a direction d at a right angle to it,
-  // shortens the distance when offset·d > 0. The tolerance keeps both records where rounding decides.
+  // Going from the closest point into a triangle that has this feature, by a direction d at a right angle to
+  // it, shortens the distance when offset·d > 0. The tolerance keeps both records where rounding decides.
   for (std::uint32_t t : triangles_of(u)) {
     bool has_v = false;
     for (std::uint32_t w : triangles[t]) has_v |= w == v;

@@ -11,12 +11,13 @@ class Topology {
   Topology() = default;
   Topology(Span<const Triangle> triangles, std::size_t nodes);
 
-  /// A key for the closest feature, the same for every triangle that shares it: duplicates of a triangle, of either
-  /// winding, have one face between them.
+  /// A key for the closest feature, the same for every triangle that shares it: duplicates of a triangle, of
+  /// either winding, have one face between them.
   std::uint64_t feature_key(std::uint32_t triangle, const Triangle& nodes, std::uint8_t feature) const;
 
-  /// Is the closest point of `triangle` a local minimum of the distance over the mesh? Not if it lies on an edge or
-  /// a vertex from which another triangle comes nearer: such a record would brake what slides over inner edges.
+  /// Is the closest point of `triangle` a local minimum of the distance over the mesh? Not if it lies on an
+  /// edge or a vertex from which another triangle comes nearer: such a record would brake what slides over
+  /// inner edges.
   bool is_local_minimum(Span<const Triangle> triangles, Span<const Vec3> x, const Triangle& nodes,
                         const ClosestPoint& c) const;
 

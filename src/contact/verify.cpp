@@ -1,5 +1,6 @@
 /// The promise checked by another route: all pairs by sweep and prune, paths by additive continuous collision
-/// detection (Li, Kaufman, Jiang 2021) and halving, distances by their own formula. Shares no code with detection.
+/// detection (Li, Kaufman, Jiang 2021) and halving, distances by their own formula. Shares no code with
+/// detection.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -17,19 +18,22 @@ double squared_distance_to_segment(const Vec3& a, const Vec3& b) {
   return (a + t * d).squaredNorm();
 }
 
-// Distance of the origin from the triangle abc: to the plane where the origin projects inside, else to the nearest
-// edge; the edges alone where the triangle has no area.
+// Distance of the origin from the triangle abc: to the plane where the origin projects inside, else to the
+// nearest edge; the edges alone where the triangle has no area.
 double distance_to_triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double edges = std::sqrt(std::min(
-      {squared_distance_to_segment(a, b), squared_distance_to_segment(b, c), squared_distance_to_segment(c, a)}));
+  const double edges =
+      std::sqrt(std::min({squared_distance_to_segment(a, b), squared_distance_to_segment(b, c),
+                          squared_distance_to_segment(c, a)}));
   const Vec3 n = (b - a).cross(c - a);
   const double nn = n.norm();
   if (!(nn > 0)) return edges;
-  const bool inside = (b - a).cross(n).dot(a) >= 0 && (c - b).cross(n).dot(b) >= 0 && (a - c).cross(n).dot(c) >= 0;
+  const bool inside =
+      (b - a).cross(n).dot(a) >= 0 && (c - b).cross(n).dot(b) >= 0 && (a - c).cross(n).dot(c) >= 0;
   return inside ? std::min(edges, std::abs(a.dot(n)) / nn) : edges;
 }
 
-// The offset of the origin from the closest point of abc, by the same cases as above: a direction to look along.
+// The offset of the origin from the closest point of abc, by the same cases as above: a direction to look
+// along.
 Vec3 direction_from_triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 n = (b - a).cross(c - a);
   const double nn = n.squaredNorm();
@@ -47,9 +51,9 @@ Vec3 direction_from_triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
   return best;
 }
 
-// Where additive advancement creeps (sliding along a sheet at a distance far below the way), halve the time: a part
-// is free when one direction keeps all three corners strictly on one side at both of its ends, since they move on
-// straight lines.
+// Where additive advancement creeps (sliding along a sheet at a distance far below the way), halve the time:
+// a part is free when one direction keeps all three corners strictly on one side at both of its ends, since
+// they move on straight lines.
 bool touches_by_halving(const Vec3 t0[3], const Vec3 t1[3]) {
   struct Part {
     double begin, end;
@@ -79,7 +83,8 @@ bool touches_by_halving(const Vec3 t0[3], const Vec3 t1[3]) {
   return false;
 }
 
-// Corners relative to the particle at both ends. Distance is Lipschitz in time with the largest corner displacement.
+// Corners relative to the particle at both ends. Distance is Lipschitz in time with the largest corner
+// displacement.
 bool path_touches(const Vec3 t0[3], const Vec3 t1[3]) {
   double lipschitz = 0;
   for (int k = 0; k < 3; ++k) lipschitz = std::max(lipschitz, (t1[k] - t0[k]).norm());
@@ -89,7 +94,8 @@ bool path_touches(const Vec3 t0[3], const Vec3 t1[3]) {
     if (lipschitz == 0) return d <= 0;
     t += 0.9 * d / lipschitz;
     if (t >= 1) return false;
-    d = distance_to_triangle((1 - t) * t0[0] + t * t1[0], (1 - t) * t0[1] + t * t1[1], (1 - t) * t0[2] + t * t1[2]);
+    d = distance_to_triangle((1 - t) * t0[0] + t * t1[0], (1 - t) * t0[1] + t * t1[1],
+                             (1 - t) * t0[2] + t * t1[2]);
   }
   return touches_by_halving(t0, t1);
 }
@@ -99,8 +105,8 @@ struct Interval1 {
   std::uint32_t index;
 };
 
-void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s, std::vector<std::uint8_t>& bad,
-                       std::uint64_t& pairs) {
+void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s,
+                       std::vector<std::uint8_t>& bad, std::uint64_t& pairs) {
   std::vector<Box> particle_box(particles.id.size()), triangle_box(s.triangles.size());
   Box all;
   for (std::size_t p = 0; p < particle_box.size(); ++p) {
@@ -165,7 +171,8 @@ void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s, 
 
 }  // namespace
 
-std::uint64_t ContactSolver::count_crossings(const ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
+std::uint64_t ContactSolver::count_crossings(const ParticleMotion& particles,
+                                             Span<SurfaceMotion* const> surfaces,
                                              std::uint64_t* pairs_tested) {
   std::vector<std::uint8_t> bad(particles.id.size(), 0);
   std::uint64_t pairs = 0;

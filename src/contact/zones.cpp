@@ -25,10 +25,13 @@ class Zones {
   void run(std::vector<BadPair> bad);
 
  private:
-  std::uint32_t node_point(std::uint32_t surface, std::uint32_t node) const { return offset_[surface] + node; }
+  std::uint32_t node_point(std::uint32_t surface, std::uint32_t node) const {
+    return offset_[surface] + node;
+  }
   bool is_particle(std::uint32_t point) const { return point < offset_.front(); }
   std::uint32_t surface_of(std::uint32_t point) const {
-    return static_cast<std::uint32_t>(std::upper_bound(offset_.begin(), offset_.end(), point) - offset_.begin() - 1);
+    return static_cast<std::uint32_t>(std::upper_bound(offset_.begin(), offset_.end(), point) -
+                                      offset_.begin() - 1);
   }
   std::uint32_t find(std::uint32_t point);
   void unite(std::uint32_t a, std::uint32_t b);
@@ -53,14 +56,14 @@ class Zones {
 
   Context& context_;
   CandidateSet& candidates_;
-  std::vector<std::uint32_t> offset_;      // of each surface's nodes; offset_[0] = number of particles
+  std::vector<std::uint32_t> offset_;  // of each surface's nodes; offset_[0] = number of particles
   std::uint32_t total_ = 0;
   std::vector<std::uint32_t> parent_;
-  std::vector<Level> level_;               // of roots
-  std::vector<Vec3> d0_;                   // displacement when the zones began
-  std::vector<Vec3> nudge_;                // of particles
+  std::vector<Level> level_;  // of roots
+  std::vector<Vec3> d0_;      // displacement when the zones began
+  std::vector<Vec3> nudge_;   // of particles
   std::vector<std::uint8_t> nudges_;
-  std::vector<int> followed_in_;           // of particles: the round that let it follow its triangle, −1 = none
+  std::vector<int> followed_in_;  // of particles: the round that let it follow its triangle, −1 = none
   int round_ = 0;
   std::vector<std::uint8_t> was_held_;
 };
@@ -162,7 +165,8 @@ void Zones::treat(const BadPair& b, const std::array<std::uint32_t, 4>& roots) {
   } else if (!b.meets && nudges_[b.particle] < max_nudges && level_[find(roots[0])] == Level::follow) {
     const SurfaceMotion& s = *context_.surfaces[b.surface];
     const Quad x1 = context_.end(b.particle, b.surface, b.triangle);
-    const StrikeGeometry g = strike_geometry(context_.start(b.particle, b.surface, b.triangle), x1, 1, s.delta);
+    const StrikeGeometry g =
+        strike_geometry(context_.start(b.particle, b.surface, b.triangle), x1, 1, s.delta);
     const double d = end_distance(x1, s.delta).distance;
     nudge_[b.particle] += std::max(2 * s.delta - d, 0.5 * s.delta) * g.normal;
     ++nudges_[b.particle];
@@ -255,8 +259,8 @@ void Zones::hold(const std::vector<std::uint32_t>& members, bool hold_prescribed
   }
 }
 
-void Zones::apply_zone(const std::vector<std::uint32_t>& members, Level level, const std::vector<BadPair>& bad,
-                       std::vector<std::uint8_t>& needs_giving_up) {
+void Zones::apply_zone(const std::vector<std::uint32_t>& members, Level level,
+                       const std::vector<BadPair>& bad, std::vector<std::uint8_t>& needs_giving_up) {
   bool any_prescribed = false, equal = true, all_holdable = true;
   Vec3 displacement = Vec3::Zero();
   for (std::uint32_t m : members) {
@@ -337,8 +341,10 @@ void Zones::run(std::vector<BadPair> bad) {
         roots.push_back(r);
       }
       for (std::size_t k = 0; k < bad.size(); ++k) {
-        if (round_ > give_up_after) give_up(bad[k]);
-        else treat(bad[k], roots[k]);
+        if (round_ > give_up_after)
+          give_up(bad[k]);
+        else
+          treat(bad[k], roots[k]);
       }
       apply_zones(bad);
     }

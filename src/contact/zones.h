@@ -5,9 +5,9 @@
 
 namespace oilskin::contact {
 
-/// Runs zones until a fresh detection is empty, which is the certificate. Work is bounded: every round with bad
-/// pairs lowers the number of zones, spends a nudge, raises a level or gives a particle up.
-/// Prescribed nodes still end where the host proposed when it is called.
+/// Runs zones until a fresh detection is empty, which is the certificate. Work is bounded: every round with
+/// bad pairs lowers the number of zones, spends a nudge, raises a level or gives a particle up. Prescribed
+/// nodes still end where the host proposed when it is called.
 void run_zones(Context& context, CandidateSet& candidates);
 
 }  // namespace oilskin::contact

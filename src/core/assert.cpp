@@ -10,7 +10,9 @@ namespace {
 std::atomic<AssertHandler> current_handler{nullptr};
 }
 
-void set_assert_handler(AssertHandler handler) { current_handler = handler; }
+void set_assert_handler(AssertHandler handler) {
+  current_handler = handler;
+}
 
 namespace detail {
 void assert_failed(const char* expression, const char* file, int line) {

@@ -26,15 +26,15 @@ double segment_parameter(const Vec3& u, const Vec3& v) {
 }
 
 ClosestPoint closest_of_segments(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double tab = segment_parameter(a, b);
-  const double tbc = segment_parameter(b, c);
-  const double tca = segment_parameter(c, a);
-  const ClosestPoint candidates[3] = {from_weights(a, b, c, 1 - tab, tab, 0), from_weights(a, b, c, 0, 1 - tbc, tbc),
-                                      from_weights(a, b, c, tca, 0, 1 - tca)};
-  const ClosestPoint* best = &candidates[0];
-  for (const ClosestPoint& k : candidates)
-    if (k.distance < best->distance) best = &k;
-  return *best;
+  const double t[3] = {segment_parameter(a, b), segment_parameter(b, c), segment_parameter(c, a)};
+  const double d2[3] = {((1 - t[0]) * a + t[0] * b).squaredNorm(), ((1 - t[1]) * b + t[1] * c).squaredNorm(),
+                        ((1 - t[2]) * c + t[2] * a).squaredNorm()};
+  int best = 0;
+  for (int k = 1; k < 3; ++k)
+    if (d2[k] < d2[best]) best = k;
+  if (best == 0) return from_weights(a, b, c, 1 - t[0], t[0], 0);
+  if (best == 1) return from_weights(a, b, c, 0, 1 - t[1], t[1]);
+  return from_weights(a, b, c, t[2], 0, 1 - t[2]);
 }
 
 }  // namespace
@@ -53,7 +53,8 @@ ClosestPoint closest_point(const Vec3& p, const Vec3& pa, const Vec3& pb, const 
   const double wc = n.dot(a.cross(b));
   if (wa > 0 && wb > 0 && wc > 0) {
     const double sum = wa + wb + wc;
-    return from_weights(a, b, c, wa / sum, wb / sum, 1 - wa / sum - wb / sum > 0 ? 1 - wa / sum - wb / sum : 0);
+    return from_weights(a, b, c, wa / sum, wb / sum,
+                        1 - wa / sum - wb / sum > 0 ? 1 - wa / sum - wb / sum : 0);
   }
   return closest_of_segments(a, b, c);
 }

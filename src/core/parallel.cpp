@@ -25,9 +25,12 @@ Workers::Workers(int threads)
           threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency())))) {}
 Workers::~Workers() = default;
 
-int Workers::threads() const { return impl_->threads; }
+int Workers::threads() const {
+  return impl_->threads;
+}
 
-void Workers::run_tasks(std::size_t chunks, void (*task)(const void*, std::size_t), const void* context) const {
+void Workers::run_tasks(std::size_t chunks, void (*task)(const void*, std::size_t),
+                        const void* context) const {
 #if OILSKIN_TBB
   if (impl_->threads > 1) {
     impl_->arena.execute([&] {

@@ -1,6 +1,6 @@
-/// Parallel loops whose results do not depend on the number of threads: the range is cut into chunks of a size
-/// that the caller fixes, each chunk is computed by one thread, and what chunks produce is combined in the order
-/// of the chunks. The only header that stands between the project and oneTBB.
+/// Parallel loops whose results do not depend on the number of threads: the range is cut into chunks of a
+/// size that the caller fixes, each chunk is computed by one thread, and what chunks produce is combined in
+/// the order of the chunks. The only header that stands between the project and oneTBB.
 #pragma once
 
 #include <algorithm>
@@ -30,8 +30,9 @@ class Workers {
       run(0);
       return;
     }
-    run_tasks(chunks, [](const void* context, std::size_t c) { (*static_cast<const decltype(run)*>(context))(c); },
-              &run);
+    run_tasks(
+        chunks, [](const void* context, std::size_t c) { (*static_cast<const decltype(run)*>(context))(c); },
+        &run);
   }
 
   /// f(i) for every i of [0, n).

@@ -16,18 +16,24 @@ Status wrong(const char* field, const T& value, const char* range) {
   return Status::refused(s.str());
 }
 
-bool positive(double x) { return std::isfinite(x) && x > 0; }
-bool not_negative(double x) { return std::isfinite(x) && x >= 0; }
+bool positive(double x) {
+  return std::isfinite(x) && x > 0;
+}
+bool not_negative(double x) {
+  return std::isfinite(x) && x >= 0;
+}
 
 }  // namespace
 
 Status FluidSettings::validate() const {
   if (!positive(spacing)) return wrong("fluid.spacing", spacing, "a finite length > 0 m");
   if (!positive(rest_density)) return wrong("fluid.rest_density", rest_density, "finite and > 0 kg/m³");
-  if (!(support_ratio >= 1.5 && support_ratio <= 4)) return wrong("fluid.support_ratio", support_ratio, "1.5 … 4");
+  if (!(support_ratio >= 1.5 && support_ratio <= 4))
+    return wrong("fluid.support_ratio", support_ratio, "1.5 … 4");
   if (!not_negative(tolerance)) return wrong("fluid.tolerance", tolerance, "finite and ≥ 0");
   if (min_iterations < 1) return wrong("fluid.min_iterations", min_iterations, "≥ 1");
-  if (max_iterations < min_iterations) return wrong("fluid.max_iterations", max_iterations, "≥ fluid.min_iterations");
+  if (max_iterations < min_iterations)
+    return wrong("fluid.max_iterations", max_iterations, "≥ fluid.min_iterations");
   if (!positive(stiffness)) return wrong("fluid.stiffness", stiffness, "finite and > 0 m²/s²");
   if (!not_negative(viscosity)) return wrong("fluid.viscosity", viscosity, "finite and ≥ 0 m²/s");
   if (!not_negative(xsph_rate)) return wrong("fluid.xsph_rate", xsph_rate, "finite and ≥ 0 1/s");

@@ -14,35 +14,36 @@ class Workers;
 
 /// n particles over one interval. Spans point to the caller's arrays, all of the same length.
 struct ParticleMotion {
-  Span<const std::uint64_t> id;         ///< unique
-  Span<const Vec3> x_t0;                ///< start [m]
-  Span<Vec3> x_t1;                      ///< proposed end [m]; corrected
-  Span<Vec3> velocity;                  ///< at the end [m/s]; corrected by adding impulses
-  Span<const double> inverse_mass;      ///< [1/kg], ≥ 0; 0 = immovable
-  Span<std::uint8_t> removed;           ///< output: 1 = given up by policy, its path is not certified
-  double spacing = 0.005;               ///< dx [m]: how far off a record may act; also the area dx² of a wall contact
-  double rest_density = 1000;           ///< [kg/m³] and
-  double viscosity = 0;                 ///< kinematic [m²/s]: for SlipModel::viscous_wall
+  Span<const std::uint64_t> id;     ///< unique
+  Span<const Vec3> x_t0;            ///< start [m]
+  Span<Vec3> x_t1;                  ///< proposed end [m]; corrected
+  Span<Vec3> velocity;              ///< at the end [m/s]; corrected by adding impulses
+  Span<const double> inverse_mass;  ///< [1/kg], ≥ 0; 0 = immovable
+  Span<std::uint8_t> removed;       ///< output: 1 = given up by policy, its path is not certified
+  double spacing = 0.005;      ///< dx [m]: how far off a record may act; also the area dx² of a wall contact
+  double rest_density = 1000;  ///< [kg/m³] and
+  double viscosity = 0;        ///< kinematic [m²/s]: for SlipModel::viscous_wall
 };
 
-/// A particle near a triangle at the start of the interval, by closest feature (method: Bridson et al. 2002 with
-/// the closest point instead of the plane test of Eq. 1).
+/// A particle near a triangle at the start of the interval, by closest feature (method: Bridson et al. 2002
+/// with the closest point instead of the plane test of Eq. 1).
 struct ContactRecord {
-  std::uint32_t particle = 0;           ///< index into ParticleMotion
-  std::uint32_t surface = 0;            ///< index into the list of surfaces
+  std::uint32_t particle = 0;  ///< index into ParticleMotion
+  std::uint32_t surface = 0;   ///< index into the list of surfaces
   std::uint32_t triangle = 0;
-  std::uint64_t feature = 0;            ///< vertex, edge or face of the surface; the same for all triangles that share it
-  std::array<std::uint32_t, 3> nodes{}; ///< of the triangle
-  std::array<double, 3> weights{};      ///< barycentric, Σ = 1
-  Vec3 normal = Vec3::Zero();           ///< from the feature to the particle, unit
-  double distance = 0;                  ///< d0 at the start [m]
+  std::uint64_t feature =
+      0;  ///< vertex, edge or face of the surface; the same for all triangles that share it
+  std::array<std::uint32_t, 3> nodes{};  ///< of the triangle
+  std::array<double, 3> weights{};       ///< barycentric, Σ = 1
+  Vec3 normal = Vec3::Zero();            ///< from the feature to the particle, unit
+  double distance = 0;                   ///< d0 at the start [m]
 };
 
 /// Runs the loop: records → impulses → meetings → zones → certificate.
 ///
 /// After resolve() returns an accepted status with ccd and zones on, for every particle that is not `removed`
-/// the straight motion x_t0 → x_t1 keeps a distance > 0 from the straight motion of every triangle, and ends no
-/// nearer than δ — provided it began no nearer than δ.
+/// the straight motion x_t0 → x_t1 keeps a distance > 0 from the straight motion of every triangle, and ends
+/// no nearer than δ — provided it began no nearer than δ.
 class ContactSolver {
  public:
   explicit ContactSolver(const ContactSettings& settings = {}, int threads = 0);
@@ -54,10 +55,10 @@ class ContactSolver {
   const ContactSettings& settings() const;
   Status set_settings(const ContactSettings& settings);
 
-  /// One interval of length dt [s] > 0. Refuses non-finite or mismatched input, naming the array and the index.
-  /// `surfaces` need id, δ and thickness set; x_t0 and x_t1 must be stored numbers.
-  Status resolve(double dt, ParticleMotion& particles, Span<SurfaceMotion* const> surfaces, ContactReport& report,
-                 StageSeconds& seconds);
+  /// One interval of length dt [s] > 0. Refuses non-finite or mismatched input, naming the array and the
+  /// index. `surfaces` need id, δ and thickness set; x_t0 and x_t1 must be stored numbers.
+  Status resolve(double dt, ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
+                 ContactReport& report, StageSeconds& seconds);
 
   /// The records at the start positions alone, ordered by particle, surface and feature, using x_t1 as the
   /// predicted sweep. Valid until the next call.

@@ -1,5 +1,5 @@
-/// Settings: plain structs, every default in place. Each field says its unit, its range, and what happens beyond.
-/// validate() names the first field that is wrong, its value and what would be right.
+/// Settings: plain structs, every default in place. Each field says its unit, its range, and what happens
+/// beyond. validate() names the first field that is wrong, its value and what would be right.
 #pragma once
 
 #include "oilskin/types.h"
@@ -12,17 +12,17 @@ enum class PressureSolver {
 };
 
 struct FluidSettings {
-  double spacing = 0.005;       ///< rest distance dx of particles [m], > 0
-  double rest_density = 1000;   ///< ρ0 [kg/m³], > 0
-  double support_ratio = 2;     ///< support radius over spacing, H/dx, 1.5 … 4; above 2.2 PCISPH relaxes δ by ω
+  double spacing = 0.005;      ///< rest distance dx of particles [m], > 0
+  double rest_density = 1000;  ///< ρ0 [kg/m³], > 0
+  double support_ratio = 2;  ///< support radius over spacing, H/dx, 1.5 … 4; above 2.2 PCISPH relaxes δ by ω
   PressureSolver solver = PressureSolver::pcisph;
-  double tolerance = 1e-3;      ///< PCISPH: mean positive density error, relative, at which it stops, ≥ 0
-  int min_iterations = 3;       ///< PCISPH, ≥ 1
-  int max_iterations = 50;      ///< PCISPH, ≥ min_iterations; a step that ends here is counted in the report
-  double stiffness = 4;         ///< MCG03: k [m²/s²], > 0; speed of sound √k, so dt ≤ 0.4 H/(√k + v)
-  double viscosity = 1e-6;      ///< kinematic ν [m²/s], ≥ 0; 0 = none. Explicit: dt ≤ 0.125 H²/ν
-  double xsph_rate = 10;        ///< XSPH smoothing ν_x [1/s], ≥ 0; per step 1 − exp(−ν_x dt); 0 = none
-  bool contact_aware = true;    ///< PCISPH predicts no position behind a sheet in contact (method of A.3)
+  double tolerance = 1e-3;    ///< PCISPH: mean positive density error, relative, at which it stops, ≥ 0
+  int min_iterations = 3;     ///< PCISPH, ≥ 1
+  int max_iterations = 50;    ///< PCISPH, ≥ min_iterations; a step that ends here is counted in the report
+  double stiffness = 4;       ///< MCG03: k [m²/s²], > 0; speed of sound √k, so dt ≤ 0.4 H/(√k + v)
+  double viscosity = 1e-6;    ///< kinematic ν [m²/s], ≥ 0; 0 = none. Explicit: dt ≤ 0.125 H²/ν
+  double xsph_rate = 10;      ///< XSPH smoothing ν_x [1/s], ≥ 0; per step 1 − exp(−ν_x dt); 0 = none
+  bool contact_aware = true;  ///< PCISPH predicts no position behind a sheet in contact (method of A.3)
   std::uint32_t collision_group = 1;           ///< meets surfaces whose mask has a bit of this group …
   std::uint32_t collision_mask = 0xffffffffu;  ///< … and whose group has a bit of this mask
 
@@ -43,7 +43,8 @@ struct SlipSettings {
 };
 
 struct SurfaceSettings {
-  double thickness = 0.001;  ///< h [m], > 0: the distance that contact keeps; below 4 δ it is refused (δ: World::attach)
+  double thickness =
+      0.001;  ///< h [m], > 0: the distance that contact keeps; below 4 δ it is refused (δ: World::attach)
   SlipSettings slip;
   std::uint32_t collision_group = 1;
   std::uint32_t collision_mask = 0xffffffffu;
@@ -69,10 +70,10 @@ struct ContactSettings {
   double stiffness = 1000;  ///< bridson: k [N/m], ≥ 0
   bool ccd = true;          ///< continuous test. Off: there is no promise (shows what happens without)
   bool zones = true;        ///< impact zones. Off: there is no promise
-  int sweeps = 5;           ///< Gauss–Seidel sweeps, 1 … 1000: accuracy of simultaneous impacts against time
-  int rounds = 5;           ///< rounds of impulses at meetings before zones, 0 … 100
+  int sweeps = 5;  ///< Gauss–Seidel sweeps, 1 … 1000: accuracy of simultaneous impacts against time
+  int rounds = 5;  ///< rounds of impulses at meetings before zones, 0 … 100
   Infeasible infeasible = Infeasible::stall;
-  bool verify = false;      ///< re-check every interval by an independent route and count crossings
+  bool verify = false;  ///< re-check every interval by an independent route and count crossings
 
   Status validate() const;
 };

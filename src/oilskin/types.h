@@ -13,8 +13,8 @@
 
 namespace oilskin {
 
-using Vec3 = Eigen::Vector3d;                  ///< position [m], velocity [m/s], impulse [N s]
-using Triangle = std::array<std::uint32_t, 3>; ///< indices of three nodes
+using Vec3 = Eigen::Vector3d;                   ///< position [m], velocity [m/s], impulse [N s]
+using Triangle = std::array<std::uint32_t, 3>;  ///< indices of three nodes
 
 /// A view of `size()` values that somebody else owns (std::span comes with C++20 only).
 template <class T>

@@ -22,7 +22,8 @@ struct SurfaceId {
 class World {
  public:
   /// Settings are validated by the first call that needs them; see status().
-  explicit World(const WorldSettings& world = {}, const FluidSettings& fluid = {}, const ContactSettings& contact = {});
+  explicit World(const WorldSettings& world = {}, const FluidSettings& fluid = {},
+                 const ContactSettings& contact = {});
   ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
@@ -37,9 +38,9 @@ class World {
   Status set_contact_settings(const ContactSettings& settings);
 
   // --- surfaces. The host stays the caller's and must outlive its attachment.
-  /// Refuses a mesh without triangles, indices out of range, non-finite positions, and a thickness below 4 δ (the
-  /// message gives the smallest thickness and the largest kill box that would do). Particles nearer than 2 δ are
-  /// moved out or removed at the next step, and counted.
+  /// Refuses a mesh without triangles, indices out of range, non-finite positions, and a thickness below 4 δ
+  /// (the message gives the smallest thickness and the largest kill box that would do). Particles nearer than
+  /// 2 δ are moved out or removed at the next step, and counted.
   Status attach(SurfaceHost& host, const SurfaceSettings& settings, SurfaceId* id);
   void detach(SurfaceId id);
   std::size_t surface_count() const;
@@ -54,16 +55,18 @@ class World {
   Status add_emitter(const BoxEmitter& emitter);
   Status add_emitter(const MeshEmitter& emitter);
   Status add_emitter(const RainEmitter& emitter);
-  /// Adds particles by hand; those nearer than 2 δ to a surface are refused one by one and counted in `blocked`.
-  Status add_particles(Span<const Vec3> positions, Span<const Vec3> velocities, std::uint64_t* blocked = nullptr);
+  /// Adds particles by hand; those nearer than 2 δ to a surface are refused one by one and counted in
+  /// `blocked`.
+  Status add_particles(Span<const Vec3> positions, Span<const Vec3> velocities,
+                       std::uint64_t* blocked = nullptr);
 
   std::size_t particle_count() const;
-  double particle_mass() const;                 ///< [kg], calibrated on the lattice
-  Span<const std::uint64_t> ids() const;        ///< in storage order, which may change every step
-  Span<const Vec3> positions() const;           ///< [m]
-  Span<const Vec3> velocities() const;          ///< [m/s]
-  Span<const double> densities() const;         ///< [kg/m³], of the start of the last step
-  Span<const double> pressures() const;         ///< [Pa]
+  double particle_mass() const;           ///< [kg], calibrated on the lattice
+  Span<const std::uint64_t> ids() const;  ///< in storage order, which may change every step
+  Span<const Vec3> positions() const;     ///< [m]
+  Span<const Vec3> velocities() const;    ///< [m/s]
+  Span<const double> densities() const;   ///< [kg/m³], of the start of the last step
+  Span<const double> pressures() const;   ///< [Pa]
   /// Changes velocities from outside, e.g. a gust: v += dv, one value per particle in storage order.
   Status add_velocities(Span<const Vec3> dv);
 
@@ -72,7 +75,7 @@ class World {
   /// report.status says why.
   const StepReport& step(double dt);
   const StepReport& report() const;
-  double time() const;                          ///< [s]
+  double time() const;  ///< [s]
   std::uint64_t step_count() const;
   /// Contacts of the last step.
   const std::vector<ContactRecord>& contacts() const;

@@ -24,7 +24,8 @@ double largest_coordinate(const Box& kill_box) {
 }
 
 Status check_mesh(const SurfaceMotion& m) {
-  if (m.triangles.empty()) return refuse("the surface has no triangles (faces); contact needs a triangle mesh");
+  if (m.triangles.empty())
+    return refuse("the surface has no triangles (faces); contact needs a triangle mesh");
   for (std::size_t t = 0; t < m.triangles.size(); ++t)
     for (std::uint32_t v : m.triangles[t])
       if (v >= m.x_t1.size())
@@ -36,8 +37,8 @@ Status check_mesh(const SurfaceMotion& m) {
 Status check_state(const SurfaceMotion& m) {
   const std::size_t n = m.x_t1.size();
   if (m.velocity.size() != n || m.inverse_mass.size() != n || (!m.holdable.empty() && m.holdable.size() != n))
-    return refuse("the host gave ", n, " positions, ", m.velocity.size(), " velocities, ", m.inverse_mass.size(),
-                  " inverse masses; they must be as many");
+    return refuse("the host gave ", n, " positions, ", m.velocity.size(), " velocities, ",
+                  m.inverse_mass.size(), " inverse masses; they must be as many");
   for (std::size_t i = 0; i < n; ++i) {
     if (!m.x_t1[i].allFinite()) return refuse("the position of node ", i, " is not finite");
     if (!m.velocity[i].allFinite()) return refuse("the velocity of node ", i, " is not finite");
@@ -57,9 +58,10 @@ Status set_delta(SurfaceMotion& m, const SurfaceSettings& settings, double r) {
   m.delta = minimum_separation(settings.thickness, r, m.storage);
   if (settings.thickness >= 4 * m.delta) return {};
   const double per_metre = 4 * minimum_separation(0, 1, m.storage);
-  return refuse("thickness is ", settings.thickness, " m, below 4 δ = ", 4 * m.delta, " m; with a kill box that reaches ",
-                r, " m and ", m.storage == Storage::float32 ? "single" : "double",
-                "-precision positions it must be ≥ ", per_metre * r, " m, or the kill box must reach no farther than ",
+  return refuse("thickness is ", settings.thickness, " m, below 4 δ = ", 4 * m.delta,
+                " m; with a kill box that reaches ", r, " m and ",
+                m.storage == Storage::float32 ? "single" : "double", "-precision positions it must be ≥ ",
+                per_metre * r, " m, or the kill box must reach no farther than ",
                 settings.thickness / per_metre, " m");
 }
 
@@ -103,8 +105,9 @@ const Attachment* Attachments::find(std::uint64_t handle) const {
   return const_cast<Attachments*>(this)->find(handle);
 }
 
-void Attachments::gather(double dt, const WorldSettings& world, const FluidSettings& fluid, StepReport& report,
-                         std::vector<SurfaceMotion*>& active, std::vector<std::uint64_t>& stale) {
+void Attachments::gather(double dt, const WorldSettings& world, const FluidSettings& fluid,
+                         StepReport& report, std::vector<SurfaceMotion*>& active,
+                         std::vector<std::uint64_t>& stale) {
   active.clear();
   for (auto& a : list_) {
     if (a->refused) {
@@ -158,8 +161,8 @@ void Attachments::scatter(Span<SurfaceMotion* const> active, StepReport& report)
   }
 }
 
-void Attachments::reseed(Span<SurfaceMotion* const> active, fluid::Particles& particles, std::uint64_t& next_id,
-                         const Workers& workers, StepReport& report) {
+void Attachments::reseed(Span<SurfaceMotion* const> active, fluid::Particles& particles,
+                         std::uint64_t& next_id, const Workers& workers, StepReport& report) {
   std::vector<SurfaceMotion*> fresh;
   for (auto& a : list_) {
     if (!a->fresh || std::find(active.begin(), active.end(), &a->motion) == active.end()) continue;

@@ -13,30 +13,31 @@ struct Attachment {
   std::uint64_t handle = 0;
   SurfaceHost* host = nullptr;
   SurfaceSettings settings;
-  SurfaceMotion motion;          ///< between steps x_t1 is what the host stores; the next gather makes it x_t0
-  std::vector<Vec3> certified;   ///< x_t1 as certified, to compare with what the host read back
-  bool fresh = true;             ///< new id: particles near it are re-seeded before the next step
-  bool teleported = false;       ///< reset_motion was called
+  SurfaceMotion motion;         ///< between steps x_t1 is what the host stores; the next gather makes it x_t0
+  std::vector<Vec3> certified;  ///< x_t1 as certified, to compare with what the host read back
+  bool fresh = true;            ///< new id: particles near it are re-seeded before the next step
+  bool teleported = false;      ///< reset_motion was called
   bool refused = false;
 };
 
 class Attachments {
  public:
-  Status attach(SurfaceHost& host, const SurfaceSettings& settings, const WorldSettings& world, std::uint64_t* handle);
+  Status attach(SurfaceHost& host, const SurfaceSettings& settings, const WorldSettings& world,
+                std::uint64_t* handle);
   /// Returns the ids that contact may forget.
   std::uint64_t detach(std::uint64_t handle);
   Attachment* find(std::uint64_t handle);
   const Attachment* find(std::uint64_t handle) const;
   const std::vector<std::unique_ptr<Attachment>>& all() const { return list_; }
 
-  /// Reads every host. Fills `active` with the surfaces that take part, in order of handle; `stale` with trace ids
-  /// that are no more.
+  /// Reads every host. Fills `active` with the surfaces that take part, in order of handle; `stale` with
+  /// trace ids that are no more.
   void gather(double dt, const WorldSettings& world, const FluidSettings& fluid, StepReport& report,
               std::vector<SurfaceMotion*>& active, std::vector<std::uint64_t>& stale);
   void scatter(Span<SurfaceMotion* const> active, StepReport& report);
 
-  /// Particles nearer than 2 δ to a fresh surface get a new place and a new id, or are removed: their path would
-  /// not be certain. Counted in report.contact.reseeded.
+  /// Particles nearer than 2 δ to a fresh surface get a new place and a new id, or are removed: their path
+  /// would not be certain. Counted in report.contact.reseeded.
   void reseed(Span<SurfaceMotion* const> active, fluid::Particles& particles, std::uint64_t& next_id,
               const Workers& workers, StepReport& report);
 

@@ -7,18 +7,18 @@
 namespace oilskin {
 
 void World::Impl::run_step(double dt) {
-  gather(dt);                                          // surfaces: x_t0 → proposed x_t1
+  gather(dt);  // surfaces: x_t0 → proposed x_t1
   quarantine_input();
-  fluid->prepare(particles, report.seconds);           // cell order, neighbours
-  emit(dt);                                            // starts of this interval, or blocked
-  predict_motion(dt);                                  // x_t1 without pressure, to find contacts
+  fluid->prepare(particles, report.seconds);  // cell order, neighbours
+  emit(dt);                                   // starts of this interval, or blocked
+  predict_motion(dt);                         // x_t1 without pressure, to find contacts
   contact->begin(dt, contact_settings, motion, surfaces, report.contact, report.seconds);
-  predict_contacts(dt);                                // bounds for the pressure solver
-  propose_motion(dt);                                  // pressure, viscosity → x_t1
-  contact->run();                                      // impulses, meetings, zones → certificate
-  certify();                                           // an independent check, when asked for
+  predict_contacts(dt);  // bounds for the pressure solver
+  propose_motion(dt);    // pressure, viscosity → x_t1
+  contact->run();        // impulses, meetings, zones → certificate
+  certify();             // an independent check, when asked for
   tell_observer(dt);
-  commit();                                            // nothing live has moved since the certificate
+  commit();  // nothing live has moved since the certificate
   scatter();
   time += dt;
   ++step_count;
@@ -118,8 +118,10 @@ void World::Impl::propose_motion(double dt) {
   contact::StageTimer timer(report.seconds.other_fluid);
   const std::size_t live = particles.size();
   for (std::size_t i = 0; i < now.id.size(); ++i) {
-    if (i < live) now.velocity[i] = particles.velocity[i];
-    else now.velocity[i] += now.remaining[i] * settings.gravity;
+    if (i < live)
+      now.velocity[i] = particles.velocity[i];
+    else
+      now.velocity[i] += now.remaining[i] * settings.gravity;
     now.x_t1[i] = now.x_t0[i] + now.remaining[i] * now.velocity[i];
     if (world::is_sound(now.x_t1[i]) && world::is_sound(now.velocity[i])) continue;
     now.x_t1[i] = now.x_t0[i];

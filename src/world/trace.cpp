@@ -19,7 +19,8 @@ void put(std::ostream& out, const T& value) {
 
 template <class T>
 void put_all(std::ostream& out, Span<T> values) {
-  out.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(T)));
+  out.write(reinterpret_cast<const char*>(values.data()),
+            static_cast<std::streamsize>(values.size() * sizeof(T)));
 }
 
 }  // namespace

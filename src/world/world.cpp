@@ -21,7 +21,8 @@ void IntervalArrays::resize(std::size_t n) {
   quarantined.assign(n, 0);
 }
 
-World::Impl::Impl(const WorldSettings& world, const FluidSettings& fluid_in, const ContactSettings& contact_in)
+World::Impl::Impl(const WorldSettings& world, const FluidSettings& fluid_in,
+                  const ContactSettings& contact_in)
     : settings(world), fluid_settings(fluid_in), contact_settings(contact_in) {
   for (const Status& s : {settings.validate(), fluid_settings.validate(), contact_settings.validate()})
     if (status.ok() && !s.ok()) status = s;
@@ -37,10 +38,18 @@ World::World(const WorldSettings& world, const FluidSettings& fluid, const Conta
     : impl_(std::make_unique<Impl>(world, fluid, contact)) {}
 World::~World() = default;
 
-Status World::status() const { return impl_->status; }
-const WorldSettings& World::settings() const { return impl_->settings; }
-const FluidSettings& World::fluid_settings() const { return impl_->fluid_settings; }
-const ContactSettings& World::contact_settings() const { return impl_->contact_settings; }
+Status World::status() const {
+  return impl_->status;
+}
+const WorldSettings& World::settings() const {
+  return impl_->settings;
+}
+const FluidSettings& World::fluid_settings() const {
+  return impl_->fluid_settings;
+}
+const ContactSettings& World::contact_settings() const {
+  return impl_->contact_settings;
+}
 
 Status World::set_gravity(const Vec3& gravity) {
   WorldSettings changed = impl_->settings;
@@ -69,7 +78,9 @@ void World::detach(SurfaceId id) {
   if (trace_id != 0) impl_->contact->forget(trace_id);
 }
 
-std::size_t World::surface_count() const { return impl_->attachments.all().size(); }
+std::size_t World::surface_count() const {
+  return impl_->attachments.all().size();
+}
 
 const SurfaceMotion* World::surface(SurfaceId id) const {
   const world::Attachment* a = impl_->attachments.find(id.value);
@@ -93,10 +104,18 @@ Status World::set_slip(SurfaceId id, const SlipSettings& slip) {
   return s;
 }
 
-Status World::add_emitter(const DiscEmitter& e) { return impl_->status.ok() ? impl_->emission->add(e) : impl_->status; }
-Status World::add_emitter(const BoxEmitter& e) { return impl_->status.ok() ? impl_->emission->add(e) : impl_->status; }
-Status World::add_emitter(const MeshEmitter& e) { return impl_->status.ok() ? impl_->emission->add(e) : impl_->status; }
-Status World::add_emitter(const RainEmitter& e) { return impl_->status.ok() ? impl_->emission->add(e) : impl_->status; }
+Status World::add_emitter(const DiscEmitter& e) {
+  return impl_->status.ok() ? impl_->emission->add(e) : impl_->status;
+}
+Status World::add_emitter(const BoxEmitter& e) {
+  return impl_->status.ok() ? impl_->emission->add(e) : impl_->status;
+}
+Status World::add_emitter(const MeshEmitter& e) {
+  return impl_->status.ok() ? impl_->emission->add(e) : impl_->status;
+}
+Status World::add_emitter(const RainEmitter& e) {
+  return impl_->status.ok() ? impl_->emission->add(e) : impl_->status;
+}
 
 Status World::add_particles(Span<const Vec3> positions, Span<const Vec3> velocities, std::uint64_t* blocked) {
   if (!impl_->status.ok()) return impl_->status;
@@ -129,13 +148,27 @@ Status World::add_particles(Span<const Vec3> positions, Span<const Vec3> velocit
   return {};
 }
 
-std::size_t World::particle_count() const { return impl_->particles.size(); }
-double World::particle_mass() const { return impl_->fluid ? impl_->fluid->particle_mass() : 0; }
-Span<const std::uint64_t> World::ids() const { return impl_->particles.id; }
-Span<const Vec3> World::positions() const { return impl_->particles.position; }
-Span<const Vec3> World::velocities() const { return impl_->particles.velocity; }
-Span<const double> World::densities() const { return impl_->particles.density; }
-Span<const double> World::pressures() const { return impl_->particles.pressure; }
+std::size_t World::particle_count() const {
+  return impl_->particles.size();
+}
+double World::particle_mass() const {
+  return impl_->fluid ? impl_->fluid->particle_mass() : 0;
+}
+Span<const std::uint64_t> World::ids() const {
+  return impl_->particles.id;
+}
+Span<const Vec3> World::positions() const {
+  return impl_->particles.position;
+}
+Span<const Vec3> World::velocities() const {
+  return impl_->particles.velocity;
+}
+Span<const double> World::densities() const {
+  return impl_->particles.density;
+}
+Span<const double> World::pressures() const {
+  return impl_->particles.pressure;
+}
 
 Status World::add_velocities(Span<const Vec3> dv) {
   if (dv.size() != impl_->particles.size())
@@ -183,9 +216,15 @@ const StepReport& World::step(double dt) {
   return w.report;
 }
 
-const StepReport& World::report() const { return impl_->report; }
-double World::time() const { return impl_->time; }
-std::uint64_t World::step_count() const { return impl_->step_count; }
+const StepReport& World::report() const {
+  return impl_->report;
+}
+double World::time() const {
+  return impl_->time;
+}
+std::uint64_t World::step_count() const {
+  return impl_->step_count;
+}
 
 const std::vector<ContactRecord>& World::contacts() const {
   static const std::vector<ContactRecord> none;
@@ -211,6 +250,8 @@ std::uint64_t World::state_hash() const {
   return hash.value();
 }
 
-void World::set_observer(IntervalObserver* observer) { impl_->observer = observer; }
+void World::set_observer(IntervalObserver* observer) {
+  impl_->observer = observer;
+}
 
 }  // namespace oilskin

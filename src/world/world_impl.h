@@ -15,7 +15,7 @@ struct IntervalArrays {
   std::vector<Vec3> x_t0, x_t1, velocity;
   std::vector<double> inverse_mass;
   std::vector<std::uint8_t> removed;
-  std::vector<double> remaining;   ///< emitted ones: their part of the interval [s]
+  std::vector<double> remaining;  ///< emitted ones: their part of the interval [s]
   std::vector<std::uint8_t> quarantined;
 
   void resize(std::size_t n);

@@ -1,0 +1,139 @@
+// Scene files: what is read is what is written, every key is documented, --set reaches every place.
+#include "scene_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace oilskin::demo {
+namespace {
+
+std::string message_of(const std::string& json) {
+  try {
+    read_scene(parse_json(json, "test"), ".");
+  } catch (const SceneError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+/// A scene that uses every shape and every optional part, so that writing it names every key.
+Scene everything() {
+  Scene scene;
+  scene.name = "everything";
+  DiscEmitter disc;
+  disc.stop = 1;
+  RainEmitter rain;
+  rain.stop = 2;
+  PlacedMeshEmitter mesh_emitter;
+  mesh_emitter.mesh.file = "vee.obj";
+  scene.emitters = {disc, BoxEmitter{{Vec3::Zero(), Vec3::Ones()}, Vec3::Zero(), 0}, mesh_emitter, rain};
+  Cloth grid, mesh;
+  PinBox pin;
+  pin.within = {Vec3::Constant(-1), Vec3::Constant(1)};
+  pin.release = 1;
+  pin.motion.stop = 2;
+  grid.pins.kind = PinKind::boxes;
+  grid.pins.boxes = {pin};
+  mesh.mesh.emplace();
+  mesh.mesh->file = "vee.obj";
+  mesh.pins.kind = PinKind::nodes;
+  mesh.pins.nodes = {0, 1};
+  scene.cloth = {grid, mesh};
+  Body box, sphere, plane, body;
+  sphere.shape = SphereShape();
+  plane.shape = PlaneShape();
+  body.shape = *mesh.mesh;
+  box.motion.stop = 3;
+  scene.bodies = {box, sphere, plane, body};
+  scene.acceptance.min_emitted = 1;
+  scene.acceptance.min_over_rim = 1;
+  scene.acceptance.vertical_momentum = 0.03;
+  scene.acceptance.sag_below_dry = 0.02;
+  scene.acceptance.max_stretch = 2;
+  scene.acceptance.slip_ratio.emplace();
+  scene.acceptance.pin_reaction.emplace();
+  scene.acceptance.dry_shadow.emplace();
+  scene.pictures.views.emplace_back();
+  return scene;
+}
+
+void collect_keys(const Json& json, std::set<std::string>& keys) {
+  for (const auto& item : json.items()) {
+    if (json.is_object()) keys.insert(item.key());
+    if (item.value().is_structured()) collect_keys(item.value(), keys);
+  }
+}
+
+TEST(SceneReader, whatIsWrittenIsReadBack) {
+  const Json written = write_scene(everything());
+  const Scene again = read_scene(written, OILSKIN_SCENES);
+  EXPECT_EQ(write_scene(again), written);
+}
+
+TEST(SceneReader, defaultsSurviveAnEmptyFile) {
+  const Scene scene = read_scene(Json::object(), ".");
+  EXPECT_EQ(write_scene(scene), write_scene(Scene()));
+  EXPECT_EQ(scene.fluid.spacing, FluidSettings().spacing);
+}
+
+TEST(SceneReader, everyShippedSceneReads) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(OILSKIN_SCENES)) {
+    if (entry.path().extension() != ".json") continue;
+    const Scene scene = read_scene(read_json_file(entry.path().string()), OILSKIN_SCENES);
+    EXPECT_EQ(scene.name, entry.path().stem().string());
+    EXPECT_FALSE(scene.description.empty()) << scene.name;
+    EXPECT_TRUE(scene.contact.verify) << scene.name << ": shipped scenes verify";
+    ++count;
+  }
+  EXPECT_GE(count, 7);
+}
+
+TEST(SceneReader, everyKeyIsDocumented) {
+  std::ifstream in(OILSKIN_SCENE_DOC);
+  std::stringstream text;
+  text << in.rdbuf();
+  std::set<std::string> keys;
+  collect_keys(write_scene(everything()), keys);
+  EXPECT_GT(keys.size(), 80u);
+  for (const std::string& key : keys)
+    EXPECT_NE(text.str().find("`" + key + "`"), std::string::npos) << key << " is not in docs/scene_file.md";
+}
+
+TEST(SceneReader, messagesNameThePath) {
+  EXPECT_EQ(message_of(R"({"cloth": [{}, {"slip": {"modle": "free"}}]})"),
+            "cloth.1.slip.modle: this key is not known; the nearest known one is \"model\"");
+  EXPECT_EQ(message_of(R"({"fluid": {"spacing": -1}})"), "fluid.spacing: is -1, must be > 0");
+  EXPECT_NE(message_of(R"({"cloth": [{"normal": [1, 0, 0], "u_axis": [1, 0, 0]}]})").find("parallel"),
+            std::string::npos);
+}
+
+TEST(SceneReader, nearestNameIsByEditDistance) {
+  EXPECT_EQ(nearest_name("thicknes", {"spacing", "thickness", "substeps"}), "thickness");
+  EXPECT_EQ(nearest_name("x", {}), "");
+}
+
+TEST(Override, reachesKeysListsAndNewPlaces) {
+  Json scene = Json::parse(R"({"cloth": [{"grid": [5, 5]}]})");
+  apply_override(scene, "cloth.0.thickness=0.0005");
+  apply_override(scene, "cloth.0.grid.1=7");
+  apply_override(scene, "cloth.1.pins=corners");
+  apply_override(scene, "contact.ccd=false");
+  apply_override(scene, "emitters=[]");
+  EXPECT_EQ(scene, Json::parse(R"({"cloth": [{"grid": [5, 7], "thickness": 0.0005}, {"pins": "corners"}],
+                                   "contact": {"ccd": false}, "emitters": []})"));
+}
+
+TEST(Override, refusesWhatLeadsNowhere) {
+  Json scene = Json::parse(R"({"cloth": [{"grid": [5, 5]}], "dt": 1})");
+  for (const char* wrong : {"cloth.3.thickness=1", "cloth.x=1", "dt.a=1", "=1", "dt", "cloth..a=1"})
+    EXPECT_THROW(apply_override(scene, wrong), SceneError) << wrong;
+}
+
+}  // namespace
+}  // namespace oilskin::demo

@@ -1,0 +1,139 @@
+// A room may include core and the rooms before it, nothing else; Bullet, FCL, JSON, command-line and picture
+// libraries stay where they belong. Reads the include lines.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Which rooms of src each room may see, besides itself and the public headers. `world` is never named: it
+/// sees all.
+const std::map<std::string, std::set<std::string>> may_see = {
+    {"src/oilskin", {}},
+    {"src/core", {}},
+    {"src/fluid", {"core"}},
+    {"src/proximity", {"core"}},
+    {"src/ccd", {"core"}},
+    {"src/contact", {"core", "fluid", "proximity", "ccd"}},
+    {"src/effects", {"core", "fluid", "proximity", "ccd", "contact"}},
+    {"src/surface", {"core", "proximity"}},
+    {"src/world", {"core", "fluid", "proximity", "ccd", "contact", "effects", "surface", "world"}},
+    {"bullet_adapter", {"core"}},
+};
+
+const std::set<std::string> rooms = {"core",    "fluid",   "proximity", "ccd",
+                                     "contact", "effects", "surface",   "world"};
+
+/// Libraries and the only places that may include them.
+const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> fenced = {
+    {{"bullet/", "Bullet", "btBullet", "LinearMath/"}, {"bullet_adapter/", "demos/bullet_simulation.cpp"}},
+    {{"fcl/"}, {"src/proximity/surface_tree.cpp"}},
+    {{"tbb/", "oneapi/"}, {"src/core/parallel.cpp"}},
+    {{"nlohmann/", "CLI/", "vtk"}, {"demos/"}},
+};
+
+bool begins(const std::string& text, const std::string& with) {
+  return text.compare(0, with.size(), with) == 0;
+}
+
+/// What an #include line names; empty for other lines.
+std::string included(const std::string& line) {
+  const std::size_t hash = line.find_first_not_of(" \t");
+  if (hash == std::string::npos || line[hash] != '#') return "";
+  const std::size_t word = line.find_first_not_of(" \t", hash + 1);
+  if (word == std::string::npos || line.compare(word, 7, "include") != 0) return "";
+  const std::size_t open = line.find_first_of("<\"", word + 7);
+  if (open == std::string::npos) return "";
+  const std::size_t close = line.find_first_of(">\"", open + 1);
+  return close == std::string::npos ? "" : line.substr(open + 1, close - open - 1);
+}
+
+std::string fault_of_room(const std::string& file, const std::string& target) {
+  const std::string other = target.substr(0, target.find('/'));
+  if (target.find('/') == std::string::npos || rooms.count(other) == 0) return "";
+  for (const auto& [room, seen] : may_see) {
+    if (!begins(file, room + "/")) continue;
+    const std::string own = fs::path(room).filename().string();
+    if (other != own && seen.count(other) == 0)
+      return file + " includes \"" + target + "\": " + room + " may not see " + other;
+  }
+  return "";
+}
+
+std::string fault_of_library(const std::string& file, const std::string& target) {
+  for (const auto& [prefixes, places] : fenced) {
+    const bool named =
+        std::any_of(prefixes.begin(), prefixes.end(), [&](const auto& p) { return begins(target, p); });
+    const bool allowed =
+        std::any_of(places.begin(), places.end(), [&](const auto& p) { return begins(file, p); });
+    if (named && !allowed)
+      return file + " includes <" + target + ">, which belongs to " + places.front() + " only";
+  }
+  return "";
+}
+
+/// Every forbidden include below `root`, one line each.
+std::vector<std::string> faults(const fs::path& root) {
+  std::vector<std::string> found;
+  for (const char* top : {"src", "bullet_adapter", "demos"}) {
+    if (!fs::exists(root / top)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
+      const std::string suffix = entry.path().extension().string();
+      if (suffix != ".h" && suffix != ".cpp") continue;
+      const std::string file = fs::relative(entry.path(), root).generic_string();
+      std::ifstream in(entry.path());
+      for (std::string line; std::getline(in, line);) {
+        const std::string target = included(line);
+        for (const std::string& fault : {fault_of_room(file, target), fault_of_library(file, target)})
+          if (!target.empty() && !fault.empty()) found.push_back(fault);
+      }
+    }
+  }
+  return found;
+}
+
+TEST(Structure, noRoomIncludesWhatItMayNotSee) {
+  for (const std::string& fault : faults(OILSKIN_ROOT)) ADD_FAILURE() << fault;
+}
+
+/// A tree with one file that has one include line.
+std::size_t faults_with(const std::string& file, const std::string& include) {
+  std::string name = (fs::temp_directory_path() / "oilskin-structure-XXXXXX").string();
+  const fs::path root = mkdtemp(name.data());
+  fs::create_directories((root / file).parent_path());
+  std::ofstream(root / file) << "// a comment\n" << include << "\n";
+  const std::size_t count = faults(root).size();
+  fs::remove_all(root);
+  return count;
+}
+
+TEST(Structure, theTestItselfCatchesBackEdges) {
+  EXPECT_EQ(faults_with("src/core/a.h", "#include \"fluid/particles.h\""), 1u);
+  EXPECT_EQ(faults_with("src/fluid/a.cpp", "#  include \"contact/records.h\""), 1u);
+  EXPECT_EQ(faults_with("src/surface/a.cpp", "#include \"contact/records.h\""), 1u);
+  EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"world/world_impl.h\""), 1u);
+  EXPECT_EQ(faults_with("src/oilskin/a.h", "#include \"core/parallel.h\""), 1u);
+  EXPECT_EQ(faults_with("src/world/a.cpp", "#include <BulletSoftBody/btSoftBody.h>"), 1u);
+  EXPECT_EQ(faults_with("src/contact/a.cpp", "#include <fcl/fcl.h>"), 1u);
+  EXPECT_EQ(faults_with("src/fluid/a.cpp", "#include <tbb/parallel_for.h>"), 1u);
+  EXPECT_EQ(faults_with("bullet_adapter/a.cpp", "#include <nlohmann/json.hpp>"), 1u);
+  EXPECT_EQ(faults_with("demos/a.cpp", "#include <btBulletDynamicsCommon.h>"), 1u);
+}
+
+TEST(Structure, theTestItselfLetsForwardEdgesPass) {
+  EXPECT_EQ(faults_with("src/fluid/a.cpp", "#include \"core/hash.h\""), 0u);
+  EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"ccd/point_triangle.h\""), 0u);
+  EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"contact/records.h\""), 0u);
+  EXPECT_EQ(faults_with("src/world/a.cpp", "#include \"contact/records.h\""), 0u);
+  EXPECT_EQ(faults_with("src/core/a.cpp", "// #include \"fluid/particles.h\""), 0u);
+}
+
+}  // namespace
