@@ -39,7 +39,7 @@ void colour_surface(vtkActor* actor, bool is_cloth) {
   if (is_cloth) {
     front->SetColor(0.93, 0.76, 0.62);
   } else {
-    front->SetColor(0.72, 0.74, 0.77);
+    front->SetColor(0.86, 0.87, 0.89);
   }
   front->SetInterpolationToPhong();
   front->SetAmbient(0.18);
@@ -174,7 +174,7 @@ void DrawnWater::update(const FrameData& frame) {
     }
     const Vec3 n = hit.point.offset / hit.point.distance;
     const double r = spread(nearest, frame.position[i], hit, radius);
-    film.shape->InsertNextTuple3(hit.point.distance, r, r);
+    film.shape->InsertNextTuple3(0.8 * hit.point.distance, r, r);  // touching would shine through
     film.normal->InsertNextTuple3(n.x(), n.y(), n.z());
   }
   show(balls_, balls);

@@ -1,5 +1,6 @@
-// Tables 1 and 2 of the paper with our stages: what a smaller thickness and no-slip cost over the scene `jet`.
-// One row for each thickness and slip law; seconds of wall time over the whole run, without `verify` and pictures.
+// Tables 1 and 2 of the paper with our stages: what a smaller thickness and no-slip cost over the scene
+// `jet`. One row for each thickness and slip law; seconds of wall time over the whole run, without `verify`
+// and pictures.
 //
 // use: contact_table [simulated seconds = 0.5] [threads = 0, all]
 #include <cstdio>
@@ -34,9 +35,10 @@ void print_row(const Row& row, double duration, int threads) {
   const StageSeconds& s = totals.seconds;
   const double fluid = s.neighbours + s.pressure + s.other_fluid;
   const double contact = s.gather + s.proximity + s.impulses + s.ccd + s.zones;
-  std::printf("%8.4f  %-8s %7.2f %7.2f %9.2f %8.2f %8.2f %6.2f %6.2f %7.2f %8.2f %9llu %9llu %6llu\n", row.thickness,
-              row.slip, simulation->host_seconds(), fluid, contact, s.proximity, s.impulses, s.ccd, s.zones, s.gather,
-              contact / fluid, static_cast<unsigned long long>(totals.contact.contacts),
+  std::printf("%8.4f  %-8s %7.2f %7.2f %9.2f %8.2f %8.2f %6.2f %6.2f %7.2f %8.2f %9llu %9llu %6llu\n",
+              row.thickness, row.slip, simulation->host_seconds(), fluid, contact, s.proximity, s.impulses,
+              s.ccd, s.zones, s.gather, contact / fluid,
+              static_cast<unsigned long long>(totals.contact.contacts),
               static_cast<unsigned long long>(totals.contact.meetings),
               static_cast<unsigned long long>(totals.contact.zone_rounds));
   std::fflush(stdout);
@@ -48,12 +50,15 @@ int main(int argc, char** argv) {
   const double duration = argc > 1 ? std::atof(argv[1]) : 0.5;
   const int threads = argc > 2 ? std::atoi(argv[2]) : 0;
   std::printf("jet, %.2f s simulated; seconds of wall time\n", duration);
-  std::printf("   h [m]  slip       cloth   fluid   contact proximity impulses   ccd  zones  gather  contact/fluid  "
-              "contacts  meetings  zones\n");
+  std::printf(
+      "   h [m]  slip       cloth   fluid   contact proximity impulses   ccd  zones  gather  contact/fluid  "
+      "contacts  meetings  zones\n");
   for (const Row& row : {Row{0.0005, "free"}, Row{0.001, "free"}, Row{0.001, "no_slip"}, Row{0.005, "free"},
                          Row{0.0005, "no_slip"}, Row{0.005, "no_slip"}})
     print_row(row, duration, threads);
-  std::printf("The paper (i7-2600), h = 0.0005: cloth 26.8, fluid 2.97, contact 29.3; 0.001: 26.3, 2.95, 25.3; 0.001 no-slip: "
-              "27.0, 3.21, 21.4; 0.005: 27.7, 3.66, 7.2\n");
+  std::printf(
+      "The paper (i7-2600), h = 0.0005: cloth 26.8, fluid 2.97, contact 29.3; 0.001: 26.3, 2.95, 25.3; 0.001 "
+      "no-slip: "
+      "27.0, 3.21, 21.4; 0.005: 27.7, 3.66, 7.2\n");
   return 0;
 }

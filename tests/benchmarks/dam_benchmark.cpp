@@ -1,9 +1,10 @@
-// DAM(n): a cube of n³ particles collapses in a box of static triangles. Prints milliseconds per step of PCISPH, with
-// the density error that was truly reached, measured on the positions at the start of each step.
+// DAM(n): a cube of n³ particles collapses in a box of static triangles. Prints milliseconds per step of
+// PCISPH, with the density error that was truly reached, measured on the positions at the start of each step.
 //
-// The fluid is that of a neutral scene with published figures for SPlisHSPlasH (2 threads, 2 cores): spacing s = 1/n,
-// H = 2.15443469 s, dt = s/20, ν = 0.01, 0.1 % mean density error; there its PCISPH takes about 50 ms per step at
-// n = 25 with 6 iterations, boundary particles included (14,002 of them), of which we have none.
+// The fluid is that of a neutral scene with published figures for SPlisHSPlasH (2 threads, 2 cores): spacing
+// s = 1/n, H = 2.15443469 s, dt = s/20, ν = 0.01, 0.1 % mean density error; there its PCISPH takes about 50
+// ms per step at n = 25 with 6 iterations, boundary particles included (14,002 of them), of which we have
+// none.
 //
 // use: dam_benchmark [n = 25] [threads = 2] [steps = 100]; the figures are of the second half of the steps
 #include <chrono>
@@ -70,14 +71,18 @@ int main(int argc, char** argv) {
   }
   const double ms = 1e3 / counted;
   const double contact = seconds.gather + seconds.proximity + seconds.impulses + seconds.ccd + seconds.zones;
-  std::printf("DAM(%d): %zu particles, %d threads, steps %d to %d\n", n, world.particle_count(), threads, steps / 2 + 1,
-              steps);
-  std::printf("  whole step %.2f ms; fluid %.2f ms (neighbours %.2f, pressure %.2f, other %.2f); contact with walls %.2f ms\n",
-              wall * ms, (seconds.neighbours + seconds.pressure + seconds.other_fluid) * ms, seconds.neighbours * ms,
-              seconds.pressure * ms, seconds.other_fluid * ms, contact * ms);
+  std::printf("DAM(%d): %zu particles, %d threads, steps %d to %d\n", n, world.particle_count(), threads,
+              steps / 2 + 1, steps);
+  std::printf(
+      "  whole step %.2f ms; fluid %.2f ms (neighbours %.2f, pressure %.2f, other %.2f); contact with walls "
+      "%.2f ms\n",
+      wall * ms, (seconds.neighbours + seconds.pressure + seconds.other_fluid) * ms, seconds.neighbours * ms,
+      seconds.pressure * ms, seconds.other_fluid * ms, contact * ms);
   std::printf("  %.2f iterations per step; density error mean %.4f %%, max %.2f %%\n", iterations / counted,
               100 * error_sum / counted, 100 * error_max);
   std::printf("  %.3g particle·steps/s\n", static_cast<double>(world.particle_count()) * counted / wall);
-  std::printf("  SPlisHSPlasH, PCISPH at 0.1 %%, n = 25, on 2 cores of another machine: 50 ms (boundary particles included)\n");
+  std::printf(
+      "  SPlisHSPlasH, PCISPH at 0.1 %%, n = 25, on 2 cores of another machine: 50 ms (boundary particles "
+      "included)\n");
   return 0;
 }

@@ -14,9 +14,10 @@ struct Press {
   ContactReport report;
 
   explicit Press(bool holdable) {
-    lower = test::make_grid(4, 4, Vec3(0, 0, 0), Vec3(0.03, 0, 0), Vec3(0, 0, 0.03), 0, 0.001, 1, Storage::float64, 1);
-    upper = test::make_grid(4, 4, Vec3(0, 0.01, 0), Vec3(0.03, 0, 0), Vec3(0, 0, 0.03), 0, 0.001, 1, Storage::float64,
-                            2);
+    lower = test::make_grid(4, 4, Vec3(0, 0, 0), Vec3(0.03, 0, 0), Vec3(0, 0, 0.03), 0, 0.001, 1,
+                            Storage::float64, 1);
+    upper = test::make_grid(4, 4, Vec3(0, 0.01, 0), Vec3(0.03, 0, 0), Vec3(0, 0, 0.03), 0, 0.001, 1,
+                            Storage::float64, 2);
     for (SurfaceMotion* s : {&lower, &upper}) s->holdable.assign(s->x_t0.size(), holdable ? 1 : 0);
     for (int i = 0; i < 5; ++i) particles.add({0.0051 + 0.004 * i, 0.005, 0.0123}, Vec3::Zero(), 1e-4);
     particles.add({0.5, 0.005, 0}, Vec3::Zero(), 1e-4);  // far away: nothing may happen to it
@@ -69,7 +70,8 @@ TEST(Policies, remove_gives_particles_up_even_where_pins_could_be_held) {
   EXPECT_EQ(press.report.removed, 5u);
   EXPECT_EQ(press.report.stalled, 0u);
   for (std::size_t i = 0; i < press.upper.x_t1.size(); ++i)
-    EXPECT_EQ(press.upper.x_t1[i], Vec3(press.upper.x_t0[i] + Vec3(0, -0.02, 0))) << "the surface keeps its way";
+    EXPECT_EQ(press.upper.x_t1[i], Vec3(press.upper.x_t0[i] + Vec3(0, -0.02, 0)))
+        << "the surface keeps its way";
 }
 
 TEST(Policies, allow_is_counted_as_a_leak_and_verify_sees_it) {
@@ -90,8 +92,8 @@ TEST(Policies, a_gentle_squeeze_costs_nothing) {
 
 TEST(Policies, without_the_continuous_test_a_fast_particle_crosses_and_verify_counts_it) {
   for (bool ccd : {false, true}) {
-    SurfaceMotion sheet =
-        test::make_grid(4, 4, Vec3(0, 0, 0), Vec3(0.03, 0, 0), Vec3(0, 0, 0.03), 1e-3, 0.001, 1, Storage::float64);
+    SurfaceMotion sheet = test::make_grid(4, 4, Vec3(0, 0, 0), Vec3(0.03, 0, 0), Vec3(0, 0, 0.03), 1e-3,
+                                          0.001, 1, Storage::float64);
     ParticleArrays p;
     p.add({0.0123, 0.02, 0.0171}, {0, -100, 0}, 1e-4);
     p.move(1e-3);

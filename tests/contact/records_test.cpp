@@ -97,9 +97,9 @@ TEST(Records, duplicate_triangles_of_either_winding_share_one_record) {
 TEST(Records, far_particles_have_none_and_approaching_ones_within_a_spacing_do) {
   std::vector<SurfaceMotion> s{flat_grid()};
   ParticleArrays p;
-  p.add({0.0231, 0.006, 0.0173}, Vec3::Zero(), 1e-4);       // within h + dx, at rest
-  p.add({0.0231, 0.006, 0.0173}, {0, -5, 0}, 1e-4);         // within h + dx, will undercut h
-  p.add({0.0231, 0.009, 0.0173}, {0, -9, 0}, 1e-4);         // beyond h + dx: left to the continuous test
+  p.add({0.0231, 0.006, 0.0173}, Vec3::Zero(), 1e-4);  // within h + dx, at rest
+  p.add({0.0231, 0.006, 0.0173}, {0, -5, 0}, 1e-4);    // within h + dx, will undercut h
+  p.add({0.0231, 0.009, 0.0173}, {0, -9, 0}, 1e-4);    // beyond h + dx: left to the continuous test
   p.move(1e-3);
   const auto records = records_of(p, s);
   ASSERT_EQ(records.size(), 1u);
@@ -135,8 +135,8 @@ TEST(Records, degenerate_triangles_give_finite_records) {
 // Sliding 10,000 steps over inner edges, close to the certified distance: no ghost collisions, no sticking.
 TEST(Records, sliding_over_inner_edges_keeps_tangential_velocity) {
   for (double start_at : {0.002, 3.0e-6}) {
-    std::vector<SurfaceMotion> s{test::make_grid(41, 41, Vec3(-1, 0, -1), Vec3(2, 0, 0), Vec3(0, 0, 2), 0, 0.002, 2,
-                                                 Storage::float64)};
+    std::vector<SurfaceMotion> s{test::make_grid(41, 41, Vec3(-1, 0, -1), Vec3(2, 0, 0), Vec3(0, 0, 2), 0,
+                                                 0.002, 2, Storage::float64)};
     SurfaceMotion* surfaces[] = {&s[0]};
     ParticleArrays p;
     const Vec3 v(0.17, 0, 0.0611);

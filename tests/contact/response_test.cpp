@@ -1,4 +1,5 @@
-// Impulses and slip against closed forms: one particle, one triangle; k particles on one node; sliding on an incline.
+// Impulses and slip against closed forms: one particle, one triangle; k particles on one node; sliding on an
+// incline.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,8 +14,8 @@ namespace {
 using test::ParticleArrays;
 using test::Random;
 
-SurfaceMotion one_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const std::array<double, 3>& inverse_mass,
-                           double thickness = 0.01) {
+SurfaceMotion one_triangle(const Vec3& a, const Vec3& b, const Vec3& c,
+                           const std::array<double, 3>& inverse_mass, double thickness = 0.01) {
   SurfaceMotion s;
   s.id = 1;
   s.x_t0 = {a, b, c};
@@ -42,11 +43,18 @@ const Collision reference_collisions[] = {
     {2, {1, 1, 1}, {1. / 3, 1. / 3, 1. / 3}, 1.2, -0.4, {-0.4, -0.4, -0.4}, 0.6},
     {2, {1, 1, 1}, {1, 0, 0}, 2. / 3, -2. / 3, {-2. / 3, 0, 0}, 1. / 3},
     {2, {1, 1, 1}, {0.5, 0.5, 0}, 1.0, -0.5, {-0.5, -0.5, 0}, 0.5},
-    {1, {1, 2, 4}, {0.5, 0.3, 0.2}, 0.76628352, -0.23371648, {-0.38314176, -0.11494253, -0.03831418}, 0.38314176},
+    {1,
+     {1, 2, 4},
+     {0.5, 0.3, 0.2},
+     0.76628352,
+     -0.23371648,
+     {-0.38314176, -0.11494253, -0.03831418},
+     0.38314176},
     {1, {inf, 2, 4}, {0.5, 0.3, 0.2}, 0.94786730, -0.05213270, {0, -0.14218009, -0.04739336}, 0.47393365},
 };
 
-// Table of reference collisions: v_p = −1 along n, triangle at rest, stop impulse only. Also turned and moved.
+// Table of reference collisions: v_p = −1 along n, triangle at rest, stop impulse only. Also turned and
+// moved.
 TEST(Response, stop_impulse_matches_the_reference_collisions_in_any_frame) {
   Random random(3);
   for (const Collision& c : reference_collisions) {
@@ -75,12 +83,14 @@ TEST(Response, stop_impulse_matches_the_reference_collisions_in_any_frame) {
       ContactReport report;
       StageSeconds seconds;
       ASSERT_TRUE(solver.resolve(1e-4, motion, surfaces, report, seconds).ok());
-      const double tolerance = c.impulse == 1.2 || c.weights[2] == 0 ? 1e-13 : 1e-8;  // the table has 8 digits
+      const double tolerance =
+          c.impulse == 1.2 || c.weights[2] == 0 ? 1e-13 : 1e-8;  // the table has 8 digits
       EXPECT_NEAR(p.velocity[0].dot(n), c.particle_after, tolerance);
       Vec3 impulse_on_nodes = Vec3::Zero();
       for (int k = 0; k < 3; ++k) {
         EXPECT_NEAR(s.velocity[k].dot(n), c.nodes_after[k], tolerance);
-        EXPECT_NEAR((s.velocity[k] - s.velocity[k].dot(n) * n).norm(), 0, 2e-13);  // n is a difference of 5 mm at 2 m
+        EXPECT_NEAR((s.velocity[k] - s.velocity[k].dot(n) * n).norm(), 0,
+                    2e-13);  // n is a difference of 5 mm at 2 m
         impulse_on_nodes += s.impulse[k];
       }
       // −J in total, the pin's share included: reactions are recorded.
@@ -167,8 +177,8 @@ TEST_P(Incline, particle_accelerates_as_the_law_says) {
   const Slide c = GetParam();
   const double angle = c.degrees * M_PI / 180, dt = 1e-3, mass = 1.25e-4;
   const Vec3 down(std::cos(angle), -std::sin(angle), 0), normal(std::sin(angle), std::cos(angle), 0);
-  SurfaceMotion s = test::make_grid(101, 11, Vec3(0, 0, -0.05), 2 * down, Vec3(0, 0, 0.1), 0, 0.001, 4,
-                                    Storage::float64);
+  SurfaceMotion s =
+      test::make_grid(101, 11, Vec3(0, 0, -0.05), 2 * down, Vec3(0, 0, 0.1), 0, 0.001, 4, Storage::float64);
   s.slip.model = c.model;
   s.slip.friction = c.friction;
   ParticleArrays p;
@@ -196,13 +206,14 @@ TEST_P(Incline, particle_accelerates_as_the_law_says) {
   EXPECT_NEAR(normal_impulse, mass * 9.81 * std::cos(angle) * dt, 1e-9 * mass * 9.81 * dt);
 }
 
-INSTANTIATE_TEST_SUITE_P(Laws, Incline,
-                         ::testing::Values(Slide{SlipModel::free, 0, 30, 4.905},
-                                           Slide{SlipModel::coulomb, 0.3, 30, 9.81 * (0.5 - 0.3 * std::sqrt(0.75))},
-                                           Slide{SlipModel::coulomb, 1, 30, 0},
-                                           Slide{SlipModel::coulomb, 1, 60, 9.81 * (std::sqrt(0.75) - 0.5)},
-                                           Slide{SlipModel::coulomb, std::numeric_limits<double>::infinity(), 60, 0},
-                                           Slide{SlipModel::no_slip, 0, 30, 0}));
+INSTANTIATE_TEST_SUITE_P(
+    Laws, Incline,
+    ::testing::Values(Slide{SlipModel::free, 0, 30, 4.905},
+                      Slide{SlipModel::coulomb, 0.3, 30, 9.81 * (0.5 - 0.3 * std::sqrt(0.75))},
+                      Slide{SlipModel::coulomb, 1, 30, 0},
+                      Slide{SlipModel::coulomb, 1, 60, 9.81 * (std::sqrt(0.75) - 0.5)},
+                      Slide{SlipModel::coulomb, std::numeric_limits<double>::infinity(), 60, 0},
+                      Slide{SlipModel::no_slip, 0, 30, 0}));
 
 TEST(Response, viscous_wall_slows_by_its_implicit_law_and_never_reverses) {
   for (double viscosity : {1e-6, 1e-3, 1.0, 1e3}) {

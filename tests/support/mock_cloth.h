@@ -1,5 +1,6 @@
-/// A mass–spring grid behind the two verbs of the seam: what a host must do, in little. Keeps its numbers as floats
-/// or doubles, integrates with symplectic Euler sub-steps, so that velocities are primary and nodes may be moved.
+/// A mass–spring grid behind the two verbs of the seam: what a host must do, in little. Keeps its numbers as
+/// floats or doubles, integrates with symplectic Euler sub-steps, so that velocities are primary and nodes
+/// may be moved.
 #pragma once
 
 #include <cmath>
@@ -23,8 +24,8 @@ class MockCloth : public SurfaceHost {
   std::vector<Scalar> inverse_mass;
   std::vector<Triangle> triangles;
   Vec3 gravity = Vec3::Zero();
-  double stiffness = 200;   ///< of springs [N/m]
-  double damping = 0.002;   ///< of springs [N s/m]
+  double stiffness = 200;  ///< of springs [N/m]
+  double damping = 0.002;  ///< of springs [N s/m]
   bool pins_holdable = true;
   bool announce_new = false;  ///< the next gather reports a new surface
 

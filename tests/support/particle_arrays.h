@@ -51,9 +51,9 @@ struct ParticleArrays {
 };
 
 /// A grid of (nu × nv) nodes over origin + s·u + t·v, two triangles a cell; node (i, j) has index i + nu·j.
-inline SurfaceMotion make_grid(std::uint32_t nu, std::uint32_t nv, const Vec3& origin, const Vec3& u, const Vec3& v,
-                               double node_mass, double thickness, double largest_coordinate, Storage storage,
-                               std::uint64_t id = 1) {
+inline SurfaceMotion make_grid(std::uint32_t nu, std::uint32_t nv, const Vec3& origin, const Vec3& u,
+                               const Vec3& v, double node_mass, double thickness, double largest_coordinate,
+                               Storage storage, std::uint64_t id = 1) {
   SurfaceMotion s;
   s.id = id;
   s.storage = storage;

@@ -11,10 +11,12 @@ class StaticMesh : public SurfaceHost {
   std::vector<Triangle> triangles;
 
   /// Two triangles a cell over corner + s·u + t·v.
-  void add_rectangle(const Vec3& corner, const Vec3& u, const Vec3& v, std::uint32_t nu = 1, std::uint32_t nv = 1) {
+  void add_rectangle(const Vec3& corner, const Vec3& u, const Vec3& v, std::uint32_t nu = 1,
+                     std::uint32_t nv = 1) {
     const auto first = static_cast<std::uint32_t>(nodes.size());
     for (std::uint32_t j = 0; j <= nv; ++j)
-      for (std::uint32_t i = 0; i <= nu; ++i) nodes.push_back(corner + u * (double(i) / nu) + v * (double(j) / nv));
+      for (std::uint32_t i = 0; i <= nu; ++i)
+        nodes.push_back(corner + u * (double(i) / nu) + v * (double(j) / nv));
     for (std::uint32_t j = 0; j < nv; ++j)
       for (std::uint32_t i = 0; i < nu; ++i) {
         const std::uint32_t a = first + i + (nu + 1) * j, b = a + 1, c = a + nu + 1, d = c + 1;
@@ -25,7 +27,9 @@ class StaticMesh : public SurfaceHost {
   /// The six sides of a box, cells no larger than `cell`.
   void add_box(const Box& box, double cell) {
     const Vec3 e = box.max - box.min, x(e.x(), 0, 0), y(0, e.y(), 0), z(0, 0, e.z());
-    const auto cells = [&](double length) { return static_cast<std::uint32_t>(std::max(1.0, std::ceil(length / cell))); };
+    const auto cells = [&](double length) {
+      return static_cast<std::uint32_t>(std::max(1.0, std::ceil(length / cell)));
+    };
     for (const Vec3& at : {box.min, Vec3(box.min + z)}) add_rectangle(at, x, y, cells(e.x()), cells(e.y()));
     for (const Vec3& at : {box.min, Vec3(box.min + y)}) add_rectangle(at, x, z, cells(e.x()), cells(e.z()));
     for (const Vec3& at : {box.min, Vec3(box.min + x)}) add_rectangle(at, y, z, cells(e.y()), cells(e.z()));

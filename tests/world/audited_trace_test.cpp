@@ -1,4 +1,5 @@
-// A trace of the world, float and double hosts, walls and cloth and emitter together, judged by the outside auditor.
+// A trace of the world, float and double hosts, walls and cloth and emitter together, judged by the outside
+// auditor.
 #include <gtest/gtest.h>
 
 #include <sstream>

@@ -1,4 +1,5 @@
-// Weight of water at rest: the mean force on the sheet under a column is the column's weight (validation B.1a).
+// Weight of water at rest: the mean force on the sheet under a column is the column's weight (validation
+// B.1a).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +15,8 @@ struct Rest {
 };
 
 // A column of 8 × 8 × layers particles between free-slip walls; means over [begin, end).
-Rest column_at_rest(int layers, double thickness, double begin, double end, PressureSolver solver, double dt) {
+Rest column_at_rest(int layers, double thickness, double begin, double end, PressureSolver solver,
+                    double dt) {
   FluidSettings fluid;
   fluid.solver = solver;
   fluid.stiffness = 20;
@@ -74,8 +76,8 @@ TEST(Hydrostatics, mean_force_on_a_rigid_sheet_is_the_weight) {
   EXPECT_LT(r.fastest, 0.2);
   // The height is printed, not judged: with contact alone the layers on the floor and on all four walls lack
   // neighbours and over-pack, so a column of eight particles across stands about a tenth too low.
-  std::cout << "  force/weight " << r.force_over_weight << ", fastest " << r.fastest << " m/s, height " << r.height
-            << " m of 0.1, " << r.iterations << " iterations\n";
+  std::cout << "  force/weight " << r.force_over_weight << ", fastest " << r.fastest << " m/s, height "
+            << r.height << " m of 0.1, " << r.iterations << " iterations\n";
 }
 
 TEST(Hydrostatics, the_force_does_not_depend_on_thickness_or_pressure_solver) {

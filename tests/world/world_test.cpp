@@ -67,12 +67,17 @@ TEST(World, refuses_broken_meshes_with_a_message) {
     const char* message;
   } cases[] = {
       {[](SurfaceMotion& m) { m.triangles.clear(); }, "no triangles"},
-      {[](SurfaceMotion& m) { m.triangles[3][2] = 1000; }, "triangle 3 names node 1000; the surface has 81 nodes"},
+      {[](SurfaceMotion& m) { m.triangles[3][2] = 1000; },
+       "triangle 3 names node 1000; the surface has 81 nodes"},
       {[](SurfaceMotion& m) { m.x_t1[5].z() = std::nan(""); }, "the position of node 5 is not finite"},
       {[](SurfaceMotion& m) { m.velocity[6].x() = INFINITY; }, "the velocity of node 6 is not finite"},
       {[](SurfaceMotion& m) { m.inverse_mass[7] = -1; }, "the inverse mass of node 7 is -1"},
       {[](SurfaceMotion& m) { m.velocity.pop_back(); }, "80 velocities"},
-      {[](SurfaceMotion& m) { m.storage = Storage::float32; m.x_t1[0].x() = 0.1; }, "node 0 is no number that its storage"},
+      {[](SurfaceMotion& m) {
+         m.storage = Storage::float32;
+         m.x_t1[0].x() = 0.1;
+       },
+       "node 0 is no number that its storage"},
   };
   for (const auto& c : cases) {
     World w(box(2));
@@ -219,13 +224,15 @@ Splash splash(int threads, double dt, Storage storage) {
 TEST(World, same_input_same_bits_on_any_number_of_threads) {
   for (Storage storage : {Storage::float32, Storage::float64}) {
     const Splash one = splash(1, 1e-3, storage);
-    for (int threads : {2, 3}) EXPECT_EQ(splash(threads, 1e-3, storage).hash, one.hash) << threads << " threads";
+    for (int threads : {2, 3})
+      EXPECT_EQ(splash(threads, 1e-3, storage).hash, one.hash) << threads << " threads";
     EXPECT_EQ(one.crossings, 0u);
   }
 }
 
 TEST(World, nothing_crosses_at_any_time_step) {
-  for (double dt : {2e-4, 4e-3, 0.016}) EXPECT_EQ(splash(2, dt, Storage::float32).crossings, 0u) << "dt " << dt;
+  for (double dt : {2e-4, 4e-3, 0.016})
+    EXPECT_EQ(splash(2, dt, Storage::float32).crossings, 0u) << "dt " << dt;
 }
 
 }  // namespace
