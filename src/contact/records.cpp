@@ -125,7 +125,7 @@ double end_gap(const Context& context, const ContactRecord& r) {
 bool undercuts_thickness(const Context& context, const ContactRecord& r) {
   // d0 + n·(D_p − Σ w_i D_i) is the end gap along n, because d0 = n·(x0_p − Σ w_i x0_i).
   const double h = context.surfaces[r.surface]->thickness;
-  return r.distance < h || end_gap(context, r) < h;
+  return r.distance < h || (context.settings->ccd && end_gap(context, r) < h);
 }
 
 bool may_slip(const Context& context, const ContactRecord& r) {

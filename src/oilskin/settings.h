@@ -68,8 +68,10 @@ enum class Infeasible {
 struct ContactSettings {
   Repulsion repulsion = Repulsion::split;
   double stiffness = 1000;  ///< bridson: k [N/m], ≥ 0
-  bool ccd = true;          ///< continuous test. Off: there is no promise (shows what happens without)
-  bool zones = true;        ///< impact zones. Off: there is no promise
+  /// Look along paths: predicted approach and continuous test. Off: repulsion by proximity at the start of each step
+  /// alone, which leaks, as the paper's Fig. 4 left shows; there is no promise.
+  bool ccd = true;
+  bool zones = true;  ///< impact zones. Off: there is no promise
   int sweeps = 5;  ///< Gauss–Seidel sweeps, 1 … 1000: accuracy of simultaneous impacts against time
   int rounds = 5;  ///< rounds of impulses at meetings before zones, 0 … 100
   Infeasible infeasible = Infeasible::stall;
