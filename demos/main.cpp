@@ -119,6 +119,8 @@ int run_program(int argc, char** argv) {
     return fail(ExitCode::bad_input, e.what());
   } catch (const OutputError& e) {
     return fail(ExitCode::out_of_resources, e.what());
+  } catch (const std::filesystem::filesystem_error& e) {
+    return fail(ExitCode::bad_input, e.what());
   } catch (const std::bad_alloc&) {
     return fail(ExitCode::out_of_resources,
                 "out of memory; fewer particles (a larger fluid.spacing) need less");

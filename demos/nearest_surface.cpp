@@ -50,4 +50,25 @@ bool NearestSurface::find(const Vec3& p, Hit* hit) const {
   return hit->surface >= 0;
 }
 
+bool NearestSurface::is_clear(const Vec3& p, const Vec3& n, double along, double across) const {
+  // Scaled by its half axes the ellipsoid is the unit ball about the origin, and triangles stay triangles.
+  const auto meets = [&](const Entry& entry) {
+    const Triangle& nodes = entry.motion->triangles[entry.triangle];
+    Vec3 corner[3];
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 way = entry.motion->x_t1[nodes[static_cast<std::size_t>(k)]] - p;
+      const double up = way.dot(n);
+      corner[k] = (way - up * n) / across + (up / along) * n;
+    }
+    return closest_point(Vec3::Zero(), corner[0], corner[1], corner[2]).distance < 1;
+  };
+  const auto it = cells_.find(cell_of(p));
+  if (it != cells_.end())
+    for (const Entry& entry : it->second)
+      if (meets(entry)) return false;
+  for (const Entry& entry : large_)
+    if (meets(entry)) return false;
+  return true;
+}
+
 }  // namespace oilskin::demo

@@ -134,21 +134,11 @@ void DrawnWater::show(Part& part, const Points& points) {
 
 namespace {
 
-/// How far a flat drop may spread before its rim comes through a fold of the sheet.
-double spread(const NearestSurface& nearest, const Vec3& p, const NearestSurface::Hit& hit, double most) {
-  const Vec3 n = hit.point.offset / hit.point.distance;
-  const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
+/// How far a flat drop may spread before it comes through a fold or the rim of a sheet.
+double spread(const NearestSurface& nearest, const Vec3& p, const Vec3& n, double height, double most) {
   double r = most;
-  for (int k = 0; k < 8; ++k) {
-    const double angle = 0.7853981633974483 * k;
-    const Vec3 way = std::cos(angle) * u + std::sin(angle) * v;
-    for (NearestSurface::Hit rim; r > hit.point.distance && nearest.find(p + r * way, &rim); r *= 0.75) {
-      const Vec3 foot = p + r * way - rim.point.offset;
-      const bool same_side = (p - foot).dot(rim.point.offset) > 0;
-      if (same_side && rim.point.distance > 0.25 * hit.point.distance) break;
-    }
-  }
-  return std::max(r, std::min(most, hit.point.distance));
+  while (r > height && !nearest.is_clear(p, n, height, r)) r *= 0.8;
+  return std::max(r, std::min(most, height));
 }
 
 }  // namespace
@@ -173,8 +163,9 @@ void DrawnWater::update(const FrameData& frame) {
       continue;
     }
     const Vec3 n = hit.point.offset / hit.point.distance;
-    const double r = spread(nearest, frame.position[i], hit, radius);
-    film.shape->InsertNextTuple3(0.8 * hit.point.distance, r, r);  // touching would shine through
+    const double height = 0.8 * hit.point.distance;  // touching would shine through
+    const double r = spread(nearest, frame.position[i], n, height, radius);
+    film.shape->InsertNextTuple3(height, r, r);
     film.normal->InsertNextTuple3(n.x(), n.y(), n.z());
   }
   show(balls_, balls);

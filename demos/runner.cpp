@@ -48,8 +48,8 @@ class Run {
         directory_(prepare_directory(scene, options)),
         measurer_(scene) {
     simulation_options_.threads = options.threads;
-    open_frames();
     simulation_ = make_simulation(scene, simulation_options_);
+    open_frames();
     if (options.trace.empty()) return;
     trace_ = std::make_unique<TraceOutput>(options.trace, options.trace_steps);
     simulation_->world().set_observer(trace_.get());

@@ -51,6 +51,7 @@ std::vector<std::string> shipped_scenes() {
 Scene load_scene(const RunOptions& options) {
   const std::string file = find_scene_file(options.scene);
   Json json = read_json_file(file);
+  if (!json.is_object()) throw SceneError(file + ": must hold a JSON object");
   if (options.duration) json["duration"] = *options.duration;
   if (options.dt) json["dt"] = *options.dt;
   if (options.seed) json["seed"] = *options.seed;
