@@ -51,9 +51,45 @@ Vec3 direction_from_triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
   return best;
 }
 
-// Where additive advancement creeps (sliding along a sheet at a distance far below the way), halve the time:
-// a part is free when one direction keeps all three corners strictly on one side at both of its ends, since
-// they move on straight lines.
+using Long = Eigen::Matrix<long double, 3, 1>;
+
+struct Corners {
+  Long at[3];
+};
+
+Corners corners_at(const Vec3 t0[3], const Vec3 t1[3], long double t) {
+  Corners c;
+  for (int k = 0; k < 3; ++k) c.at[k] = (1 - t) * t0[k].cast<long double>() + t * t1[k].cast<long double>();
+  return c;
+}
+
+// One direction keeps all three corners strictly on one side at both ends: since they move on straight lines,
+// also in between.
+bool separated_along(const Long& n, const Corners& begin, const Corners& end) {
+  if (!(n.squaredNorm() > 0)) return false;
+  for (const Corners* c : {&begin, &end})
+    for (const Long& x : c->at)
+      if (!(-n.dot(x) > 1e-18L * n.norm() * x.norm())) return false;
+  return true;
+}
+
+// The four Bernstein coefficients of the signed volume between two moments have one sign, clearly: the
+// particle never reaches the triangle's plane.
+bool plane_never_reached(const Corners& begin, const Corners& end) {
+  const auto det = [](const Long& x, const Long& y, const Long& z) { return x.dot(y.cross(z)); };
+  const Long &a0 = begin.at[0], &b0 = begin.at[1], &c0 = begin.at[2];
+  const Long &a1 = end.at[0], &b1 = end.at[1], &c1 = end.at[2];
+  const long double k[4] = {det(a0, b0, c0), (det(a1, b0, c0) + det(a0, b1, c0) + det(a0, b0, c1)) / 3,
+                            (det(a1, b1, c0) + det(a1, b0, c1) + det(a0, b1, c1)) / 3, det(a1, b1, c1)};
+  const long double size =
+      std::max(a0.norm(), a1.norm()) * std::max(b0.norm(), b1.norm()) * std::max(c0.norm(), c1.norm());
+  const long double error = 1e-17L * size;
+  return (k[0] > error && k[1] > error && k[2] > error && k[3] > error) ||
+         (k[0] < -error && k[1] < -error && k[2] < -error && k[3] < -error);
+}
+
+// Where additive advancement creeps (sliding along a sheet at a distance far below the way), halve the time
+// until each part is free by a direction or by the triangle's plane.
 bool touches_by_halving(const Vec3 t0[3], const Vec3 t1[3]) {
   struct Part {
     double begin, end;
@@ -64,18 +100,11 @@ bool touches_by_halving(const Vec3 t0[3], const Vec3 t1[3]) {
     const Part part = parts.back();
     parts.pop_back();
     const double mid = 0.5 * (part.begin + part.end);
-    Vec3 at[3];
-    const auto move_to = [&](double t) {
-      for (int k = 0; k < 3; ++k) at[k] = (1 - t) * t0[k] + t * t1[k];
-    };
-    move_to(mid);
-    const Vec3 n = direction_from_triangle(at[0], at[1], at[2]);
-    bool is_free = n.squaredNorm() > 0;
-    for (double t : {part.begin, part.end}) {
-      move_to(t);
-      for (int k = 0; k < 3; ++k) is_free = is_free && -n.dot(at[k]) > 1e-15 * n.norm() * at[k].norm();
-    }
-    if (is_free) continue;
+    const Corners begin = corners_at(t0, t1, part.begin), end = corners_at(t0, t1, part.end);
+    const Corners middle = corners_at(t0, t1, mid);
+    const Vec3 n = direction_from_triangle(middle.at[0].cast<double>(), middle.at[1].cast<double>(),
+                                           middle.at[2].cast<double>());
+    if (separated_along(n.cast<long double>(), begin, end) || plane_never_reached(begin, end)) continue;
     if (mid <= part.begin || mid >= part.end) return true;
     parts.push_back({part.begin, mid});
     parts.push_back({mid, part.end});
