@@ -13,12 +13,6 @@ FluidSettings with_spacing(btScalar rest_distance) {
   return settings;
 }
 
-WorldSettings default_world() {
-  WorldSettings settings;
-  if (bt_storage == Storage::float32) settings.kill_box = {Vec3::Constant(-10), Vec3::Constant(10)};
-  return settings;
-}
-
 void copy_strided(Span<const Vec3> values, float* out, int stride_bytes) {
   btAssert(stride_bytes >= static_cast<int>(3 * sizeof(float)));
   char* to = reinterpret_cast<char*>(out);
@@ -32,7 +26,7 @@ void copy_strided(Span<const Vec3> values, float* out, int stride_bytes) {
 }  // namespace
 
 btFluid::btFluid(btScalar restDistance)
-    : m_world(std::make_unique<World>(default_world(), with_spacing(restDistance))) {}
+    : m_world(std::make_unique<World>(WorldSettings{}, with_spacing(restDistance))) {}
 
 btFluid::btFluid(const FluidSettings& fluid, const WorldSettings& world, const ContactSettings& contact)
     : m_world(std::make_unique<World>(world, fluid, contact)) {}

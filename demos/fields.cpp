@@ -41,7 +41,9 @@ std::string shown(const Json& value) {
 
 std::string Range::text() const {
   const bool from = std::isfinite(least), to = std::isfinite(most);
-  if (from && to) return "from " + short_number(least) + " to " + short_number(most);
+  if (from && to)
+    return (least_excluded ? "> " : "from ") + short_number(least) +
+           (least_excluded ? " and at most " : " to ") + short_number(most);
   if (from) return std::string(least_excluded ? "> " : ">= ") + short_number(least);
   return "finite";
 }

@@ -7,6 +7,7 @@
 #include <vtkInteractorStyleTrackballCamera.h>
 #include <vtkLight.h>
 #include <vtkPNGWriter.h>
+#include <vtkProperty.h>
 #include <vtkRenderStepsPass.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderWindowInteractor.h>
@@ -64,6 +65,11 @@ std::vector<View> views_of(const Scene& scene) {
   above.eye = middle + size * (1.2 * side + 0.85 * up);
   below.eye = middle + size * (1.2 * side - 0.7 * up);
   return {above, below};
+}
+
+/// From below, or nearly.
+bool looks_up(const View& view) {
+  return (view.target - view.eye).dot(view.up) > 0;
 }
 
 /// The end of the colour scale: what the fastest nozzle gives, and a little for the fall.
@@ -202,6 +208,8 @@ vtkSmartPointer<vtkImageData> Picture::Impl::draw(std::size_t view) {
   look_from(renderer, views[view]);
   renderer->ResetCameraClippingRange();
   title->SetInput(views[view].title.c_str());
+  // Seen from below a floor would hide everything: bodies let the view through there.
+  for (auto& b : bodies) b->actor()->GetProperty()->SetOpacity(looks_up(views[view]) ? 0.15 : 1);
   status->SetVisibility(view == 0);
   legend->SetVisibility(view + 1 == views.size());
   window->Render();

@@ -255,6 +255,8 @@ vtkSmartPointer<vtkTextActor> label(double x, double y, int size, bool bold) {
   text->GetTextProperty()->SetBold(bold);
   text->GetTextProperty()->SetColor(ink[0], ink[1], ink[2]);
   text->GetTextProperty()->SetVerticalJustificationToTop();
+  text->GetTextProperty()->SetBackgroundColor(0.97, 0.98, 1.0);  // legible in front of spray
+  text->GetTextProperty()->SetBackgroundOpacity(0.75);
   return text;
 }
 

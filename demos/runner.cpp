@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 
 #include "acceptance.h"
 #include "fields.h"
@@ -23,6 +24,18 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// Frames of an earlier run beside those of this one would tell a wrong story.
+void remove_old_frames(const std::string& directory) {
+  static const std::regex ours(
+      "(frame|particles)_[0-9]{4,}\\.(png|vtp)|cloth_[0-9]+_[0-9]{4,}\\.ply|run\\.pvd");
+  std::vector<std::filesystem::path> old;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(directory, error))
+    if (entry.is_regular_file(error) && std::regex_match(entry.path().filename().string(), ours))
+      old.push_back(entry.path());
+  for (const auto& path : old) std::filesystem::remove(path, error);
+}
+
 /// Refuses a folder that cannot be written to before anything is computed.
 std::string prepare_directory(const Scene& scene, const RunOptions& options) {
   const std::string directory = options.out.empty() ? "out/" + scene.name : options.out;
@@ -35,6 +48,7 @@ std::string prepare_directory(const Scene& scene, const RunOptions& options) {
                      (error ? ": " + error.message() : std::string()));
   file.close();
   std::filesystem::remove(probe, error);
+  remove_old_frames(directory);
   return directory;
 }
 

@@ -26,7 +26,4 @@ struct Totals {
 /// Momentum of the fluid now [N s], summed over the particles.
 Vec3 fluid_momentum(const World& world);
 
-/// The names of the bits in StepReport::flags, each with what mends it.
-std::vector<std::string> flag_texts(std::uint32_t flags);
-
 }  // namespace oilskin::demo

@@ -43,8 +43,7 @@ class btFluidCoupling;
 /// A fluid: settings, particles and emitters. One per coupling. May be deleted while it is in one.
 class btFluid {
  public:
-  /// Water of that rest distance [m], with default settings but for the kill box: ±10 m where Bullet is built
-  /// in single precision (floats at 100 m are too coarse for cloth thinner than 3.1 mm), ±100 m in double.
+  /// Water of that rest distance [m], with default settings; the kill box is ±10 m.
   explicit btFluid(btScalar restDistance = btScalar(0.005));
   btFluid(const FluidSettings& fluid, const WorldSettings& world, const ContactSettings& contact);
   ~btFluid();

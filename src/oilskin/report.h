@@ -37,6 +37,9 @@ enum StepFlag : std::uint32_t {
   flag_pressure_diverged = 1u << 10,  ///< ω was halved; keep support_ratio ≤ 2.2
 };
 
+/// The names of the bits that are set, each with what mends it.
+std::vector<std::string> flag_texts(std::uint32_t flags);
+
 /// Counts and measures of contact in one interval.
 struct ContactReport {
   std::uint64_t candidates = 0;  ///< particle–triangle pairs whose boxes met

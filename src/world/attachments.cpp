@@ -78,6 +78,12 @@ Status Attachments::attach(SurfaceHost& host, const SurfaceSettings& settings, c
   if (Status s = check_mesh(a->motion); !s.ok()) return s;
   if (Status s = check_state(a->motion); !s.ok()) return s;
   if (Status s = set_delta(a->motion, settings, largest_coordinate(world.kill_box)); !s.ok()) return s;
+  const double r = largest_coordinate(world.kill_box);
+  for (std::size_t i = 0; i < a->motion.x_t1.size(); ++i)
+    if (a->motion.inverse_mass[i] > 0 && a->motion.x_t1[i].cwiseAbs().maxCoeff() > r)
+      return refuse("node ", i, " stands at (", a->motion.x_t1[i].transpose(),
+                    ") m, beyond the largest coordinate ", r,
+                    " m of the kill box, for which δ was chosen; enlarge the kill box");
   a->motion.id = next_id_++;
   a->motion.x_t0 = a->motion.x_t1;
   a->handle = next_handle_++;
@@ -136,8 +142,10 @@ void Attachments::gather(double dt, const WorldSettings& world, const FluidSetti
       a->teleported = false;
     }
     m.slip = a->settings.slip;
-    for (const Vec3& x : m.x_t1)
-      if (!world.kill_box.contains(x) && x.cwiseAbs().maxCoeff() > largest_coordinate(world.kill_box)) {
+    // Where prescribed nodes stand costs nothing: they are not rounded again (a floor may be larger than the
+    // box).
+    for (std::size_t i = 0; i < m.x_t1.size(); ++i)
+      if (m.inverse_mass[i] > 0 && m.x_t1[i].cwiseAbs().maxCoeff() > largest_coordinate(world.kill_box)) {
         report.flags |= flag_surface_out_of_range;
         break;
       }

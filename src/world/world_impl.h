@@ -46,6 +46,9 @@ struct World::Impl {
   std::vector<SurfaceMotion*> surfaces;
   std::vector<fluid::PredictionContact> prediction;
 
+  template <class Emitter>
+  Status add(const Emitter& emitter);
+
   Impl(const WorldSettings& world, const FluidSettings& fluid, const ContactSettings& contact);
 
   // The step, in order (step.cpp)

@@ -59,7 +59,7 @@ TEST(BadInput, wrongTypesNameKeyAndValue) {
 }
 
 TEST(BadInput, valuesOutOfRangeNameTheRange) {
-  expect_refused(R"({"dt": -0.001})", {"dt", "-0.001", "from 0 to 1000"});
+  expect_refused(R"({"dt": -0.001})", {"dt", "-0.001", "must be > 0 and at most 1000"});
   expect_refused(R"({"dt": 0})", {"dt"});
   expect_refused(R"({"fluid": {"spacing": 0}})", {"fluid.spacing", "> 0"});
   expect_refused(R"({"fluid": {"support_ratio": 9}})", {"fluid.support_ratio", "from 1.5 to 4"});
