@@ -25,6 +25,11 @@ CheckResult finite_state(const Totals& totals, const Measurements& measured) {
   return at_most("not_finite", static_cast<double>(measured.not_finite + totals.quarantined), 0);
 }
 
+/// A surface that was left out stops nothing any more.
+CheckResult surfaces_left_out(const Totals& totals) {
+  return at_most("surfaces_left_out", (totals.flags & flag_surface_refused) != 0 ? 1 : 0, 0);
+}
+
 CheckResult momentum_closed(const Totals& totals) {
   return at_most("momentum_residual", ratio(totals.momentum_residual.norm(), totals.momentum_scale), 1e-9);
 }
@@ -84,6 +89,7 @@ std::vector<CheckResult> check_acceptance(const Scene& scene, const Totals& tota
   std::vector<CheckResult> checks;
   if (scene.contact.verify) checks.push_back(crossings(totals));
   checks.push_back(finite_state(totals, measured));
+  checks.push_back(surfaces_left_out(totals));
   checks.push_back(momentum_closed(totals));
   checks.push_back(mass_closed(totals, simulation.world()));
   if (a.min_emitted)

@@ -86,6 +86,11 @@ class BulletSimulation : public Simulation {
         bullet_(&dispatcher_, &broadphase_, &constraints_, &configuration_, &solver_),
         substeps_(scene.cloth.empty() ? 1 : scene.cloth[0].substeps) {
     require(fluid_.getWorld().status(), "scene");
+    // Bullet takes a step that short for none, and would never move.
+    if (scene.dt / substeps_ <= static_cast<double>(SIMD_EPSILON))
+      throw SceneError("dt: is " + std::to_string(scene.dt * 1e9) + " ns in " + std::to_string(substeps_) +
+                       " sub-steps; Bullet makes no sub-step below " +
+                       std::to_string(static_cast<double>(SIMD_EPSILON) * 1e9) + " ns in this precision");
     set_up_world();
     require(solver_.addFluid(&fluid_), "fluid");
     solver_.setCouplingInterval(substeps_);

@@ -198,7 +198,7 @@ void Fields::pair(const char* key, std::array<int, 2>& value, const Range& range
 
 void Fields::check_box(const Box& value) const {
   if (reading() && !(value.min.array() <= value.max.array()).all())
-    throw SceneError(path_ + ": min must be given and not exceed max in any coordinate");
+    throw SceneError(path_ + ": min and max must be given, and min not exceed max in any coordinate");
 }
 
 void Fields::box(const char* key, Box& value) {

@@ -121,7 +121,7 @@ void describe(Fields& f, Cloth& c) {
   } else {
     describe_grid(f, c);
   }
-  f.number("areal_density", c.areal_density, positive());
+  f.number("areal_density", c.areal_density, {1e-6, 1e6});
   describe_pins(f, c.pins);
   f.integer("substeps", c.substeps, between(1, 10000));
   f.integer("iterations", c.iterations, between(1, 10000));

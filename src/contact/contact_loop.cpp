@@ -74,6 +74,8 @@ void ContactLoop::run() {
     for (const ContactRecord& r : active_) rows.push_back(row_of_record(context_, r));
     solve_rows(context_, rows);
     context_.report->contacts = active_.size();
+    for (const ContactRecord& r : active_)
+      context_.report->began_near += r.distance < context_.surfaces[r.surface]->delta;
   }
   bool certified = false;
   for (int round = 0; settings.ccd && round < settings.rounds && !certified; ++round) {

@@ -45,7 +45,8 @@ Status refuse(const Parts&... parts) {
 
 Status check_finite(const char* name, Span<const Vec3> values) {
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (!values[i].allFinite()) return refuse(name, "[", i, "] is not finite");
+    if (!(values[i].array().abs() < 1e15).all())
+      return refuse(name, "[", i, "] is not finite, or beyond 1e15");
   return {};
 }
 
@@ -54,7 +55,12 @@ Status check_particles(const ParticleMotion& p) {
   if (p.x_t0.size() != n || p.x_t1.size() != n || p.velocity.size() != n || p.inverse_mass.size() != n ||
       p.removed.size() != n)
     return refuse("the arrays of the particles differ in length; each must have ", n, " entries, as id has");
-  if (!(p.spacing > 0)) return refuse("the spacing of the particles is ", p.spacing, "; it must be > 0 m");
+  if (!(p.spacing > 0 && p.spacing < 1e15))
+    return refuse("the spacing of the particles is ", p.spacing, "; it must be finite and > 0 m");
+  if (!(p.rest_density >= 0 && p.rest_density < 1e15))
+    return refuse("the rest density is ", p.rest_density, "; it must be finite and ≥ 0 kg/m³");
+  if (!(p.viscosity >= 0 && p.viscosity < 1e15))
+    return refuse("the viscosity is ", p.viscosity, "; it must be finite and ≥ 0 m²/s");
   for (const auto& [name, values] : {std::pair<const char*, Span<const Vec3>>{"particle x_t0", p.x_t0},
                                      {"particle x_t1", Span<const Vec3>(p.x_t1)},
                                      {"particle velocity", Span<const Vec3>(p.velocity)}})

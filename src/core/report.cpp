@@ -31,6 +31,7 @@ void ContactReport::add(const ContactReport& o) {
   followed += o.followed;
   removed += o.removed;
   allowed += o.allowed;
+  began_near += o.began_near;
   reseeded += o.reseeded;
   least_distance = std::min(least_distance, o.least_distance);
   crossings_found_by_verify += o.crossings_found_by_verify;

@@ -26,8 +26,9 @@ bool not_negative(double x) {
 }  // namespace
 
 Status FluidSettings::validate() const {
-  if (!positive(spacing)) return wrong("fluid.spacing", spacing, "a finite length > 0 m");
-  if (!positive(rest_density)) return wrong("fluid.rest_density", rest_density, "finite and > 0 kg/m³");
+  if (!(spacing >= 1e-6 && spacing <= 1e3)) return wrong("fluid.spacing", spacing, "1e-6 … 1e3 m");
+  if (!(rest_density >= 1e-6 && rest_density <= 1e9))
+    return wrong("fluid.rest_density", rest_density, "1e-6 … 1e9 kg/m³");
   if (!(support_ratio >= 1.5 && support_ratio <= 4))
     return wrong("fluid.support_ratio", support_ratio, "1.5 … 4");
   if (!not_negative(tolerance)) return wrong("fluid.tolerance", tolerance, "finite and ≥ 0");

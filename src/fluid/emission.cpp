@@ -27,7 +27,7 @@ Status check_positive(const char* field, double x, const char* range) {
 }
 
 Status check_times(const char* start_field, double start, const char* stop_field, double stop) {
-  if (!std::isfinite(start)) return wrong(start_field, start, "a finite time");
+  if (!std::isfinite(start) || start < 0) return wrong(start_field, start, "a finite time >= 0");
   if (!(stop > start)) return wrong(stop_field, stop, "a time after start");
   return {};
 }

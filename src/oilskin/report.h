@@ -50,11 +50,12 @@ struct ContactReport {
   std::uint64_t zone_points = 0;  ///< members of zones at the end
   std::uint64_t held = 0;         ///< points held (x1 = x0)
   std::uint64_t nudged = 0;
-  std::uint64_t stalled = 0;   ///< prescribed nodes held
-  std::uint64_t followed = 0;  ///< particles saved by affine follow
-  std::uint64_t removed = 0;   ///< particles given up
-  std::uint64_t allowed = 0;   ///< particles that passed by policy
-  std::uint64_t reseeded = 0;  ///< particles moved out of, or removed at, a new surface
+  std::uint64_t stalled = 0;     ///< prescribed nodes held
+  std::uint64_t followed = 0;    ///< particles saved by affine follow
+  std::uint64_t removed = 0;     ///< particles given up
+  std::uint64_t allowed = 0;     ///< particles that passed by policy
+  std::uint64_t began_near = 0;  ///< contacts that began nearer than δ: what the promise does not cover
+  std::uint64_t reseeded = 0;    ///< particles moved out of, or removed at, a new surface
   double least_distance =
       std::numeric_limits<double>::infinity();  ///< end distance over all tested pairs [m]
   std::uint64_t crossings_found_by_verify =

@@ -12,8 +12,8 @@ enum class PressureSolver {
 };
 
 struct FluidSettings {
-  double spacing = 0.005;      ///< rest distance dx of particles [m], > 0
-  double rest_density = 1000;  ///< ρ0 [kg/m³], > 0
+  double spacing = 0.005;      ///< rest distance dx of particles [m], 1e-6 … 1e3
+  double rest_density = 1000;  ///< ρ0 [kg/m³], 1e-6 … 1e9
   double support_ratio = 2;  ///< support radius over spacing, H/dx, 1.5 … 4; above 2.2 PCISPH relaxes δ by ω
   PressureSolver solver = PressureSolver::pcisph;
   double tolerance = 1e-3;    ///< PCISPH: mean positive density error, relative, at which it stops, ≥ 0
@@ -68,12 +68,12 @@ enum class Infeasible {
 struct ContactSettings {
   Repulsion repulsion = Repulsion::split;
   double stiffness = 1000;  ///< bridson: k [N/m], ≥ 0
-  /// Look along paths: predicted approach and continuous test. Off: repulsion by proximity at the start of each step
-  /// alone, which leaks, as the paper's Fig. 4 left shows; there is no promise.
+  /// Look along paths: predicted approach and continuous test. Off: repulsion by proximity at the start of
+  /// each step alone, which leaks, as the paper's Fig. 4 left shows; there is no promise.
   bool ccd = true;
   bool zones = true;  ///< impact zones. Off: there is no promise
-  int sweeps = 5;  ///< Gauss–Seidel sweeps, 1 … 1000: accuracy of simultaneous impacts against time
-  int rounds = 5;  ///< rounds of impulses at meetings before zones, 0 … 100
+  int sweeps = 5;     ///< Gauss–Seidel sweeps, 1 … 1000: accuracy of simultaneous impacts against time
+  int rounds = 5;     ///< rounds of impulses at meetings before zones, 0 … 100
   Infeasible infeasible = Infeasible::stall;
   bool verify = false;  ///< re-check every interval by an independent route and count crossings
 

@@ -67,6 +67,11 @@ Status set_delta(SurfaceMotion& m, const SurfaceSettings& settings, double r) {
 
 }  // namespace
 
+bool meets(const FluidSettings& fluid, const SurfaceSettings& surface) {
+  return (fluid.collision_mask & surface.collision_group) != 0 &&
+         (surface.collision_mask & fluid.collision_group) != 0;
+}
+
 Status Attachments::attach(SurfaceHost& host, const SurfaceSettings& settings, const WorldSettings& world,
                            std::uint64_t* handle) {
   if (Status s = settings.validate(); !s.ok()) return s;
@@ -149,9 +154,7 @@ void Attachments::gather(double dt, const WorldSettings& world, const FluidSetti
         report.flags |= flag_surface_out_of_range;
         break;
       }
-    const bool meets = (fluid.collision_mask & a->settings.collision_group) != 0 &&
-                       (a->settings.collision_mask & fluid.collision_group) != 0;
-    if (meets) active.push_back(&m);
+    if (meets(fluid, a->settings)) active.push_back(&m);
   }
 }
 
@@ -169,7 +172,7 @@ void Attachments::scatter(Span<SurfaceMotion* const> active, StepReport& report)
   }
 }
 
-void Attachments::reseed(Span<SurfaceMotion* const> active, fluid::Particles& particles,
+void Attachments::reseed(Span<SurfaceMotion* const> active, fluid::Particles& particles, double particle_mass,
                          std::uint64_t& next_id, const Workers& workers, StepReport& report) {
   std::vector<SurfaceMotion*> fresh;
   for (auto& a : list_) {
@@ -220,6 +223,9 @@ void Attachments::reseed(Span<SurfaceMotion* const> active, fluid::Particles& pa
     } else {
       keep[p] = 0;
       ++report.removed;
+      report.mass_removed += particle_mass;
+      report.momentum_before += particle_mass * particles.velocity[p];
+      report.momentum_removed += particle_mass * particles.velocity[p];
     }
   }
   particles.compress(keep);

@@ -20,6 +20,9 @@ struct Attachment {
   bool refused = false;
 };
 
+/// Do the collision groups and masks of a fluid and a surface let them meet?
+bool meets(const FluidSettings& fluid, const SurfaceSettings& surface);
+
 class Attachments {
  public:
   Status attach(SurfaceHost& host, const SurfaceSettings& settings, const WorldSettings& world,
@@ -38,8 +41,8 @@ class Attachments {
 
   /// Particles nearer than 2 δ to a fresh surface get a new place and a new id, or are removed: their path
   /// would not be certain. Counted in report.contact.reseeded.
-  void reseed(Span<SurfaceMotion* const> active, fluid::Particles& particles, std::uint64_t& next_id,
-              const Workers& workers, StepReport& report);
+  void reseed(Span<SurfaceMotion* const> active, fluid::Particles& particles, double particle_mass,
+              std::uint64_t& next_id, const Workers& workers, StepReport& report);
 
  private:
   std::vector<std::unique_ptr<Attachment>> list_;  // in order of handle

@@ -29,7 +29,7 @@ void World::Impl::gather(double dt) {
   std::vector<std::uint64_t> stale;
   attachments.gather(dt, settings, fluid_settings, report, surfaces, stale);
   for (std::uint64_t id : stale) contact->forget(id);
-  attachments.reseed(surfaces, particles, next_particle_id, *workers, report);
+  attachments.reseed(surfaces, particles, fluid->particle_mass(), next_particle_id, *workers, report);
 }
 
 void World::Impl::quarantine_input() {
@@ -40,6 +40,7 @@ void World::Impl::quarantine_input() {
     keep[i] = 0;
     any = true;
     ++report.quarantined;
+    report.mass_removed += fluid->particle_mass();
   }
   if (any) particles.compress(keep);
 }
@@ -118,6 +119,7 @@ void World::Impl::propose_motion(double dt) {
   contact::StageTimer timer(report.seconds.other_fluid);
   const std::size_t live = particles.size();
   for (std::size_t i = 0; i < now.id.size(); ++i) {
+    const Vec3 ballistic = now.velocity[i] + now.remaining[i] * settings.gravity;
     if (i < live)
       now.velocity[i] = particles.velocity[i];
     else
@@ -125,7 +127,7 @@ void World::Impl::propose_motion(double dt) {
     now.x_t1[i] = now.x_t0[i] + now.remaining[i] * now.velocity[i];
     if (world::is_sound(now.x_t1[i]) && world::is_sound(now.velocity[i])) continue;
     now.x_t1[i] = now.x_t0[i];
-    now.velocity[i] = Vec3::Zero();
+    if (!now.velocity[i].allFinite()) now.velocity[i] = ballistic;  // it leaves with what it is booked with
     now.removed[i] = now.quarantined[i] = 1;
     ++report.quarantined;
   }

@@ -167,7 +167,8 @@ Status World::add_particles(Span<const Vec3> positions, Span<const Vec3> velocit
   // Between steps a surface stands where x_t1 says; the clearance test reads x_t0.
   std::vector<SurfaceMotion> copies;
   std::vector<SurfaceMotion*> surfaces;
-  for (const auto& a : impl_->attachments.all()) copies.push_back(a->motion);
+  for (const auto& a : impl_->attachments.all())
+    if (!a->refused && world::meets(impl_->fluid_settings, a->settings)) copies.push_back(a->motion);
   for (SurfaceMotion& m : copies) {
     m.x_t0 = m.x_t1;
     surfaces.push_back(&m);
@@ -228,7 +229,7 @@ std::uint32_t flags_of(const StepReport& r, const ContactSettings& contact) {
   if (r.contact.removed > 0) flags |= flag_removed_by_contact;
   if (r.quarantined > 0) flags |= flag_quarantined;
   if (r.contact.held > 0) flags |= flag_many_holds;
-  if (!contact.ccd || !contact.zones) flags |= flag_no_promise;
+  if (!contact.ccd || !contact.zones || r.contact.began_near > 0) flags |= flag_no_promise;
   return flags;
 }
 
@@ -283,6 +284,7 @@ std::uint64_t World::state_hash() const {
   }
   for (const auto& a : impl_->attachments.all()) {
     hash.add(a->handle);
+    if (a->refused) continue;  // whatever it holds takes no part
     for (const Vec3& x : a->motion.x_t1) hash.add(x);
     for (const Vec3& v : a->motion.velocity) hash.add(v);
   }

@@ -27,7 +27,7 @@ TEST_P(ShortRun, keepsThePromiseAndTheLedgers) {
   const auto report = report_of(GetParam().scene, GetParam().duration, {});
   EXPECT_EQ(report["contact"]["crossings_found_by_verify"], 0);
   EXPECT_GT(report["contact"]["contacts"].get<int>(), 0) << "nothing touched anything: the run is too short";
-  EXPECT_EQ(report["acceptance"].size(), 4u);
+  EXPECT_EQ(report["acceptance"].size(), 5u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ShortRun, testing::ValuesIn(shortened), name_of);

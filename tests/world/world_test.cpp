@@ -187,6 +187,62 @@ TEST(World, collision_masks_let_fluids_through_surfaces_of_other_groups) {
   for (const Vec3& x : w.positions()) EXPECT_LT(x.y(), 0);
 }
 
+TEST(World, a_surface_left_out_is_not_asked_about_again) {
+  World w(box(2));
+  Broken cloth;
+  ASSERT_TRUE(w.attach(cloth, test::sheet_settings(), nullptr).ok());
+  cloth.spoil = [](SurfaceMotion& m) { m.x_t1.resize(3), m.velocity.resize(3), m.inverse_mass.resize(3); };
+  EXPECT_TRUE(w.step(1e-3).flags & flag_surface_refused);
+  test::add_block(w, 2, Vec3(0, 0.01, 0), Vec3::Zero());  // looked at its nodes once
+  const std::uint64_t hash = w.state_hash();
+  EXPECT_EQ(w.state_hash(), hash);
+  EXPECT_TRUE(w.step(1e-3).status.ok());
+}
+
+TEST(World, momentum_of_the_quarantined_is_booked) {
+  World w(box(2, Vec3::Zero()));
+  test::add_block(w, 2, Vec3::Zero(), Vec3(0, 1, 0));
+  std::vector<Vec3> dv(8, Vec3::Zero());
+  dv[3] = Vec3(1e13, 0, 0);  // sound now, beyond 1e15 m after the step
+  ASSERT_TRUE(w.add_velocities(dv).ok());
+  const StepReport& r = w.step(1e3);
+  EXPECT_GE(r.quarantined, 1u) << "XSPH hands some of the speed to its neighbours";
+  EXPECT_NEAR(r.momentum_residual().norm(), 0, 1e-9 * w.particle_mass() * 1e13);
+}
+
+TEST(World, particles_that_begin_nearer_than_delta_void_the_promise_and_it_is_said) {
+  ContactSettings off;
+  off.ccd = off.zones = false;
+  WorldSettings settings = box(1, Vec3::Zero());
+  World w(settings, FluidSettings{}, off);
+  GridShape g = sheet(0.2, 9);
+  MockCloth<double> cloth(g);
+  for (std::size_t i = 0; i < cloth.x.size(); ++i) cloth.pin(i);
+  const Vec3 x(0.003, 0.002, 0.004), v(0, 0, 0);
+  ASSERT_TRUE(w.attach(cloth, test::sheet_settings(), nullptr).ok());
+  ASSERT_TRUE(w.add_particles(Span<const Vec3>(&x, 1), Span<const Vec3>(&v, 1)).ok());
+  w.step(1e-3);
+  for (auto& node : cloth.x) node.y() += 0.002 - 1e-9;  // the pins come up to the particle, nothing looks
+  w.step(1e-3);
+  ASSERT_TRUE(w.set_contact_settings(ContactSettings{}).ok());
+  EXPECT_TRUE(w.step(1e-3).flags & flag_no_promise);
+  EXPECT_GT(w.report().contact.began_near, 0u);
+}
+
+TEST(World, emitters_and_cloths_where_nothing_lives_are_refused) {
+  World w(box(1));
+  DiscEmitter far;
+  far.center = Vec3(0, 5, 0);
+  EXPECT_NE(w.add_emitter(far).message.find("outside the kill box"), std::string::npos);
+  DiscEmitter early;
+  early.start = -1e300;
+  EXPECT_NE(w.add_emitter(early).message.find("disc emitter: start"), std::string::npos);
+  GridShape g = sheet(0.2, 9);
+  g.origin.y() = 50;
+  MockCloth<double> cloth(g);
+  EXPECT_NE(w.attach(cloth, test::sheet_settings(), nullptr).message.find("kill box"), std::string::npos);
+}
+
 struct Splash {
   std::uint64_t hash;
   std::uint64_t crossings;
