@@ -7,6 +7,8 @@ namespace oilskin::contact {
 
 namespace {
 
+constexpr std::size_t chunk = 512;
+
 Box swept_box(const ParticleMotion& particles, std::uint32_t p) {
   Box box;
   box.add(particles.x_t0[p]);
@@ -45,18 +47,21 @@ void CandidateSet::query(Context& context, std::uint32_t surface,
   const SurfaceMotion& motion = *context.surfaces[surface];
   const double reach = std::max(motion.thickness, 2 * motion.delta) + slack(*context.particles);
   boxes_.resize(particles.size());
-  for (std::size_t k = 0; k < particles.size(); ++k) {
+  context.workers->for_each(particles.size(), chunk, [&](std::size_t k) {
     const std::uint32_t p = particles[k];
     boxes_[k] = context.out_of_play[p] ? Box{} : swept_box(*context.particles, p).inflated(reach);
     set.box[p] = boxes_[k];
-  }
+  });
   context.caches[surface]->tree.query(boxes_, *context.workers, set.scratch);
-  for (std::size_t k = 0; k < particles.size(); ++k) {
+  const auto base = static_cast<std::uint32_t>(set.pool.size());
+  set.pool.resize(base + set.scratch.triangle.size());
+  context.workers->for_each(particles.size(), chunk, [&](std::size_t k) {
     const Span<const std::uint32_t> found = set.scratch.of(k);
-    set.begin[particles[k]] = static_cast<std::uint32_t>(set.pool.size());
+    std::uint32_t at = base + set.scratch.begin[k];
+    set.begin[particles[k]] = at;
     set.count[particles[k]] = static_cast<std::uint32_t>(found.size());
-    for (std::uint32_t t : found) set.pool.push_back({t, 0, std::numeric_limits<double>::infinity()});
-  }
+    for (std::uint32_t t : found) set.pool[at++] = {t, 0, std::numeric_limits<double>::infinity()};
+  });
 }
 
 std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin) {
