@@ -24,8 +24,8 @@ class NearestSurface {
   /// False when nothing is within reach.
   bool find(const Vec3& p, Hit* hit) const;
 
-  /// Does an ellipsoid about p, half axis `along` on the unit vector n and `across` at right angles to it, keep clear
-  /// of every triangle? Neither half axis may exceed the reach.
+  /// Does an ellipsoid about p, half axis `along` on the unit vector n and `across` at right angles to it,
+  /// keep clear of every triangle? Neither half axis may exceed the reach.
   bool is_clear(const Vec3& p, const Vec3& n, double along, double across) const;
 
  private:

@@ -18,7 +18,7 @@ struct Meeting {
 
 /// false = the closed paths are certainly disjoint for all t in [0, 1] (touching is a hit). true may be a
 /// false positive where rounding cannot decide. Four bit-equal end points (nothing moves) return false before
-/// anything else: docs/no_crossing argument. Finite input of magnitude < 1e90.
+/// anything else: the zones of contact rest on it (docs/architecture.md). Finite input of magnitude < 1e90.
 Meeting point_triangle(const PointTriangleMotion& m);
 
 }  // namespace oilskin::ccd

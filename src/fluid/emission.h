@@ -24,12 +24,14 @@ class Emission {
   Status add(const MeshEmitter& emitter);
   Status add(const RainEmitter& emitter);
 
-  /// Starts that fall due in [time, time + dt), those that waited first. Deterministic: depends on the calls alone.
+  /// Starts that fall due in [time, time + dt), those that waited first. Deterministic: depends on the calls
+  /// alone.
   const std::vector<Start>& due(double time, double dt);
 
-  /// Says which of the starts of the last due() were blocked (1). Starts of nozzles wait, one per lattice site, and
-  /// are due again at the next call (with remaining = dt); further starts of a site that has one waiting are lost,
-  /// and so are blocked points of volumes that are filled once. Returns how many were blocked.
+  /// Says which of the starts of the last due() were blocked (1). Starts of nozzles wait, one per lattice
+  /// site, and are due again at the next call (with remaining = dt); further starts of a site that has one
+  /// waiting are lost, and so are blocked points of volumes that are filled once. Returns how many were
+  /// blocked.
   std::uint64_t settle(Span<const std::uint8_t> blocked);
 
  private:
@@ -37,8 +39,8 @@ class Emission {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Points of the cubic lattice of `spacing` inside a closed mesh by winding number, lattice aligned to the centre of
-/// the bounding box. Refuses indices out of range and non-finite vertices.
+/// Points of the cubic lattice of `spacing` inside a closed mesh by winding number, lattice aligned to the
+/// centre of the bounding box. Refuses indices out of range and non-finite vertices.
 Status lattice_inside(const MeshEmitter& mesh, double spacing, std::vector<Vec3>* points);
 
 }  // namespace oilskin::fluid

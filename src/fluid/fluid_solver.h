@@ -10,9 +10,9 @@
 
 namespace oilskin::fluid {
 
-/// A one-sided bound on predicted velocities: v*·normal ≥ least_normal_velocity. For a particle at distance d0 of a
-/// sheet of thickness h that moves with v_w: least = v_w·n − max(0, d0 − h)/dt. Keeps the prediction of PCISPH on
-/// its side of the sheet (method of A.3); gives no impulse to anything.
+/// A one-sided bound on predicted velocities: v*·normal ≥ least_normal_velocity. For a particle at distance
+/// d0 of a sheet of thickness h that moves with v_w: least = v_w·n − max(0, d0 − h)/dt. Keeps the prediction
+/// of PCISPH on its side of the sheet (method of A.3); gives no impulse to anything.
 struct PredictionContact {
   std::uint32_t particle = 0;
   Vec3 normal = Vec3::Zero();
@@ -29,12 +29,13 @@ class FluidSolver {
   double particle_mass() const;
   double support_radius() const;  ///< H [m]
 
-  /// Puts the particles into cell order and finds the neighbours within H. Equal input order → equal output order.
+  /// Puts the particles into cell order and finds the neighbours within H. Equal input order → equal output
+  /// order.
   void prepare(Particles& particles, StageSeconds& seconds);
 
   /// After prepare(), for the same particles: density and pressure of the start positions, and
-  /// velocity ← velocity + dt (gravity + viscosity + pressure). Positions stay. Pair forces are antisymmetric and
-  /// summed in double, so that the fluid's momentum changes by gravity alone, up to 1e-12 relative.
+  /// velocity ← velocity + dt (gravity + viscosity + pressure). Positions stay. Pair forces are antisymmetric
+  /// and summed in double, so that the fluid's momentum changes by gravity alone, up to 1e-12 relative.
   /// `contacts` sorted by particle.
   void propose(double dt, const Vec3& gravity, Particles& particles, Span<const PredictionContact> contacts,
                FluidReport& report, StageSeconds& seconds);

@@ -7,10 +7,10 @@ namespace oilskin::fluid {
 
 struct Particles {
   std::vector<std::uint64_t> id;
-  std::vector<Vec3> position;      ///< [m]
-  std::vector<Vec3> velocity;      ///< [m/s]
-  std::vector<double> density;     ///< [kg/m³]
-  std::vector<double> pressure;    ///< [Pa]; of the last step, the warm start of the next
+  std::vector<Vec3> position;    ///< [m]
+  std::vector<Vec3> velocity;    ///< [m/s]
+  std::vector<double> density;   ///< [kg/m³]
+  std::vector<double> pressure;  ///< [Pa]; of the last step, the warm start of the next
 
   std::size_t size() const { return id.size(); }
   void push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density);

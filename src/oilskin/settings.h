@@ -14,7 +14,7 @@ enum class PressureSolver {
 struct FluidSettings {
   double spacing = 0.005;      ///< rest distance dx of particles [m], 1e-6 … 1e3
   double rest_density = 1000;  ///< ρ0 [kg/m³], 1e-6 … 1e9
-  double support_ratio = 2;  ///< support radius over spacing, H/dx, 1.5 … 4; above 2.2 PCISPH relaxes δ by ω
+  double support_ratio = 2;  ///< support radius over spacing, H/dx, 1.5 … 4; PCISPH relaxes δ by ω as it grows
   PressureSolver solver = PressureSolver::pcisph;
   double tolerance = 1e-3;    ///< PCISPH: mean positive density error, relative, at which it stops, ≥ 0
   int min_iterations = 3;     ///< PCISPH, ≥ 1
