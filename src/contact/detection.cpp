@@ -20,19 +20,13 @@ bool swept_boxes_apart(const Quad& x0, const Quad& x1) {
   return false;
 }
 
-// Squared distance of the particle from the triangle's box at the end: a lower bound of their distance.
-double end_box_distance2(const Quad& x1) {
-  const Vec3 low = x1.a.cwiseMin(x1.b).cwiseMin(x1.c), high = x1.a.cwiseMax(x1.b).cwiseMax(x1.c);
-  return (low - x1.p).cwiseMax(x1.p - high).cwiseMax(0.0).squaredNorm();
-}
-
 // Tests one pair; true = bad. The end distance is judged at δ; beyond it is measured only where it can be the
 // particle's least (for the report).
 bool test_pair(const Context& context, const SurfaceMotion& s, const Quad& x0, const Quad& x1,
                CandidatePair& pair, double& least, BadPair& bad) {
   pair.end_distance = std::numeric_limits<double>::infinity();
   const double reach = std::max(1.0001 * s.delta, std::min(s.thickness, least));
-  if (end_box_distance2(x1) <= reach * reach) {
+  if (squared_distance_to_box(x1) <= reach * reach) {
     const EndDistance d = end_distance(x1, s.delta);
     pair.end_distance = d.distance;
     least = std::min(least, d.distance);

@@ -26,6 +26,12 @@ inline ccd::Meeting meets(const Quad& x0, const Quad& x1) {
   return ccd::point_triangle({x0.p, x0.a, x0.b, x0.c, x1.p, x1.a, x1.b, x1.c});
 }
 
+/// Squared distance of the point from the box of the triangle: a lower bound of their distance, squared.
+inline double squared_distance_to_box(const Quad& q) {
+  const Vec3 low = q.a.cwiseMin(q.b).cwiseMin(q.c), high = q.a.cwiseMax(q.b).cwiseMax(q.c);
+  return (low - q.p).cwiseMax(q.p - high).cwiseMax(0.0).squaredNorm();
+}
+
 /// x0 + t (x1 − x0), for choosing directions only, never for deciding.
 Quad interpolate(const Quad& x0, const Quad& x1, double t);
 

@@ -9,11 +9,6 @@ namespace {
 
 constexpr std::size_t chunk = 256;
 
-double squared_distance_to_box(const Vec3& p, const Quad& q) {
-  const Vec3 low = q.a.cwiseMin(q.b).cwiseMin(q.c), high = q.a.cwiseMax(q.b).cwiseMax(q.c);
-  return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();
-}
-
 ContactRecord make_record(const Context& context, std::uint32_t p, std::uint32_t surface,
                           std::uint32_t triangle, const Quad& q, const ClosestPoint& c) {
   const SurfaceMotion& motion = *context.surfaces[surface];
@@ -52,7 +47,7 @@ void find_for_particle(const Context& context, const CandidateSet& candidates,
     const std::size_t first = out.size();
     for (const CandidatePair& pair : candidates.of(s, p)) {
       const Quad q = context.start(p, s, pair.triangle);
-      if (squared_distance_to_box(q.p, q) >= reach * reach) continue;
+      if (squared_distance_to_box(q) >= reach * reach) continue;
       const ClosestPoint c = closest_point(q.p, q.a, q.b, q.c);
       if (c.distance >= reach) continue;
       const Topology& topology = context.caches[s]->topology;

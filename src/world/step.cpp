@@ -11,7 +11,7 @@ void World::Impl::run_step(double dt) {
   quarantine_input();
   fluid->prepare(particles, report.seconds);  // cell order, neighbours
   emit(dt);                                   // starts of this interval, or blocked
-  predict_motion(dt);                         // x_t1 without pressure, to find contacts
+  predict_motion();                           // x_t1 without pressure, to find contacts
   contact->begin(dt, contact_settings, motion, surfaces, report.contact, report.seconds);
   predict_contacts(dt);  // bounds for the pressure solver
   propose_motion(dt);    // pressure, viscosity → x_t1
@@ -85,7 +85,7 @@ void World::Impl::emit(double dt) {
   report.momentum_gravity += static_cast<double>(live) * mass * dt * settings.gravity;
 }
 
-void World::Impl::predict_motion(double) {
+void World::Impl::predict_motion() {
   motion.id = now.id;
   motion.x_t0 = now.x_t0;
   motion.x_t1 = now.x_t1;
@@ -128,7 +128,7 @@ void World::Impl::propose_motion(double dt) {
     if (world::is_sound(now.x_t1[i]) && world::is_sound(now.velocity[i])) continue;
     now.x_t1[i] = now.x_t0[i];
     if (!now.velocity[i].allFinite()) now.velocity[i] = ballistic;  // it leaves with what it is booked with
-    now.removed[i] = now.quarantined[i] = 1;
+    now.removed[i] = 1;
     ++report.quarantined;
   }
 }

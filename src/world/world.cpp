@@ -18,7 +18,6 @@ void IntervalArrays::resize(std::size_t n) {
   inverse_mass.assign(n, 0);
   removed.assign(n, 0);
   remaining.assign(n, 0);
-  quarantined.assign(n, 0);
 }
 
 World::Impl::Impl(const WorldSettings& world, const FluidSettings& fluid_in,

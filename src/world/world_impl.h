@@ -16,7 +16,6 @@ struct IntervalArrays {
   std::vector<double> inverse_mass;
   std::vector<std::uint8_t> removed;
   std::vector<double> remaining;  ///< emitted ones: their part of the interval [s]
-  std::vector<std::uint8_t> quarantined;
 
   void resize(std::size_t n);
 };
@@ -56,7 +55,7 @@ struct World::Impl {
   void gather(double dt);
   void quarantine_input();
   void emit(double dt);
-  void predict_motion(double dt);
+  void predict_motion();
   void predict_contacts(double dt);
   void propose_motion(double dt);
   void certify();
