@@ -87,8 +87,10 @@ class BulletSimulation : public Simulation {
         substeps_(scene.cloth.empty() ? 1 : scene.cloth[0].substeps) {
     require(fluid_.getWorld().status(), "scene");
     // Bullet takes a step that short for none, and would never move.
-    if (scene.dt / substeps_ <= static_cast<double>(SIMD_EPSILON))
-      throw SceneError("dt: is " + std::to_string(scene.dt * 1e9) + " ns in " + std::to_string(substeps_) +
+    const StepPlan plan(scene);
+    if (plan.shortest() / substeps_ <= static_cast<double>(SIMD_EPSILON))
+      throw SceneError((plan.adaptive() ? "min_dt: a step may take " : "dt: is ") +
+                       std::to_string(plan.shortest() * 1e9) + " ns in " + std::to_string(substeps_) +
                        " sub-steps; Bullet makes no sub-step below " +
                        std::to_string(static_cast<double>(SIMD_EPSILON) * 1e9) + " ns in this precision");
     set_up_world();
@@ -111,18 +113,18 @@ class BulletSimulation : public Simulation {
     solver_.removeFluid(&fluid_);
   }
 
-  const StepReport& step() override {
+  const StepReport& step(double dt) override {
     const Clock::time_point start = Clock::now();
     const double coupled_before = solver_.seconds();
-    const double sub_dt = scene_.dt / substeps_;
+    const double begin = time_.value(), sub_dt = dt / substeps_;
     for (int s = 0; s < substeps_; ++s) {
-      const double t = scene_.dt * static_cast<double>(steps_) + sub_dt * (s + 1);
+      const double t = begin + sub_dt * (s + 1);
       for (std::size_t i = 0; i < cloths_.size(); ++i) prescribe(i, t);
       for (std::size_t i = 0; i < bodies_.size(); ++i) prescribe_body(i, t);
       bullet_.stepSimulation(btScalar(sub_dt),
                              0);  // 0: exactly one sub-step, whatever is left over in Bullet's clock
     }
-    ++steps_;
+    time_.add(dt);
     host_seconds_ += seconds_since(start) - (solver_.seconds() - coupled_before);
     return solver_.getReport();
   }
@@ -240,7 +242,6 @@ class BulletSimulation : public Simulation {
   std::vector<std::vector<bool>> released_;  ///< per cloth and group of pins
   std::vector<BulletBody> bodies_;
   int substeps_;
-  std::uint64_t steps_ = 0;
   double host_seconds_ = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "nearest_surface.h"
+#include "pool.h"
 #include "shadow.h"
 
 namespace oilskin::demo {
@@ -17,16 +18,22 @@ Vec3 Measurer::up() const {
   return g.norm() > 0 ? Vec3(-g.normalized()) : Vec3(0, 1, 0);
 }
 
-void Measurer::after_step(Simulation& simulation, const StepReport& report, std::uint64_t steps) {
+void Measurer::after_step(Simulation& simulation, const StepReport& report) {
   const Acceptance& a = scene_.acceptance;
-  const double t = scene_.dt * static_cast<double>(steps);
+  const double t = simulation.time().value();
+  since_look_ += report.dt;
   if (a.vertical_momentum) measure_impulses(simulation);
   if (a.pin_reaction) measure_reaction(simulation, report, t);
-  if (steps % look_every != 0) return;
+  if (a.pool_level && t > scene_.duration - a.pool_level->window) measure_pool_level(simulation, report.dt);
+  if (a.pool_calm && t > scene_.duration - a.pool_calm->window) measure_pool_calm(simulation, report.dt);
+  if (!a.at_rest.empty()) measure_rest(simulation, t);
+  if (simulation.time().steps() % look_every != 0) return;
   if (a.max_stretch) measure_stretch(simulation);
   if (a.min_over_rim) measure_rim(simulation);
   if (a.dry_shadow) measure_shadow(simulation);
   if (a.slip_ratio) measure_slip(simulation, t);
+  if (a.dam_break) measure_dam(simulation, t);
+  since_look_ = 0;
 }
 
 void Measurer::measure_impulses(Simulation& simulation) {
@@ -120,10 +127,66 @@ void Measurer::measure_slip(Simulation& simulation, double t) {
       Vec3 u = world.velocities()[i];
       for (int k = 0; k < 3; ++k) u -= hit.point.weights[k] * motion->velocity[hit.nodes[k]];
       const Vec3 n = hit.point.offset / hit.point.distance;
-      result_.slip_speed_sum[s] += (u - n * n.dot(u)).norm();
-      ++result_.slip_samples[s];
+      result_.slip_way[s] += since_look_ * (u - n * n.dot(u)).norm();
+      result_.slip_time[s] += since_look_;
     }
   }
+}
+
+double Measurer::water_volume(Simulation& simulation) const {
+  return simulation.world().particle_mass() * static_cast<double>(simulation.world().particle_count()) /
+         scene_.fluid.rest_density;
+}
+
+void Measurer::measure_pool_level(Simulation& simulation, double dt) {
+  const PoolLevelCheck& check = *scene_.acceptance.pool_level;
+  const SurfaceMotion* motion = simulation.cloth(static_cast<std::size_t>(check.cloth));
+  if (motion == nullptr) return;
+  const PoolSurface pool = pool_surface(*motion, up(), water_volume(simulation));
+  // The height of the top layer's particles, by two ways; the lower counts. A heap in the middle does not
+  // lift the pool that the volume gives, and water that hangs on the cloth is missed in the middle.
+  const double spacing = scene_.fluid.spacing;
+  const double level = std::min(pool.height - 0.5 * spacing,
+                                level_in_middle(*motion, simulation.world().positions(), up(), check.middle));
+  // A basin that cannot hold the water has no pool: all of it is in the wrong place.
+  result_.above_pool_sum +=
+      dt *
+      (pool.in_rim ? fraction_above(simulation.world().positions(), up(), level + check.above * spacing) : 1);
+  result_.above_pool_time += dt;
+}
+
+void Measurer::measure_pool_calm(Simulation& simulation, double dt) {
+  const PoolCalmCheck& check = *scene_.acceptance.pool_calm;
+  const SurfaceMotion* motion = simulation.cloth(static_cast<std::size_t>(check.cloth));
+  if (motion == nullptr) return;
+  const PoolSurface pool = pool_surface(*motion, up(), water_volume(simulation));
+  const World& world = simulation.world();
+  const double spacing = scene_.fluid.spacing;
+  const double layer = scene_.fluid.rest_density * pool.area * spacing;  // [kg]
+  const double energy = layer * scene_.world.gravity.norm() * spacing;
+  result_.pool_energy_sum +=
+      dt * (pool.in_rim && energy > 0
+                ? world.particle_mass() * kinetic_energy_per_mass(world.velocities()) / energy
+                : std::numeric_limits<double>::infinity());
+  result_.pool_energy_time += dt;
+}
+
+void Measurer::measure_rest(Simulation& simulation, double t) {
+  const std::vector<AtRestCheck>& checks = scene_.acceptance.at_rest;
+  result_.rest_speed.resize(checks.size(), -1);
+  const World& world = simulation.world();
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    if (t <= checks[i].from || t > checks[i].to) continue;
+    result_.rest_speed[i] = std::max(
+        result_.rest_speed[i], rms_speed_within(world.positions(), world.velocities(), checks[i].within));
+  }
+}
+
+void Measurer::measure_dam(Simulation& simulation, double t) {
+  const DamBreakCheck& check = *scene_.acceptance.dam_break;
+  const DamPlace place{check.foot,    check.along.normalized(), up(), check.width,
+                       check.breadth, scene_.fluid.spacing};
+  result_.dam.push_back(look_at_dam(simulation.world().positions(), place, t));
 }
 
 void Measurer::finish(Simulation& simulation) {

@@ -3,6 +3,7 @@
 
 #include <unordered_set>
 
+#include "dam_break.h"
 #include "simulation.h"
 
 namespace oilskin::demo {
@@ -12,10 +13,15 @@ struct Measurements {
   double largest_stretch = 1;                  ///< edge over rest length
   std::unordered_set<std::uint64_t> over_rim;  ///< ids seen outside and below cloth 0
   std::uint64_t in_shadow = 0;                 ///< particles seen below the cloth, summed over looks
-  std::array<double, 2> slip_speed_sum{};      ///< next to the free and the no-slip sheet [m/s]
-  std::array<std::uint64_t, 2> slip_samples{};
-  double reaction_impulse = 0;      ///< of the pins, upwards, in the window [N s]
-  double weight_impulse = 0;        ///< of free cloth and water over the window [N s]
+  std::array<double, 2> slip_way{};   ///< Σ speed × time next to the free and the no-slip sheet [m]
+  std::array<double, 2> slip_time{};  ///< Σ over particles and looks [s]
+  double reaction_impulse = 0;        ///< of the pins, upwards, in the window [N s]
+  double weight_impulse = 0;          ///< of free cloth and water over the window [N s]
+  double above_pool_sum = 0;          ///< fraction of the water above the pool × time [s]
+  double pool_energy_sum = 0;         ///< kinetic energy over one layer's energy × time [s]
+  double above_pool_time = 0, pool_energy_time = 0;  ///< [s]
+  std::vector<double> rest_speed;  ///< per check of rest, the largest seen [m/s]; < 0 before a look
+  std::vector<DamMoment> dam;
   std::uint64_t not_finite = 0;     ///< coordinates of particles and nodes
   Vec3 centre_node = Vec3::Zero();  ///< of cloth 0, now [m]
 };
@@ -24,8 +30,8 @@ class Measurer {
  public:
   explicit Measurer(const Scene& scene) : scene_(scene) {}
 
-  /// Once after every step; `steps` have been done.
-  void after_step(Simulation& simulation, const StepReport& report, std::uint64_t steps);
+  /// Once after every step. Means are over time: steps may differ in length.
+  void after_step(Simulation& simulation, const StepReport& report);
   /// Once after the last step.
   void finish(Simulation& simulation);
   const Measurements& result() const { return result_; }
@@ -37,10 +43,16 @@ class Measurer {
   void measure_rim(Simulation& simulation);
   void measure_shadow(Simulation& simulation);
   void measure_slip(Simulation& simulation, double t);
+  void measure_pool_level(Simulation& simulation, double dt);
+  void measure_pool_calm(Simulation& simulation, double dt);
+  void measure_rest(Simulation& simulation, double t);
+  void measure_dam(Simulation& simulation, double t);
+  double water_volume(Simulation& simulation) const;
   Vec3 up() const;
 
   const Scene& scene_;
   Measurements result_;
+  double since_look_ = 0;                           ///< at what changes slowly [s]
   std::vector<std::vector<Vec3>> velocity_before_;  ///< per cloth, as the last step left them
 };
 

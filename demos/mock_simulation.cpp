@@ -27,13 +27,14 @@ class MockSimulation : public Simulation {
     if (options.emitters) add_emitters(scene, world_);
   }
 
-  const StepReport& step() override {
+  const StepReport& step(double dt) override {
     const auto start = std::chrono::steady_clock::now();
-    const double t = scene_.dt * static_cast<double>(steps_++);
-    for (auto& cloth : cloths_) cloth->advance(t, scene_.dt, scene_.world.gravity);
-    for (auto& body : bodies_) body->advance(t + scene_.dt);
+    const double t = time_.value();
+    for (auto& cloth : cloths_) cloth->advance(t, dt, scene_.world.gravity);
+    for (auto& body : bodies_) body->advance(t + dt);
+    time_.add(dt);
     host_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return world_.step(scene_.dt);
+    return world_.step(dt);
   }
 
   World& world() override { return world_; }
@@ -49,7 +50,6 @@ class MockSimulation : public Simulation {
   std::vector<std::unique_ptr<MockBody>> bodies_;
   World world_;
   std::vector<SurfaceId> cloth_ids_, body_ids_;
-  std::uint64_t steps_ = 0;
   double host_seconds_ = 0;
 };
 

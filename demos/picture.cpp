@@ -84,6 +84,20 @@ double colour_end(const Scene& scene) {
   return 1.25 * fastest;
 }
 
+/// A colour scale and what its legend says.
+struct Scale {
+  vtkSmartPointer<vtkColorTransferFunction> colours;
+  const char* title;
+};
+
+/// In order of WaterColour.
+std::vector<Scale> scales_of(const Scene& scene) {
+  const double density = scene.fluid.rest_density;
+  return {{water_colours(0, colour_end(scene)), "speed [m/s]"},
+          {water_colours(0, scene.pictures.max_pressure), "pressure [Pa]"},
+          {water_colours(0.9 * density, 1.1 * density), "density [kg/m\u00b3]"}};
+}
+
 void add_light(vtkRenderer* renderer, const Vec3& from, double intensity, double r, double g, double b) {
   vtkNew<vtkLight> light;
   light->SetLightTypeToSceneLight();
@@ -114,20 +128,22 @@ void look_from(vtkRenderer* renderer, const View& view) {
   camera->SetFocalPoint(view.target.data());
   camera->SetViewUp(view.up.data());
   camera->SetViewAngle(view.angle);
+  camera->SetParallelProjection(view.orthographic > 0);
+  if (view.orthographic > 0) camera->SetParallelScale(0.5 * view.orthographic);
   renderer->RemoveAllLights();
   add_lights(renderer, view);
 }
 
 /// Shaded by how much of the sky each point sees, which shows depth between balls and in folds.
-void add_occlusion(vtkRenderer* renderer, double size) {
+vtkSmartPointer<vtkSSAOPass> occlusion_of(double size) {
   vtkNew<vtkRenderStepsPass> steps;
-  vtkNew<vtkSSAOPass> occlusion;
+  auto occlusion = vtkSmartPointer<vtkSSAOPass>::New();
   occlusion->SetRadius(0.06 * size);
   occlusion->SetBias(0.002 * size);
   occlusion->SetKernelSize(96);
   occlusion->BlurOn();
   occlusion->SetDelegatePass(steps);
-  renderer->SetPass(occlusion);
+  return occlusion;
 }
 
 }  // namespace
@@ -135,10 +151,13 @@ void add_occlusion(vtkRenderer* renderer, double size) {
 /// One renderer that takes the views in turn: VTK's occlusion pass knows whole windows only.
 struct Picture::Impl {
   std::vector<View> views;
-  vtkSmartPointer<vtkColorTransferFunction> colours;
+  double gravity;             // [m/s²]
+  std::vector<Scale> scales;  // per colour
+  double spacing;             // of the particles [m]
   DrawnWater water;
   std::vector<std::unique_ptr<DrawnSurface>> cloth, bodies;
   vtkNew<vtkRenderer> renderer;
+  vtkSmartPointer<vtkSSAOPass> occlusion;
   vtkNew<vtkRenderWindow> window;
   vtkSmartPointer<vtkRenderWindowInteractor> interactor;
   vtkSmartPointer<vtkTextActor> status, title;
@@ -148,14 +167,17 @@ struct Picture::Impl {
 
   Impl(const Scene& scene, bool is_window);
   void add_props(int scale);
+  void set_up(const View& view);
+  Vec3 in_front(const View& view) const;
   void open_window();
   vtkSmartPointer<vtkImageData> draw(std::size_t view);
 };
 
 Picture::Impl::Impl(const Scene& scene, bool is_window)
     : views(views_of(scene)),
-      colours(speed_colours(colour_end(scene))),
-      water(scene.fluid.spacing, colours),
+      scales(scales_of(scene)),
+      spacing(scene.fluid.spacing),
+      water(scene.fluid.spacing),
       name(scene.name),
       interactive(is_window) {
   for (std::size_t i = 0; i < scene.cloth.size(); ++i) cloth.push_back(std::make_unique<DrawnSurface>(true));
@@ -166,7 +188,7 @@ Picture::Impl::Impl(const Scene& scene, bool is_window)
   renderer->SetBackground(0.84, 0.87, 0.90);
   renderer->SetBackground2(0.98, 0.985, 0.99);
   renderer->AutomaticLightCreationOff();
-  add_occlusion(renderer, (box.max - box.min).norm());
+  occlusion = occlusion_of((box.max - box.min).norm());
   const int scale = interactive ? 1 : supersampling;
   add_props(scale);
   window->AddRenderer(renderer);
@@ -184,11 +206,15 @@ void Picture::Impl::add_props(int scale) {
     renderer->AddActor(c->actor());
     renderer->AddActor(c->outline());
     renderer->AddActor(c->pins());
+    renderer->AddActor(c->cut());
   }
-  for (auto& b : bodies) renderer->AddActor(b->actor());
+  for (auto& b : bodies) {
+    renderer->AddActor(b->actor());
+    renderer->AddActor(b->cut());
+  }
   status = label(0.03, 0.965, 20 * scale, true);
   title = label(0.03, 0.915, 17 * scale, false);
-  legend = speed_legend(colours, scale);
+  legend = water_legend(scale);
   renderer->AddViewProp(status);
   renderer->AddViewProp(title);
   renderer->AddViewProp(legend);
@@ -203,15 +229,36 @@ void Picture::Impl::open_window() {
   interactor->Initialize();
 }
 
-/// One view, smoothed. The first carries the numbers, the last the colours.
+/// From the middle of a cut to the eye's side of its water, which would hide the lines.
+Vec3 Picture::Impl::in_front(const View& view) const {
+  if (!view.slice) return Vec3::Zero();
+  const Vec3 n = view.slice->normal.normalized();
+  const double way = 0.5 * view.slice->thickness + spacing;
+  return n.dot(view.eye - view.slice->point) > 0 ? Vec3(way * n) : Vec3(-way * n);
+}
+
+/// What the view shows of the water and the surfaces, in its colours.
+void Picture::Impl::set_up(const View& view) {
+  const Scale& scale = scales[static_cast<std::size_t>(view.colour)];
+  water.show(view.slice, view.colour, scale.colours);
+  const Vec3 lift = in_front(view);
+  for (auto& c : cloth) c->show(view.slice, lift);
+  for (auto& b : bodies) b->show(view.slice, lift);
+  renderer->SetPass(view.slice ? nullptr : occlusion.Get());  // it would stain the lines of a cut
+  legend->SetLookupTable(scale.colours);
+  legend->SetTitle(scale.title);
+}
+
+/// One view, smoothed. The first carries the numbers, the last of each run of equal colours their legend.
 vtkSmartPointer<vtkImageData> Picture::Impl::draw(std::size_t view) {
+  set_up(views[view]);
   look_from(renderer, views[view]);
   renderer->ResetCameraClippingRange();
   title->SetInput(views[view].title.c_str());
   // Seen from below a floor would hide everything: bodies let the view through there.
   for (auto& b : bodies) b->actor()->GetProperty()->SetOpacity(looks_up(views[view]) ? 0.15 : 1);
   status->SetVisibility(view == 0);
-  legend->SetVisibility(view + 1 == views.size());
+  legend->SetVisibility(view + 1 == views.size() || views[view + 1].colour != views[view].colour);
   window->Render();
   vtkNew<vtkWindowToImageFilter> grab;
   grab->SetInput(window);
@@ -240,6 +287,7 @@ void Picture::show(const FrameData& data) {
                 data.t, data.position.size(), static_cast<unsigned long long>(data.crossings));
   impl_->status->SetInput(text);
   if (!impl_->interactor) return;
+  impl_->set_up(impl_->views.front());
   impl_->renderer->ResetCameraClippingRange();
   impl_->window->Render();
   impl_->interactor->ProcessEvents();

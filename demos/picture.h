@@ -14,7 +14,7 @@ class Picture {
   ~Picture();
 
   void show(const FrameData& data);
-  /// The last moment shown, as PNG. Throws OutputError.
+  /// The last moment shown, as PNG, while its data lives. Throws OutputError.
   void save(const std::string& path);
   bool window_open() const;
 

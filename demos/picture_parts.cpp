@@ -54,22 +54,39 @@ void colour_surface(vtkActor* actor, bool is_cloth) {
 
 }  // namespace
 
-vtkSmartPointer<vtkColorTransferFunction> speed_colours(double max_speed) {
+vtkSmartPointer<vtkColorTransferFunction> water_colours(double from, double to) {
   auto colours = vtkSmartPointer<vtkColorTransferFunction>::New();
   colours->SetColorSpaceToLab();
   const double stops[6][3] = {{0.06, 0.13, 0.34}, {0.08, 0.30, 0.58}, {0.13, 0.49, 0.74},
                               {0.30, 0.68, 0.83}, {0.58, 0.84, 0.88}, {0.90, 0.97, 0.95}};
-  for (int i = 0; i < 6; ++i) colours->AddRGBPoint(max_speed * i / 5, stops[i][0], stops[i][1], stops[i][2]);
+  for (int i = 0; i < 6; ++i)
+    colours->AddRGBPoint(from + (to - from) * i / 5, stops[i][0], stops[i][1], stops[i][2]);
   return colours;
 }
 
 namespace {
 
-void colour_by_speed(vtkMapper* mapper, vtkColorTransferFunction* colours) {
+void colour_by_value(vtkMapper* mapper) {
   mapper->SetScalarModeToUsePointFieldData();
-  mapper->SelectColorArray("speed");
-  mapper->SetLookupTable(colours);
+  mapper->SelectColorArray("value");
   mapper->UseLookupTableScalarRangeOn();
+}
+
+double value_of(const FrameData& frame, WaterColour colour, std::size_t i) {
+  switch (colour) {
+    case WaterColour::pressure:
+      return frame.pressure[i];
+    case WaterColour::density:
+      return frame.density[i];
+    case WaterColour::speed:
+      break;
+  }
+  return frame.velocity[i].norm();
+}
+
+/// Height over the middle plane of a cut [m].
+double height_over(const Slice& slice, const Vec3& x) {
+  return (x - slice.point).dot(slice.normal.normalized());
 }
 
 void shine(vtkActor* actor) {
@@ -98,10 +115,10 @@ vtkSmartPointer<vtkGlyph3DMapper> drop_mapper(vtkPolyData* data) {
 
 struct DrawnWater::Points {
   std::vector<Vec3> position;
-  vtkNew<vtkFloatArray> speed, shape, normal;
+  vtkNew<vtkFloatArray> value, shape, normal;
 
   Points(const char* shape_name, int components) {
-    speed->SetName("speed");
+    value->SetName("value");
     shape->SetName(shape_name);
     shape->SetNumberOfComponents(components);
     normal->SetName("normal");
@@ -109,26 +126,27 @@ struct DrawnWater::Points {
   }
 };
 
-DrawnWater::DrawnWater(double spacing, vtkColorTransferFunction* colours) : spacing_(spacing) {
+DrawnWater::DrawnWater(double spacing) : spacing_(spacing) {
   vtkNew<vtkOpenGLSphereMapper> balls;
   balls->SetInputData(balls_.data);
   balls->SetScaleArray("radius");
-  colour_by_speed(balls, colours);
+  colour_by_value(balls);
   balls_.actor->SetMapper(balls);
   const auto drops = drop_mapper(film_.data);
-  colour_by_speed(drops, colours);
+  colour_by_value(drops);
   film_.actor->SetMapper(drops);
   shine(balls_.actor);
   shine(film_.actor);
 }
 
-void DrawnWater::show(Part& part, const Points& points) {
+void DrawnWater::fill(Part& part, const Points& points, vtkColorTransferFunction* colours) {
   part.data->SetPoints(to_vtk(points.position, VTK_FLOAT));
   part.data->SetVerts(vertex_cells(points.position.size()));
-  part.data->GetPointData()->AddArray(points.speed);
+  part.data->GetPointData()->AddArray(points.value);
   part.data->GetPointData()->AddArray(points.shape);
   part.data->GetPointData()->AddArray(points.normal);
   part.data->Modified();
+  part.actor->GetMapper()->SetLookupTable(colours);
   part.actor->SetVisibility(!points.position.empty());
 }
 
@@ -150,26 +168,37 @@ void DrawnWater::update(const FrameData& frame) {
     if (cloth != nullptr) nearest.add(*cloth, 0);
   for (const SurfaceMotion* body : frame.bodies)
     if (body != nullptr) nearest.add(*body, 1);
-  Points balls("radius", 1), film("half_axes", 3);
+  frame_ = frame;
+  shapes_.assign(frame.position.size(), Shape());
   for (std::size_t i = 0; i < frame.position.size(); ++i) {
     NearestSurface::Hit hit;
-    const bool beside = nearest.find(frame.position[i], &hit) && hit.point.distance > 0;
-    Points& points = beside ? film : balls;
-    points.position.push_back(frame.position[i]);
-    points.speed->InsertNextValue(static_cast<float>(frame.velocity[i].norm()));
-    if (!beside) {
-      balls.shape->InsertNextValue(static_cast<float>(radius));
-      balls.normal->InsertNextTuple3(0, 1, 0);
-      continue;
-    }
+    if (!nearest.find(frame.position[i], &hit) || hit.point.distance == 0) continue;
     const Vec3 n = hit.point.offset / hit.point.distance;
     const double height = 0.8 * hit.point.distance;  // touching would shine through
-    const double r = spread(nearest, frame.position[i], n, height, radius);
-    film.shape->InsertNextTuple3(height, r, r);
-    film.normal->InsertNextTuple3(n.x(), n.y(), n.z());
+    shapes_[i] = {false, n, height, spread(nearest, frame.position[i], n, height, radius)};
   }
-  show(balls_, balls);
-  show(film_, film);
+}
+
+void DrawnWater::show(const std::optional<Slice>& slice, WaterColour colour,
+                      vtkColorTransferFunction* colours) {
+  Points balls("radius", 1), film("half_axes", 3);
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    const Vec3& x = frame_.position[i];
+    if (slice && std::abs(height_over(*slice, x)) > 0.5 * slice->thickness) continue;
+    const Shape& shape = shapes_[i];
+    Points& points = shape.ball ? balls : film;
+    points.position.push_back(x);
+    points.value->InsertNextValue(static_cast<float>(value_of(frame_, colour, i)));
+    if (shape.ball) {
+      balls.shape->InsertNextValue(static_cast<float>(0.5 * spacing_));
+      balls.normal->InsertNextTuple3(0, 1, 0);
+    } else {
+      film.shape->InsertNextTuple3(shape.height, shape.radius, shape.radius);
+      film.normal->InsertNextTuple3(shape.normal.x(), shape.normal.y(), shape.normal.z());
+    }
+  }
+  fill(balls_, balls, colours);
+  fill(film_, film, colours);
 }
 
 DrawnSurface::DrawnSurface(bool is_cloth) : is_cloth_(is_cloth) {
@@ -200,12 +229,53 @@ DrawnSurface::DrawnSurface(bool is_cloth) : is_cloth_(is_cloth) {
   pins_->GetProperty()->SetColor(ink[0], ink[1], ink[2]);
   pins_->GetProperty()->SetPointSize(8);
   pins_->GetProperty()->RenderPointsAsSpheresOn();
+
+  vtkNew<vtkPolyDataMapper> cuts;
+  cuts->SetInputData(cut_lines_);
+  cut_->SetMapper(cuts);
+  cut_->GetProperty()->SetColor(is_cloth ? 0.78 : 0.45, is_cloth ? 0.30 : 0.46, is_cloth ? 0.16 : 0.50);
+  cut_->GetProperty()->SetLineWidth(5);
+  cut_->GetProperty()->SetPointSize(5);
+  cut_->GetProperty()->LightingOff();
+}
+
+namespace {
+
+/// Where the edge from a to b meets the middle plane; false when it does not.
+bool meets_plane(const Slice& slice, const Vec3& a, const Vec3& b, Vec3* point) {
+  const double ha = height_over(slice, a), hb = height_over(slice, b);
+  if ((ha < 0) == (hb < 0)) return false;
+  *point = a + (b - a) * (ha / (ha - hb));
+  return true;
+}
+
+}  // namespace
+
+void DrawnSurface::show(const std::optional<Slice>& slice, const Vec3& lift) {
+  const bool there = motion_ != nullptr;
+  actor_->SetVisibility(there && !slice);
+  outline_->SetVisibility(there && !slice && is_cloth_);
+  pins_->SetVisibility(there && !slice && is_cloth_);
+  cut_->SetVisibility(there && slice.has_value());
+  if (!there || !slice) return;
+  std::vector<Vec3> points;
+  auto lines = vtkSmartPointer<vtkCellArray>::New();
+  for (const Triangle& t : motion_->triangles) {
+    const std::size_t first = points.size();
+    Vec3 point;
+    for (int k = 0; k < 3; ++k)
+      if (meets_plane(*slice, motion_->x_t1[t[k]], motion_->x_t1[t[(k + 1) % 3]], &point))
+        points.push_back(point + lift);
+    if (points.size() == first + 2) lines->InsertNextCell({vtkIdType(first), vtkIdType(first + 1)});
+  }
+  cut_lines_->SetPoints(to_vtk(points, VTK_FLOAT));
+  cut_lines_->SetLines(lines);
+  cut_lines_->SetVerts(vertex_cells(points.size()));  // closes the seams between thick lines
+  cut_lines_->Modified();
 }
 
 void DrawnSurface::update(const SurfaceMotion* motion) {
-  actor_->SetVisibility(motion != nullptr);
-  outline_->SetVisibility(motion != nullptr && is_cloth_);
-  pins_->SetVisibility(motion != nullptr && is_cloth_);
+  motion_ = motion;
   if (motion == nullptr) return;
   const auto points = to_vtk(motion->x_t1, VTK_FLOAT);
   data_->SetPoints(points);
@@ -223,12 +293,10 @@ void DrawnSurface::update(const SurfaceMotion* motion) {
   data_->Modified();
 }
 
-vtkSmartPointer<vtkScalarBarActor> speed_legend(vtkColorTransferFunction* colours, double text_scale) {
+vtkSmartPointer<vtkScalarBarActor> water_legend(double text_scale) {
   auto bar = vtkSmartPointer<vtkScalarBarActor>::New();
-  bar->SetLookupTable(colours);
-  bar->SetTitle("speed [m/s]");
   bar->SetNumberOfLabels(5);
-  bar->SetLabelFormat("%.3g");
+  bar->SetLabelFormat("%.4g");
   bar->UnconstrainedFontSizeOn();
   for (vtkTextProperty* text : {bar->GetTitleTextProperty(), bar->GetLabelTextProperty()}) {
     text->SetColor(ink[0], ink[1], ink[2]);

@@ -150,6 +150,7 @@ Json make_report(const RunSummary& s) {
   report["settings"] = write_scene(s.scene);
   report["machine"] = machine(s);
   report["steps"] = t.steps;
+  report["substeps"] = t.substeps;
   report["simulated_seconds"] = t.simulated;
   report["wall_seconds"] = s.wall_seconds;
   report["seconds"] = seconds(s);

@@ -13,6 +13,7 @@
 #include "progress.h"
 #include "run_report.h"
 #include "signals.h"
+#include "step_plan.h"
 #include "trace_output.h"
 
 namespace oilskin::demo {
@@ -60,7 +61,8 @@ class Run {
         options_(options),
         progress_(options.quiet, options.trace == "-"),
         directory_(prepare_directory(scene, options)),
-        measurer_(scene) {
+        measurer_(scene),
+        plan_(scene) {
     simulation_options_.threads = options.threads;
     simulation_ = make_simulation(scene, simulation_options_);
     open_frames();
@@ -72,12 +74,12 @@ class Run {
   int execute() {
     watch_signals();
     start_ = Clock::now();
-    const auto steps = static_cast<std::uint64_t>(std::ceil(scene_.duration / scene_.dt - 1e-6));
     write_frame();
-    for (std::uint64_t s = 0; s < steps && caught_signal() == 0; ++s) {
-      advance(s);
-      progress_.update(double(s + 1) / double(steps), totals_.simulated,
-                       simulation_->world().particle_count(), totals_.contact.crossings_found_by_verify);
+    const SimulatedTime& time = simulation_->time();
+    while (!plan_.done(time) && caught_signal() == 0) {
+      advance(time.steps());
+      progress_.update(plan_.fraction(time), totals_.simulated, simulation_->world().particle_count(),
+                       totals_.contact.crossings_found_by_verify);
       if (frames_ && !frames_->window_open()) break;
     }
     progress_.finish();
@@ -103,13 +105,15 @@ class Run {
 
   void advance(std::uint64_t s) {
     if (trace_) trace_->begin_step(s);
-    const StepReport& report = simulation_->step();
+    const double t = simulation_->time().value();
+    const double suggested = plan_.adaptive() ? simulation_->world().suggested_dt(scene_.dt) : scene_.dt;
+    const StepReport& report = simulation_->step(plan_.next(t, suggested));
     if (!report.status.ok()) throw SceneError("step " + std::to_string(s) + ": " + report.status.message);
     totals_.add(report);
     if (trace_) trace_->check();
-    measurer_.after_step(*simulation_, report, s + 1);
+    measurer_.after_step(*simulation_, report);
     const double rate = scene_.pictures.frames_per_second > 0 ? scene_.pictures.frames_per_second : 30;
-    if (scene_.dt * double(s + 1) >= frame_number_ / rate - 1e-9) write_frame();
+    if (plan_.reached(simulation_->time().value(), frame_number_ / rate)) write_frame();
   }
 
   void write_frame() {
@@ -172,6 +176,7 @@ class Run {
   std::unique_ptr<Frames> frames_;
   Totals totals_;
   Measurer measurer_;
+  StepPlan plan_;
   Clock::time_point start_;
   double output_seconds_ = 0;
   int frame_number_ = 0;

@@ -117,6 +117,40 @@ struct DryShadowCheck {
   double margin = 0.05;  ///< [m]
 };
 
+/// The water's surface is level: little of it is above the pool that it would be at rest.
+struct PoolLevelCheck {
+  int cloth = 0;           ///< the basin
+  double middle = 0.05;    ///< the level is looked at so far about the basin's deepest node [m]
+  double above = 1;        ///< counts what is farther above the level [spacings]
+  double fraction = 0.05;  ///< of the water, mean over the window, at most
+  double window = 0.1;     ///< the last seconds of the run
+};
+
+/// The water's kinetic energy against what lifts the pool's top layer by its own thickness.
+struct PoolCalmCheck {
+  int cloth = 0;           ///< the basin
+  double fraction = 0.01;  ///< of one layer's energy, mean over the window, at most
+  double window = 0.1;     ///< the last seconds of the run
+};
+
+/// Water inside a box stays still for a while.
+struct AtRestCheck {
+  Box within;
+  double from = 0, to = never;  ///< [s]
+  double speed = 0.05;          ///< largest root of the mean square at any moment [m/s]
+};
+
+/// A column that collapses along a floor, against Martin and Moyce's experiment (dam_break.h).
+struct DamBreakCheck {
+  Vec3 foot = Vec3::Zero();      ///< of the column, at the wall that stays [m]
+  Vec3 along = Vec3(1, 0, 0);    ///< the way that it runs
+  double width = 0.05715;        ///< a of the column; it is 2a high [m]
+  double breadth = 0.05;         ///< of the tank, across the run [m]
+  double front = 0.1;            ///< largest relative difference of the front
+  double shift = 0.15;           ///< time by which it may be early or late [sqrt(a/2g)]
+  std::optional<double> height;  ///< largest relative difference of the column's height at the wall
+};
+
 /// What a scene promises besides what is always checked.
 struct Acceptance {
   std::optional<int> min_emitted;
@@ -127,17 +161,35 @@ struct Acceptance {
   std::optional<SlipRatioCheck> slip_ratio;
   std::optional<PinReactionCheck> pin_reaction;
   std::optional<DryShadowCheck> dry_shadow;
+  std::optional<PoolLevelCheck> pool_level;
+  std::optional<PoolCalmCheck> pool_calm;
+  std::vector<AtRestCheck> at_rest;
+  std::optional<DamBreakCheck> dam_break;
 };
+
+/// A cut through the scene: only water within the slab is shown, and of surfaces their lines in its middle
+/// plane.
+struct Slice {
+  Vec3 point = Vec3::Zero(), normal = Vec3(0, 0, 1);
+  double thickness = 0.01;  ///< [m]
+};
+
+/// What the water's colour tells.
+enum class WaterColour { speed, pressure, density };
 
 struct View {
   Vec3 eye = Vec3(0.55, 0.45, 0.75), target = Vec3::Zero(), up = Vec3(0, 1, 0);
-  double angle = 30;  ///< of sight, vertical [degrees]
+  double angle = 30;        ///< of sight, vertical [degrees]
+  double orthographic = 0;  ///< height of what is seen without perspective [m]; 0 = with, by the angle
+  std::optional<Slice> slice;
+  WaterColour colour = WaterColour::speed;
   std::string title;
 };
 
 struct Pictures {
   double frames_per_second = 30;  ///< of simulated time; 0 = none
   double max_speed = 0;           ///< end of the colour scale [m/s]; 0 = the fastest of the first frames
+  double max_pressure = 1000;     ///< end of the colour scale [Pa]
   std::vector<View> views;        ///< side by side; empty: two views around the surfaces
 };
 
@@ -147,6 +199,8 @@ struct Scene {
   std::string directory;  ///< of the scene file; not part of it
   HostKind host = HostKind::bullet;
   double dt = 0.001, duration = 0.5;  ///< [s]
+  bool adaptive_dt = false;           ///< dt is the longest step
+  double min_dt = 1e-5;               ///< the shortest, where it adapts [s]
   std::uint64_t seed = 1;
   WorldSettings world;
   FluidSettings fluid;

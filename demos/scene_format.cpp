@@ -7,22 +7,32 @@ void describe(Fields& f, FluidSettings& s) {
   f.number("spacing", s.spacing, positive());
   f.number("rest_density", s.rest_density, positive());
   f.number("support_ratio", s.support_ratio, between(1.5, 4));
-  f.choice("solver", s.solver, {{"pcisph", PressureSolver::pcisph}, {"mcg03", PressureSolver::mcg03}});
+  f.choice("solver", s.solver,
+           {{"pcisph", PressureSolver::pcisph},
+            {"dfsph", PressureSolver::dfsph},
+            {"mcg03", PressureSolver::mcg03}});
   f.number("tolerance", s.tolerance, not_negative());
+  f.number("divergence_tolerance", s.divergence_tolerance, not_negative());
   f.integer("min_iterations", s.min_iterations, between(1, 100000));
   f.integer("max_iterations", s.max_iterations, between(1, 100000));
   f.number("stiffness", s.stiffness, positive());
   f.number("viscosity", s.viscosity, not_negative());
   f.number("xsph_rate", s.xsph_rate, not_negative());
   f.boolean("contact_aware", s.contact_aware);
+  f.boolean("occlusion", s.occlusion);
+  f.choice("boundary", s.boundary,
+           {{"contact_only", BoundaryModel::contact_only}, {"mirrored", BoundaryModel::mirrored}});
+  f.number("cfl", s.cfl, positive());
+  f.integer("max_substeps", s.max_substeps, between(1, 1000));
 }
 
 void describe(Fields& f, SlipSettings& s) {
   f.choice("model", s.model,
            {{"free", SlipModel::free},
             {"coulomb", SlipModel::coulomb},
-            {"no_slip", SlipModel::no_slip},
-            {"viscous_wall", SlipModel::viscous_wall}});
+            {"strict_no_slip", SlipModel::no_slip},
+            {"viscous_wall", SlipModel::viscous_wall},
+            {"no_slip", SlipModel::viscous_wall}});  // the last name of a value is the one that is written
   f.number("friction", s.friction, not_negative());
   f.number("slip_length", s.slip_length, not_negative());
 }
@@ -30,6 +40,7 @@ void describe(Fields& f, SlipSettings& s) {
 void describe(Fields& f, SurfaceSettings& s) {
   f.number("thickness", s.thickness, positive());
   f.object("slip", [&](Fields& g) { describe(g, s.slip); });
+  f.optional_object("slip_back", s.slip_back, [](Fields& g, SlipSettings& back) { describe(g, back); });
   f.mask("collision_group", s.collision_group);
   f.mask("collision_mask", s.collision_mask);
 }
@@ -251,6 +262,24 @@ void describe(Fields& f, ContactSettings& s) {
   f.boolean("verify", s.verify);
 }
 
+void describe(Fields& f, AtRestCheck& c) {
+  f.box("within", c.within);
+  if (f.reading() && !f.has("within")) f.fail("within", "is missing: the box whose water is to be at rest");
+  f.number("from", c.from, not_negative());
+  f.number("to", c.to, not_negative());
+  f.number("speed", c.speed, positive());
+}
+
+void describe(Fields& f, DamBreakCheck& c) {
+  f.vec3("foot", c.foot);
+  f.direction("along", c.along);
+  f.number("width", c.width, positive());
+  f.number("breadth", c.breadth, positive());
+  f.number("front", c.front, positive());
+  f.number("shift", c.shift, between(0, 1));
+  f.optional_number("height", c.height, positive());
+}
+
 void describe(Fields& f, Acceptance& a) {
   f.optional_integer("min_emitted", a.min_emitted, between(0, 2e9));
   f.optional_integer("min_over_rim", a.min_over_rim, between(0, 2e9));
@@ -272,6 +301,26 @@ void describe(Fields& f, Acceptance& a) {
     g.integer("cloth", c.cloth, between(0, 1e6));
     g.number("margin", c.margin, not_negative());
   });
+  f.optional_object("pool_level", a.pool_level, [](Fields& g, PoolLevelCheck& c) {
+    g.integer("cloth", c.cloth, between(0, 1e6));
+    g.number("middle", c.middle, positive());
+    g.number("above", c.above, not_negative());
+    g.number("fraction", c.fraction, not_negative());
+    g.number("window", c.window, positive());
+  });
+  f.optional_object("pool_calm", a.pool_calm, [](Fields& g, PoolCalmCheck& c) {
+    g.integer("cloth", c.cloth, between(0, 1e6));
+    g.number("fraction", c.fraction, not_negative());
+    g.number("window", c.window, positive());
+  });
+  f.list("at_rest", a.at_rest, [](Fields& g, AtRestCheck& c) { describe(g, c); });
+  f.optional_object("dam_break", a.dam_break, [](Fields& g, DamBreakCheck& c) { describe(g, c); });
+}
+
+void describe(Fields& f, Slice& s) {
+  f.vec3("point", s.point);
+  f.direction("normal", s.normal);
+  f.number("thickness", s.thickness, positive());
 }
 
 void describe(Fields& f, View& v) {
@@ -279,6 +328,12 @@ void describe(Fields& f, View& v) {
   f.vec3("target", v.target);
   f.direction("up", v.up);
   f.number("angle", v.angle, between(1, 150));
+  f.number("orthographic", v.orthographic, not_negative());
+  f.optional_object("slice", v.slice, [](Fields& g, Slice& s) { describe(g, s); });
+  f.choice("colour", v.colour,
+           {{"speed", WaterColour::speed},
+            {"pressure", WaterColour::pressure},
+            {"density", WaterColour::density}});
   f.text("title", v.title);
   if (f.reading() && (v.target - v.eye).cross(v.up).norm() < 1e-9)
     f.fail("eye", "the line of sight is parallel to \"up\" or has no length");
@@ -287,6 +342,7 @@ void describe(Fields& f, View& v) {
 void describe(Fields& f, Pictures& p) {
   f.number("frames_per_second", p.frames_per_second, between(0, 1e6));
   f.number("max_speed", p.max_speed, not_negative());
+  f.number("max_pressure", p.max_pressure, positive());
   f.list("views", p.views, [](Fields& g, View& v) { describe(g, v); });
 }
 
@@ -298,6 +354,8 @@ void describe(Fields& f, Scene& s) {
   f.choice("host", s.host,
            {{"bullet", HostKind::bullet}, {"bullet64", HostKind::bullet64}, {"mock", HostKind::mock}});
   f.number("dt", s.dt, {0, 1000, true});
+  f.boolean("adaptive_dt", s.adaptive_dt);
+  f.number("min_dt", s.min_dt, {0, 1000, true});
   f.number("duration", s.duration, between(0, 1e6));
   f.unsigned_integer("seed", s.seed);
   f.vec3("gravity", s.world.gravity);

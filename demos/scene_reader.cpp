@@ -1,6 +1,7 @@
 #include "scene_reader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -48,6 +49,19 @@ void check_cloth_index(const Scene& scene, int index, const std::string& key) {
                      ", must be the index of a cloth, the scene has " + std::to_string(scene.cloth.size()));
 }
 
+/// A check that can never be looked at would pass or fail for the wrong reason.
+void check_water_acceptance(const Scene& scene) {
+  const Acceptance& a = scene.acceptance;
+  for (std::size_t i = 0; i < a.at_rest.size(); ++i)
+    if (!(a.at_rest[i].to > a.at_rest[i].from))
+      throw SceneError("acceptance.at_rest." + std::to_string(i) + ".to: must be later than \"from\"");
+  const Vec3& g = scene.world.gravity;
+  if ((a.pool_level || a.pool_calm || a.dam_break) && !(g.norm() > 0))
+    throw SceneError("gravity: is zero; a pool or a dam break needs a weight");
+  if (a.dam_break && std::abs(a.dam_break->along.normalized().dot(g.normalized())) > 1e-6)
+    throw SceneError("acceptance.dam_break.along: must be square to gravity");
+}
+
 void check_acceptance(const Scene& scene) {
   const Acceptance& a = scene.acceptance;
   if (a.slip_ratio) {
@@ -58,6 +72,9 @@ void check_acceptance(const Scene& scene) {
   if (a.sag_below_dry) check_cloth_index(scene, 0, "acceptance.sag_below_dry");
   if (a.min_over_rim) check_cloth_index(scene, 0, "acceptance.min_over_rim");
   if (a.pin_reaction) check_cloth_index(scene, 0, "acceptance.pin_reaction");
+  if (a.pool_level) check_cloth_index(scene, a.pool_level->cloth, "acceptance.pool_level.cloth");
+  if (a.pool_calm) check_cloth_index(scene, a.pool_calm->cloth, "acceptance.pool_calm.cloth");
+  check_water_acceptance(scene);
 }
 
 void check_pins(const Scene& scene) {

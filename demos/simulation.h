@@ -6,6 +6,7 @@
 #include "cloth_model.h"
 #include "oilskin/world.h"
 #include "scene.h"
+#include "step_plan.h"
 
 namespace oilskin::demo {
 
@@ -18,8 +19,8 @@ class Simulation {
  public:
   virtual ~Simulation() = default;
 
-  /// One coupled step of the scene's dt.
-  virtual const StepReport& step() = 0;
+  /// One coupled step of dt [s].
+  virtual const StepReport& step(double dt) = 0;
   virtual World& world() = 0;
   /// Positions, velocities and impulses as the last step left them; null while a surface is left out.
   virtual const SurfaceMotion* cloth(std::size_t i) const = 0;
@@ -29,8 +30,10 @@ class Simulation {
   virtual const char* precision() const = 0;
 
   const std::vector<ClothModel>& models() const { return models_; }
+  const SimulatedTime& time() const { return time_; }
 
  protected:
+  SimulatedTime time_;
   std::vector<ClothModel> models_;
 };
 

@@ -6,6 +6,7 @@ namespace oilskin::demo {
 
 void Totals::add(const StepReport& r) {
   ++steps;
+  substeps += static_cast<std::uint64_t>(r.substeps);
   simulated = r.time;
   seconds += r.seconds;
   contact.add(r.contact);

@@ -6,7 +6,7 @@
 namespace oilskin::demo {
 
 struct Totals {
-  std::uint64_t steps = 0;
+  std::uint64_t steps = 0, substeps = 0;
   double simulated = 0;  ///< [s]
   StageSeconds seconds;
   ContactReport contact;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "contact/slip.h"
+
 namespace oilskin::contact {
 
 namespace {
@@ -45,7 +47,8 @@ void CandidateSet::query(Context& context, std::uint32_t surface,
                          const std::vector<std::uint32_t>& particles) {
   Surface& set = surfaces_[surface];
   const SurfaceMotion& motion = *context.surfaces[surface];
-  const double reach = std::max(motion.thickness, 2 * motion.delta) + slack(*context.particles);
+  const double reach = std::max(std::max(motion.thickness, 2 * motion.delta) + slack(*context.particles),
+                                wall_layer(*context.particles, motion));
   boxes_.resize(particles.size());
   context.workers->for_each(particles.size(), chunk, [&](std::size_t k) {
     const std::uint32_t p = particles[k];

@@ -13,7 +13,8 @@ struct CandidatePair {
 
 class CandidateSet {
  public:
-  /// Queries every particle: box of x_t0 ∪ x_t1 inflated by thickness + slack.
+  /// Queries every particle: box of x_t0 ∪ x_t1 inflated by thickness + slack, or by the first layer of a
+  /// viscous wall.
   void collect(Context& context);
 
   /// Makes the set cover the present x_t1 up to a margin: particles whose swept box, inflated by max(2 δ,

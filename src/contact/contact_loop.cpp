@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "contact/meetings.h"
+#include "contact/slip.h"
 #include "contact/zones.h"
 #include "core/assert.h"
 
@@ -72,6 +73,7 @@ void ContactLoop::run() {
     std::vector<Row> rows;
     rows.reserve(active_.size());
     for (const ContactRecord& r : active_) rows.push_back(row_of_record(context_, r));
+    share_wall_area(context_, rows);
     solve_rows(context_, rows);
     context_.report->contacts = active_.size();
     for (const ContactRecord& r : active_)

@@ -75,6 +75,8 @@ std::vector<Row> rows_of_bad_pairs(Context& context, const std::vector<BadPair>&
     r.weights = g.weights;
     r.normal = g.normal;
     r.distance = g.start_distance;
+    const Quad at = interpolate(x0, x1, b.time);
+    r.back = g.normal.dot((at.b - at.a).cross(at.c - at.a)) < 0;
     Row row = row_of_record(context, r);
     row.stops = row.slips = true;
     row.target_gap = landing_gap(s, g.start_distance, round);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/slip.h"
+
 namespace oilskin::contact {
 
 namespace {
@@ -20,7 +22,11 @@ ContactRecord make_record(const Context& context, std::uint32_t p, std::uint32_t
   r.weights = c.weights;
   r.distance = c.distance;
   r.normal = c.distance > 0 ? Vec3(c.offset / c.distance) : geometric_normal(q.a, q.b, q.c);
-  r.feature = context.caches[surface]->topology.feature_key(triangle, r.nodes, c.feature);
+  const Topology& topology = context.caches[surface]->topology;
+  r.feature = topology.feature_key(triangle, r.nodes, c.feature);
+  const Facing f = facing(topology, motion.triangles, motion.x_t0, triangle, c.feature, r.normal);
+  r.back = f.back;
+  r.facing = f.share;
   return r;
 }
 
@@ -43,7 +49,8 @@ void find_for_particle(const Context& context, const CandidateSet& candidates,
   for (std::uint32_t s = 0; s < context.surfaces.size(); ++s) {
     const SurfaceMotion& motion = *context.surfaces[s];
     // Beyond h + dx no record acts, and none whose gap the ways of both sides cannot bring below h.
-    const double reach = motion.thickness + std::min(particles.spacing, way + longest[s]);
+    const double acts = motion.thickness + std::min(particles.spacing, way + longest[s]);
+    const double reach = std::max(acts, wall_layer(particles, motion));
     const std::size_t first = out.size();
     for (const CandidatePair& pair : candidates.of(s, p)) {
       const Quad q = context.start(p, s, pair.triangle);
@@ -125,7 +132,9 @@ bool undercuts_thickness(const Context& context, const ContactRecord& r) {
 
 bool may_slip(const Context& context, const ContactRecord& r) {
   const SurfaceMotion& s = *context.surfaces[r.surface];
-  return s.slip.model != SlipModel::free && r.distance <= s.thickness + 0.1 * context.particles->spacing;
+  const SlipSettings& slip = s.slip_on(r.back);
+  const double reach = slip_reach(*context.particles, s, slip);
+  return slip.model == SlipModel::viscous_wall ? r.distance < reach : (reach > 0 && r.distance <= reach);
 }
 
 void RecordSet::select_active(const Context& context, std::vector<ContactRecord>& active) const {

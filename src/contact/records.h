@@ -5,9 +5,9 @@
 
 namespace oilskin::contact {
 
-/// Geometry of every particle that starts nearer than thickness + spacing to a surface: one record for each
-/// local minimum of its distance to the surface. The geometry depends on x_t0 alone; which records act
-/// depends on x_t1.
+/// Geometry of every particle that starts nearer than thickness + spacing to a surface and may come within
+/// the thickness, or is in the first layer of a viscous wall: one record for each local minimum of its
+/// distance to the surface. The geometry depends on x_t0 alone; which records act depends on x_t1.
 class RecordSet {
  public:
   void find(const Context& context, const CandidateSet& candidates);
@@ -26,8 +26,8 @@ class RecordSet {
 /// repulsion act.
 bool undercuts_thickness(const Context& context, const ContactRecord& record);
 
-/// Is the particle in the first layer, d0 ≤ h + 0.1 dx, of a surface that is not free slip? (At rest
-/// particles sit at h exactly, so d0 ≤ h would be decided by rounding.)
+/// Is the particle in the first layer of a side that is not free slip: d0 ≤ h + 0.1 dx, or z < dx of a
+/// viscous wall? See slip_reach().
 bool may_slip(const Context& context, const ContactRecord& record);
 
 /// Gap along the record's normal at the end of the step: n·(x1_p − Σ w_i x1_i) [m].

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contact/records.h"
+#include "contact/slip.h"
 
 namespace oilskin::contact {
 
@@ -79,42 +80,13 @@ void push_apart(Context& context, Row& row) {
   }
 }
 
-// The tangential impulse that the surface's law allows, given the present tangential velocity v_t (method
-// A.7.5).
-Vec3 slip_target(const Context& context, const Row& row, const Vec3& vt) {
-  const SlipSettings& slip = context.surfaces[row.contact.surface]->slip;
-  const Vec3 sticking = row.slip_impulse - vt / row.k;
-  switch (slip.model) {
-    case SlipModel::free:
-      return Vec3::Zero();
-    case SlipModel::coulomb: {
-      const double normal = row.normal_impulse + row.spring_impulse;
-      const double most =
-          normal > 0 ? slip.friction * normal : 0;  // infinite friction, no pressure: no impulse
-      const double size = sticking.norm();
-      return size <= most ? sticking : Vec3(sticking * (most / size));
-    }
-    case SlipModel::no_slip:
-      return sticking;
-    case SlipModel::viscous_wall: {
-      // J = −c dt v_t(after), c = μ_f A/(z + ℓ): implicit, so it never reverses the velocity.
-      const ParticleMotion& p = *context.particles;
-      const double z = std::max(row.contact.distance, 0.25 * p.spacing);
-      const double area = p.spacing * p.spacing;
-      const double drag = context.dt * p.viscosity * p.rest_density * area / (z + slip.slip_length);
-      const Vec3 velocity_without = vt - row.k * row.slip_impulse;
-      return -drag / (1 + drag * row.k) * velocity_without;
-    }
-  }
-  return Vec3::Zero();
-}
-
 void slip(Context& context, Row& row) {
-  if (context.surfaces[row.contact.surface]->slip.model == SlipModel::free) return;
+  const SlipModel model = context.surfaces[row.contact.surface]->slip_on(row.contact.back).model;
+  if (model == SlipModel::free || (model == SlipModel::viscous_wall && row.wall_area == 0)) return;
   if (!row.slips && !(row.normal_impulse + row.spring_impulse > 0)) return;
   const Vec3 v = relative_velocity(context, row.contact);
   const Vec3 vt = v - v.dot(row.contact.normal) * row.contact.normal;
-  const Vec3 impulse = slip_target(context, row, vt);
+  const Vec3 impulse = slip_impulse(context, row, vt);
   const Vec3 change = impulse - row.slip_impulse;
   if (change.isZero(0)) return;
   row.slip_impulse = impulse;

@@ -11,6 +11,7 @@ struct Row {
   double overlap = 0;     ///< h − d0 [m], > 0 where the contact begins within the thickness
   bool stops = true;      ///< stop and repulsion act
   bool slips = true;      ///< slip acts although no normal impulse does (first layer at rest)
+  double wall_area = 0;   ///< viscous_wall: of the sheet that the particle stands for [m²]
 
   // accumulated
   double normal_impulse = 0;  ///< λ ≥ 0 [N s]

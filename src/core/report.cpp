@@ -8,6 +8,8 @@ StageSeconds& StageSeconds::operator+=(const StageSeconds& o) {
   gather += o.gather;
   neighbours += o.neighbours;
   pressure += o.pressure;
+  occlusion += o.occlusion;
+  boundary += o.boundary;
   other_fluid += o.other_fluid;
   proximity += o.proximity;
   impulses += o.impulses;
@@ -40,6 +42,17 @@ void ContactReport::add(const ContactReport& o) {
   impulse_on_prescribed += o.impulse_on_prescribed;
   momentum_removed += o.momentum_removed;
   kinetic_energy_change += o.kinetic_energy_change;
+}
+
+FluidReport worst_of(const FluidReport& a, const FluidReport& b) {
+  FluidReport worst;
+  worst.iterations = a.iterations + b.iterations;
+  worst.density_error_mean = std::max(a.density_error_mean, b.density_error_mean);
+  worst.density_error_max = std::max(a.density_error_max, b.density_error_max);
+  worst.converged = a.converged && b.converged;
+  worst.diverged = a.diverged || b.diverged;
+  worst.hidden_pairs = a.hidden_pairs + b.hidden_pairs;
+  return worst;
 }
 
 Vec3 StepReport::momentum_residual() const {

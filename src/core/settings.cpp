@@ -38,14 +38,25 @@ Status FluidSettings::validate() const {
   if (!positive(stiffness)) return wrong("fluid.stiffness", stiffness, "finite and > 0 m²/s²");
   if (!not_negative(viscosity)) return wrong("fluid.viscosity", viscosity, "finite and ≥ 0 m²/s");
   if (!not_negative(xsph_rate)) return wrong("fluid.xsph_rate", xsph_rate, "finite and ≥ 0 1/s");
+  if (!not_negative(divergence_tolerance))
+    return wrong("fluid.divergence_tolerance", divergence_tolerance, "finite and ≥ 0");
+  if (!positive(cfl)) return wrong("fluid.cfl", cfl, "finite and > 0");
+  if (max_substeps < 1 || max_substeps > 1000) return wrong("fluid.max_substeps", max_substeps, "1 … 1000");
+  if (boundary == BoundaryModel::mirrored && solver == PressureSolver::mcg03)
+    return wrong("fluid.boundary", "mirrored", "contact_only with solver mcg03, or use pcisph or dfsph");
   return {};
 }
 
 Status SurfaceSettings::validate() const {
   if (!positive(thickness)) return wrong("thickness", thickness, "a finite length > 0 m");
-  if (std::isnan(slip.friction) || slip.friction < 0) return wrong("slip.friction", slip.friction, "≥ 0");
-  if (std::isnan(slip.slip_length) || slip.slip_length < 0)
-    return wrong("slip.slip_length", slip.slip_length, "≥ 0 m");
+  const auto check = [](const SlipSettings& s, const char* friction, const char* slip_length) -> Status {
+    if (std::isnan(s.friction) || s.friction < 0) return wrong(friction, s.friction, "≥ 0");
+    if (std::isnan(s.slip_length) || s.slip_length < 0) return wrong(slip_length, s.slip_length, "≥ 0 m");
+    return {};
+  };
+  if (Status s = check(slip, "slip.friction", "slip.slip_length"); !s.ok()) return s;
+  if (slip_back)
+    if (Status s = check(*slip_back, "slip_back.friction", "slip_back.slip_length"); !s.ok()) return s;
   return {};
 }
 

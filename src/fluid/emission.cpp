@@ -1,5 +1,6 @@
 #include "fluid/emission.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -245,6 +246,16 @@ const std::vector<Start>& Emission::due(double time, double dt) {
       impl_->emit_series(s, time, dt);
   }
   return impl_->starts;
+}
+
+double Emission::fastest_due(double time, double dt) const {
+  double fastest = 0;
+  for (const Source& s : impl_->sources) {
+    const bool over = s.kind == Source::Kind::volume ? s.begun : time >= s.stop;
+    const bool waits = std::find(s.waiting.begin(), s.waiting.end(), 1) != s.waiting.end();
+    if (waits || (!over && s.start < time + dt)) fastest = std::max(fastest, s.velocity.norm());
+  }
+  return fastest;
 }
 
 void Emission::Impl::emit_waiting(std::size_t source, double dt) {

@@ -28,6 +28,9 @@ class Emission {
   /// alone.
   const std::vector<Start>& due(double time, double dt);
 
+  /// Speed of the fastest start that may fall due in [time, time + dt) [m/s]; 0 = none. Changes nothing.
+  double fastest_due(double time, double dt) const;
+
   /// Says which of the starts of the last due() were blocked (1). Starts of nozzles wait, one per lattice
   /// site, and are due again at the next call (with remaining = dt); further starts of a site that has one
   /// waiting are lost, and so are blocked points of volumes that are filled once. Returns how many were

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "core/assert.h"
+#include "fluid/occlusion.h"
 #include "fluid/pressure_model.h"
 
 namespace oilskin::fluid {
@@ -35,14 +36,23 @@ bool is_identity(const std::vector<std::uint32_t>& order) {
   return true;
 }
 
+std::unique_ptr<PressureModel> make_model(const FluidSettings& s) {
+  switch (s.solver) {
+    case PressureSolver::mcg03:
+      return make_mcg03(s);
+    case PressureSolver::pcisph:
+      return make_pcisph(s);
+    case PressureSolver::dfsph:
+      return make_dfsph(s);
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 struct FluidSolver::Impl {
   Impl(const FluidSettings& s, std::shared_ptr<Workers> w)
-      : settings(s),
-        workers(std::move(w)),
-        state(*workers),
-        model(s.solver == PressureSolver::mcg03 ? make_mcg03(s) : make_pcisph(s)) {}
+      : settings(s), workers(std::move(w)), state(*workers, s.support_ratio), model(make_model(s)) {}
 
   void load(const Particles& particles);
   void finish(Particles& particles);
@@ -74,6 +84,38 @@ void FluidSolver::prepare(Particles& particles, StageSeconds& seconds) {
   const auto& order = neighbours.cell_order(particles.position, support_radius(), *impl_->workers);
   if (!is_identity(order)) particles.permute(order);
   neighbours.search(particles.position, *impl_->workers);
+  impl_->state.boundary.clear();
+  impl_->state.hidden_pairs = 0;
+}
+
+void FluidSolver::meet_surfaces(double dt, const Particles& particles, Span<SurfaceMotion* const> surfaces,
+                                StageSeconds& seconds) {
+  StepState& state = impl_->state;
+  const FluidSettings& settings = impl_->settings;
+  if (surfaces.empty() || particles.size() == 0) return;
+  if (settings.occlusion) {
+    const StageTimer timer(seconds.occlusion);
+    state.hidden_pairs = remove_hidden_neighbours(particles.position, surfaces, support_radius(),
+                                                  state.neighbours, *impl_->workers);
+  }
+  if (settings.boundary == BoundaryModel::mirrored) {
+    const StageTimer timer(seconds.boundary);
+    state.boundary.find(dt, particle_mass(), particles.position, state.neighbours, support_radius(), surfaces,
+                        *impl_->workers);
+  }
+}
+
+void FluidSolver::note_answers(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces) {
+  if (impl_->settings.boundary == BoundaryModel::mirrored)
+    impl_->state.boundary.note_answers(dt, gravity, surfaces);
+}
+
+void FluidSolver::note_loads(double dt, Span<SurfaceMotion* const> surfaces) {
+  if (impl_->settings.boundary == BoundaryModel::mirrored) impl_->state.boundary.note_loads(dt, surfaces);
+}
+
+void FluidSolver::forget(std::uint64_t surface_id) {
+  impl_->state.boundary.forget(surface_id);
 }
 
 void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
@@ -83,6 +125,7 @@ void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
   OILSKIN_ASSERT(dt > 0 && particles.size() == state.size());
   OILSKIN_ASSERT(sorted_by_particle(contacts));
   report = FluidReport{};
+  report.hidden_pairs = state.hidden_pairs;
   state.dt = dt;
   state.gravity = gravity;
   state.contacts = impl_->settings.contact_aware ? contacts : Span<const PredictionContact>();

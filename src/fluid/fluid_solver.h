@@ -7,6 +7,7 @@
 #include "fluid/particles.h"
 #include "oilskin/report.h"
 #include "oilskin/settings.h"
+#include "oilskin/surface_motion.h"
 
 namespace oilskin::fluid {
 
@@ -32,6 +33,19 @@ class FluidSolver {
   /// Puts the particles into cell order and finds the neighbours within H. Equal input order → equal output
   /// order.
   void prepare(Particles& particles, StageSeconds& seconds);
+
+  /// After prepare(), for the same particles: what the surfaces do to the pair sums, as the settings ask:
+  /// hides neighbours behind them, finds boundary terms. They move from x_t0 to x_t1 within dt [s] and are
+  /// kept until propose(), which may change their velocities and impulses: what boundary terms give to
+  /// particles, nodes lose.
+  void meet_surfaces(double dt, const Particles& particles, Span<SurfaceMotion* const> surfaces,
+                     StageSeconds& seconds);
+
+  /// What surfaces did with the last step's load, and what load they get in this one: boundary terms foresee
+  /// how light cloth answers. Once per step, after all surfaces were gathered and before they are scattered.
+  void note_answers(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
+  void note_loads(double dt, Span<SurfaceMotion* const> surfaces);
+  void forget(std::uint64_t surface_id);
 
   /// After prepare(), for the same particles: density and pressure of the start positions, and
   /// velocity ← velocity + dt (gravity + viscosity + pressure). Positions stay. Pair forces are antisymmetric

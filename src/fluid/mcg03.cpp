@@ -34,7 +34,7 @@ class Mcg03 : public PressureModel {
 
   double particle_volume() const override { return volume_; }
 
-  void explicit_terms(StepState& state) const override {
+  void explicit_terms(StepState& state) override {
     const double smoothed = -std::expm1(-settings_.xsph_rate * state.dt);
     run_explicit_sums(state, Mcg03Model(volume_, support_radius_, smoothed, settings_.viscosity * state.dt),
                       settings_.viscosity > 0 || settings_.xsph_rate > 0);

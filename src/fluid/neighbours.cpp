@@ -19,17 +19,8 @@ constexpr double largest_cell = (1 << 20) - 2;
 /// Where padding points to; far from everything, and its square is a finite float.
 constexpr Record far_away = {1e18f, 1e18f, 1e18f, 0};
 
-using Cell = std::array<std::int32_t, 3>;
-
-Cell cell_of(const Vec3& x, double inverse_width) {
-  Cell c;
-  for (int k = 0; k < 3; ++k)
-    c[k] =
-        static_cast<std::int32_t>(std::clamp(std::floor(x[k] * inverse_width), -largest_cell, largest_cell));
-  return c;
-}
-
 struct CellBox {
+  using Cell = std::array<std::int32_t, 3>;
   Cell min = {INT32_MAX, INT32_MAX, INT32_MAX}, max = {INT32_MIN, INT32_MIN, INT32_MIN};
   void operator+=(const CellBox& o) {
     for (int k = 0; k < 3; ++k) {
@@ -51,6 +42,7 @@ const std::vector<std::uint32_t>& Neighbours::cell_order(Span<const Vec3> positi
                                                          const Workers& workers) {
   OILSKIN_ASSERT(positions.size() < UINT32_MAX);
   support_radius_ = support_radius;
+  inverse_radius_ = 1 / support_radius;
   make_keys(positions, workers);
   sort_keys(workers);
   order_.resize(keys_.size());
@@ -58,24 +50,33 @@ const std::vector<std::uint32_t>& Neighbours::cell_order(Span<const Vec3> positi
   return order_;
 }
 
+Neighbours::Cell Neighbours::cell_of(const Vec3& x) const {
+  Cell c;
+  for (int k = 0; k < 3; ++k)
+    c[k] = static_cast<std::int32_t>(
+        std::clamp(std::floor(x[k] * inverse_radius_), -largest_cell, largest_cell));
+  return c;
+}
+
 void Neighbours::make_keys(Span<const Vec3> positions, const Workers& workers) {
-  const double inverse_width = 1 / support_radius_;
   const CellBox box =
       workers.ordered_sum(positions.size(), sort_chunk, CellBox{}, [&](std::size_t b, std::size_t e) {
         CellBox part;
         for (std::size_t i = b; i < e; ++i) {
           OILSKIN_ASSERT(positions[i].allFinite());  // the world quarantines what is not
-          const Cell c = cell_of(positions[i], inverse_width);
+          const Cell c = cell_of(positions[i]);
           part += CellBox{c, c};
         }
         return part;
       });
+  first_cell_ = box.min;
+  last_cell_ = box.max;
   // One empty cell on either side, so that a neighbouring cell never wraps into another row.
   for (int k = 0; k < 3; ++k)
     bits_[k] = bits_for(positions.empty() ? 1 : static_cast<std::uint64_t>(box.max[k] - box.min[k]) + 3);
   keys_.resize(positions.size());
   workers.for_each(positions.size(), sort_chunk, [&](std::size_t i) {
-    const Cell c = cell_of(positions[i], inverse_width);
+    const Cell c = cell_of(positions[i]);
     std::uint64_t key = 0;
     for (int k = 2; k >= 0; --k) key = (key << bits_[k]) | static_cast<std::uint64_t>(c[k] - box.min[k] + 1);
     keys_[i] = {key, static_cast<std::uint32_t>(i)};
@@ -188,6 +189,32 @@ void Neighbours::runs_of_row(std::size_t row) {
         runs_[c][slot] = {cell_begin_[first], cell_begin_[last]};
       }
     }
+}
+
+std::size_t Neighbours::first_row(std::uint64_t row_key) const {
+  return static_cast<std::size_t>(std::lower_bound(row_key_.begin(), row_key_.end(), row_key) -
+                                  row_key_.begin());
+}
+
+void Neighbours::remove(Span<const std::pair<std::uint32_t, std::uint32_t>> pairs, const Workers& workers) {
+  std::vector<std::size_t> first_of;  // the pairs of one particle lie together
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (k == 0 || pairs[k].first != pairs[k - 1].first) first_of.push_back(k);
+  workers.for_each(first_of.size(), 64, [&](std::size_t g) {
+    const std::uint32_t i = pairs[first_of[g]].first;
+    std::uint32_t* list = lists_[i / chunk_size].data() + begin_[i];
+    const std::size_t stop = g + 1 < first_of.size() ? first_of[g + 1] : pairs.size();
+    const auto is_removed = [&](std::uint32_t j) {
+      return std::binary_search(pairs.begin() + static_cast<std::ptrdiff_t>(first_of[g]),
+                                pairs.begin() + static_cast<std::ptrdiff_t>(stop), std::make_pair(i, j));
+    };
+    const std::uint32_t padded = (count_[i] + 3) / 4 * 4;
+    std::uint32_t kept = 0;
+    for (std::uint32_t k = 0; k < count_[i]; ++k)
+      if (!is_removed(list[k])) list[kept++] = list[k];
+    count_[i] = kept;
+    for (; kept < padded; ++kept) list[kept] = static_cast<std::uint32_t>(count_.size());
+  });
 }
 
 void Neighbours::search_chunk(std::size_t begin, std::size_t end, std::size_t chunk) {

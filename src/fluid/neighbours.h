@@ -3,6 +3,9 @@
 /// threads.
 #pragma once
 
+#include <algorithm>
+#include <utility>
+
 #include "core/parallel.h"
 #include "fluid/simd.h"
 #include "oilskin/types.h"
@@ -32,6 +35,14 @@ class Neighbours {
   std::size_t pair_begin(std::size_t i) const { return begin_[i]; }
   std::size_t pair_capacity(std::size_t chunk) const { return used_[chunk]; }
 
+  /// f(begin, end) for runs of particles in the order of now, which hold all whose cells overlap the box [m].
+  template <class F>
+  void for_runs_in(const Box& box, const F& f) const;
+
+  /// Takes neighbour `second` off the list of `first`. Ascending, without repetition; who takes off (i, j)
+  /// must take off (j, i), or forces are not antisymmetric.
+  void remove(Span<const std::pair<std::uint32_t, std::uint32_t>> pairs, const Workers& workers);
+
   /// (x − origin)/H in float, and one more record that is far from everything; w = 0, free for use by pair
   /// sums.
   const std::vector<Record>& records() const { return records_; }
@@ -46,12 +57,15 @@ class Neighbours {
   struct Run {
     std::uint32_t begin, end;  // particles, contiguous in cell order
   };
+  using Cell = std::array<std::int32_t, 3>;
   struct Candidates {
     std::vector<float> x, y, z;
     std::vector<std::uint32_t> particle, near;
     std::uint32_t own_run = 0;  // where the run that contains the cell itself starts
   };
 
+  Cell cell_of(const Vec3& x) const;
+  std::size_t first_row(std::uint64_t row_key) const;
   void make_keys(Span<const Vec3> positions, const Workers& workers);
   void sort_keys(const Workers& workers);
   void make_records(Span<const Vec3> positions, const Workers& workers);
@@ -62,7 +76,8 @@ class Neighbours {
   void collect(std::size_t cell, Candidates& c) const;
   void list_neighbours(std::size_t i, std::size_t own, Candidates& c, std::size_t chunk);
 
-  double support_radius_ = 1;
+  double support_radius_ = 1, inverse_radius_ = 1;
+  Cell first_cell_{}, last_cell_{};  // of all particles
   std::array<int, 3>
       bits_{};  // of the cell coordinates in a key: x lowest, so that cells along x are contiguous
   std::vector<Key> keys_, keys_scratch_;
@@ -79,5 +94,35 @@ class Neighbours {
   std::vector<std::size_t> begin_;
   std::vector<std::uint32_t> count_;
 };
+
+template <class F>
+void Neighbours::for_runs_in(const Box& box, const F& f) const {
+  if (row_key_.empty()) return;
+  Cell low = cell_of(box.min), high = cell_of(box.max);
+  for (int k = 0; k < 3; ++k) {
+    if (low[k] > last_cell_[k] || high[k] < first_cell_[k]) return;
+    low[k] = std::max(low[k], first_cell_[k]) - first_cell_[k] + 1;  // as in the keys
+    high[k] = std::min(high[k], last_cell_[k]) - first_cell_[k] + 1;
+  }
+  const auto row_of = [&](std::uint64_t y, std::uint64_t z) { return (z << bits_[1]) | y; };
+  const std::uint64_t y_mask = (std::uint64_t{1} << bits_[1]) - 1,
+                      x_mask = (std::uint64_t{1} << bits_[0]) - 1;
+  const auto y0 = static_cast<std::uint64_t>(low[1]), y1 = static_cast<std::uint64_t>(high[1]);
+  const auto z0 = static_cast<std::uint64_t>(low[2]), z1 = static_cast<std::uint64_t>(high[2]);
+  const auto x0 = static_cast<std::uint64_t>(low[0]), x1 = static_cast<std::uint64_t>(high[0]);
+  for (std::size_t r = first_row(row_of(y0, z0)); r < row_key_.size() && row_key_[r] <= row_of(y1, z1);) {
+    const std::uint64_t y = row_key_[r] & y_mask, z = row_key_[r] >> bits_[1];
+    if (y < y0 || y > y1) {  // on to the next plane's part of the box, or to this one's
+      r = first_row(row_of(y0, y > y1 ? z + 1 : z));
+      continue;
+    }
+    std::size_t cell = row_begin_[r];
+    while (cell < row_begin_[r + 1] && (cell_key_[cell] & x_mask) < x0) ++cell;
+    std::size_t stop = cell;
+    while (stop < row_begin_[r + 1] && (cell_key_[stop] & x_mask) <= x1) ++stop;
+    if (stop > cell) f(cell_begin_[cell], cell_begin_[stop]);
+    ++r;
+  }
+}
 
 }  // namespace oilskin::fluid

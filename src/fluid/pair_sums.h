@@ -17,6 +17,13 @@ struct Pairs {
       : dx(F4(i.x) - j.x), dy(F4(i.y) - j.y), dz(F4(i.z) - j.z), q2(dx * dx + dy * dy + dz * dz) {}
 };
 
+inline Vec3 total(F4 x, F4 y, F4 z) {
+  return {total(x), total(y), total(z)};
+}
+inline Vec3 total(const Sum4& x, const Sum4& y, const Sum4& z) {
+  return {x.total(), y.total(), z.total()};
+}
+
 /// Σ_j w(q_ij) over the neighbours, without i itself, at the positions `x`.
 template <class Kernel>
 float density_sum(const Neighbours& neighbours, const std::vector<Record>& x, std::size_t i) {
@@ -46,10 +53,7 @@ Vec3 pressure_sum(StepState& state, std::size_t i) {
     sy += f * pairs.dy;
     sz += f * pairs.dz;
   }
-  if constexpr (std::is_same_v<Sum, F4>)
-    return {total(sx), total(sy), total(sz)};
-  else
-    return {sx.total(), sy.total(), sz.total()};
+  return total(sx, sy, sz);
 }
 
 /// dv −= scale Σ_j (s_i + s_j) w'/q Δ for all particles.
@@ -59,35 +63,53 @@ inline void apply_pressure(StepState& state, double scale) {
 
 /// Density, slopes and, `with_velocity`, what smooths velocities. Model::Density and Model::Gradient are
 /// kernels; model.shear(pairs, dv·Δ, slope, w) gives {a, b} of the pair term a Δ − b (v_i − v_j).
+/// Model::Rates sums what a model wants besides, and model.keep(rates, i) keeps it. Model::store_pair writes
+/// `per_pair` floats of every pair.
 template <bool with_velocity, class Model>
 void explicit_sums(StepState& state, const Model& model, std::size_t i) {
   const std::vector<Record>& x = state.position();
   const std::vector<Record>& v = state.velocity;
   const std::uint32_t* j = state.neighbours.list(i);
-  float* slope = state.slopes(i);
+  constexpr std::size_t per_pair = Model::per_pair;
+  float* slope = state.slope[i / Neighbours::chunk_size].data() + per_pair * state.neighbours.pair_begin(i);
   F4 density;
   Sum4 sx, sy, sz;
-  for (std::uint32_t b = state.neighbours.blocks(i); b > 0; --b, j += 4, slope += 4) {
+  typename Model::Rates rates;
+  for (std::uint32_t b = state.neighbours.blocks(i); b > 0; --b, j += 4, slope += 4 * per_pair) {
     const Pairs pairs(x[i], Record4(x.data(), j));
     const F4 q = root(pairs.q2), w = Model::Density::w(q), g = Model::Gradient::dw_over_q(q);
-    store(slope, g);
+    Model::store_pair(slope, pairs, g);
     density += w;
     if constexpr (with_velocity) {
       const Record4 u(v.data(), j);
       const F4 vx = F4(v[i].x) - u.x, vy = F4(v[i].y) - u.y, vz = F4(v[i].z) - u.z;
-      const auto [along, against] =
-          model.shear(pairs, vx * pairs.dx + vy * pairs.dy + vz * pairs.dz, q, g, w);
+      const F4 dv_dot_delta = vx * pairs.dx + vy * pairs.dy + vz * pairs.dz;
+      rates.add(pairs, g, dv_dot_delta);
+      const auto [along, against] = model.shear(pairs, dv_dot_delta, q, g, w);
       sx += along * pairs.dx - against * vx;
       sy += along * pairs.dy - against * vy;
       sz += along * pairs.dz - against * vz;
     }
   }
   state.relative_density[i] = model.self_density + model.density_scale * total(density);
-  if constexpr (with_velocity) state.dv[i] += Vec3(sx.total(), sy.total(), sz.total());
+  if constexpr (with_velocity) {
+    state.dv[i] += total(sx, sy, sz);
+    model.keep(rates, i);
+  }
+}
+
+/// The kernel's mass behind walls.
+inline void add_wall_density(StepState& state) {
+  for (const Boundary::Point& point : state.boundary.points())
+    state.relative_density[point.particle] += point.lambda;
 }
 
 struct Shear {
   F4 along, against;
+};
+
+struct NoRates {
+  void add(const Pairs&, F4, F4) {}
 };
 
 /// What both models need: ρ/ρ0 = scale (w(0) + Σ w), and XSPH [Schechter, Bridson 2012] Δv = c Σ V (v_j −
@@ -96,12 +118,17 @@ struct Shear {
 template <class Kernel>
 struct DensityModel {
   using Density = Kernel;
+  using Rates = NoRates;
+  static constexpr std::size_t per_pair = 1;
   float density_scale, self_density, smoothing;
 
   DensityModel(double volume, double support_radius, double smoothed_fraction)
       : density_scale(static_cast<float>(volume * Kernel::norm / std::pow(support_radius, 3))),
         self_density(density_scale * static_cast<float>(Kernel::w(0.0))),
         smoothing(static_cast<float>(smoothed_fraction) * density_scale) {}
+
+  static void store_pair(float* out, const Pairs&, F4 slope) { store(out, slope); }
+  void keep(const NoRates&, std::size_t) const {}
 };
 
 template <class Model>
@@ -109,7 +136,7 @@ void run_explicit_sums(StepState& state, const Model& model, bool with_velocity)
   const std::size_t chunk = Neighbours::chunk_size, chunks = (state.size() + chunk - 1) / chunk;
   if (state.slope.size() < chunks) state.slope.resize(chunks);
   state.workers.for_chunks(state.size(), chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
-    const std::size_t pairs = state.neighbours.pair_capacity(c);
+    const std::size_t pairs = Model::per_pair * state.neighbours.pair_capacity(c);
     if (state.slope[c].size() < pairs) state.slope[c].resize(pairs + pairs / 4);
     for (std::size_t i = begin; i < end; ++i)
       with_velocity ? explicit_sums<true>(state, model, i) : explicit_sums<false>(state, model, i);

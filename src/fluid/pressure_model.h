@@ -16,7 +16,7 @@ class PressureModel {
   virtual double particle_volume() const = 0;
 
   /// Reads the velocities; writes densities and slopes, adds viscosity and XSPH to dv.
-  virtual void explicit_terms(StepState& state) const = 0;
+  virtual void explicit_terms(StepState& state) = 0;
 
   /// Reads densities, slopes, dv and the pressures of the last step; adds pressure to dv, writes the
   /// pressures [Pa].
@@ -25,5 +25,6 @@ class PressureModel {
 
 std::unique_ptr<PressureModel> make_mcg03(const FluidSettings& settings);
 std::unique_ptr<PressureModel> make_pcisph(const FluidSettings& settings);
+std::unique_ptr<PressureModel> make_dfsph(const FluidSettings& settings);
 
 }  // namespace oilskin::fluid

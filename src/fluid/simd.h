@@ -64,6 +64,9 @@ inline F4 load(const float* p) {
 inline void store(float* p, F4 a) {
   *reinterpret_cast<F4::V*>(p) = a.v;
 }
+inline F4 gather(const float* p, const std::uint32_t* index) {
+  return F4::V{p[index[0]], p[index[1]], p[index[2]], p[index[3]]};
+}
 
 /// Sums of floats kept in double: exact enough that antisymmetric terms cancel to 1e-16.
 struct Sum4 {
@@ -129,6 +132,9 @@ inline F4 load(const float* p) {
 }
 inline void store(float* p, F4 a) {
   for (int k = 0; k < 4; ++k) p[k] = a[k];
+}
+inline F4 gather(const float* p, const std::uint32_t* index) {
+  return {p[index[0]], p[index[1]], p[index[2]], p[index[3]]};
 }
 
 struct Sum4 {

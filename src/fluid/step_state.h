@@ -2,15 +2,17 @@
 #pragma once
 
 #include "core/parallel.h"
+#include "fluid/boundary.h"
 #include "fluid/fluid_solver.h"
 #include "fluid/neighbours.h"
 
 namespace oilskin::fluid {
 
 struct StepState {
-  explicit StepState(const Workers& w) : workers(w) {}
+  StepState(const Workers& w, double support_ratio) : boundary(support_ratio), workers(w) {}
 
   // Input
+  Boundary boundary;  ///< empty where no surface is near, or none is asked for
   const Workers& workers;
   double dt = 0;           ///< [s]
   double previous_dt = 0;  ///< of the step that left the pressures [s]; 0 = there was none
@@ -19,6 +21,7 @@ struct StepState {
 
   // State of the step. Positions in units of H relative to neighbours.origin(), velocities in m/s.
   Neighbours neighbours;
+  std::uint64_t hidden_pairs = 0;
   std::vector<Record> velocity;  ///< one more than there are particles: the padding's
   std::vector<std::vector<float>>
       slope;  ///< per chunk and pair: w'(q)/q of the pressure's kernel at the start

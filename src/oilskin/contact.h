@@ -22,7 +22,7 @@ struct ParticleMotion {
   Span<std::uint8_t> removed;       ///< output: 1 = given up by policy, its path is not certified
   double spacing = 0.005;      ///< dx [m]: how far off a record may act; also the area dx² of a wall contact
   double rest_density = 1000;  ///< [kg/m³] and
-  double viscosity = 0;        ///< kinematic [m²/s]: for SlipModel::viscous_wall
+  double viscosity = 0;  ///< kinematic [m²/s]: for SlipModel::viscous_wall, whose μ_f is their product
 };
 
 /// A particle near a triangle at the start of the interval, by closest feature (method: Bridson et al. 2002
@@ -37,6 +37,10 @@ struct ContactRecord {
   std::array<double, 3> weights{};       ///< barycentric, Σ = 1
   Vec3 normal = Vec3::Zero();            ///< from the feature to the particle, unit
   double distance = 0;                   ///< d0 at the start [m]
+  bool back = false;  ///< on the side that the surface's normals turn away from (SurfaceSettings::slip_back)
+  /// How squarely the surface faces the particle: the largest |cos| between `normal` and the normals of the
+  /// triangles at the feature. 1 over faces and inner edges of a flat sheet, 0 in the plane beyond a border.
+  double facing = 1;
 };
 
 /// Runs the loop: records → impulses → meetings → zones → certificate.

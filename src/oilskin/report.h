@@ -10,6 +10,8 @@ struct StageSeconds {
   double gather = 0;      ///< reading and writing surfaces
   double neighbours = 0;  ///< sorting and neighbour search
   double pressure = 0;
+  double occlusion = 0;    ///< neighbours hidden by surfaces
+  double boundary = 0;     ///< boundary terms: walls within the support radius
   double other_fluid = 0;  ///< emission, density, viscosity, integration
   double proximity = 0;    ///< trees, candidates
   double impulses = 0;     ///< records and Gauss–Seidel
@@ -71,18 +73,27 @@ struct ContactReport {
 
 struct FluidReport {
   int iterations = 0;             ///< of the pressure solver
+  int divergence_iterations = 0;  ///< DFSPH: of its divergence solver
   double density_error_mean = 0;  ///< positive part, relative, over particles whose error exceeds −tolerance
   double density_error_max = 0;   ///< relative
   bool converged = true;
   bool diverged = false;
+  std::uint64_t hidden_pairs = 0;  ///< pairs of neighbours parted by a surface
 };
 
+/// Of two sub-steps together: counts add up, of the errors the larger, and what either gave up. The last
+/// sub-step alone would hide a bad one before it.
+FluidReport worst_of(const FluidReport& a, const FluidReport& b);
+
+/// Where a step was cut into sub-steps, counts and exchanges are their sums, `fluid` is their worst_of(), and
+/// `alive`, momentum before and after are those of the whole step.
 struct StepReport {
   Status status;  ///< refused: nothing was done
   std::vector<std::string> messages;
   std::uint64_t step = 0;
   double time = 0;  ///< simulated, after the step [s]
   double dt = 0;
+  int substeps = 0;  ///< certified intervals that the step was cut into
   StageSeconds seconds;
   FluidReport fluid;
   ContactReport contact;

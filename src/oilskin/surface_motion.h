@@ -17,8 +17,9 @@ struct SurfaceMotion {
   std::vector<Triangle> triangles;  ///< degenerate and duplicate triangles are allowed
   Storage storage = Storage::float64;
   double thickness = 0.001;  ///< h [m]
-  double delta = 0;  ///< δ [m], the distance that the certificate speaks of; see minimum_separation()
-  SlipSettings slip;
+  double delta = 0;   ///< δ [m], the distance that the certificate speaks of; see minimum_separation()
+  SlipSettings slip;  ///< of the front, the side that the triangles' normals point to (right-hand rule) …
+  std::optional<SlipSettings> slip_back;  ///< … and of the back; absent = as the front
   /// Position rows (split repulsion) may move free nodes. False for hosts that derive velocities from
   /// positions, such as Bullet's position-based solver: there a moved node returns as kinetic energy.
   bool nodes_movable = true;
@@ -34,6 +35,8 @@ struct SurfaceMotion {
   // --- output of contact: x_t1 and velocity as corrected, and
   std::vector<Vec3> impulse;  ///< sum of impulses given to each node [N s]; for prescribed nodes the reaction
   std::vector<std::uint8_t> moved;  ///< 1 = contact changed x_t1 of the node
+
+  const SlipSettings& slip_on(bool back) const { return back && slip_back ? *slip_back : slip; }
 };
 
 /// δ = max(1e-3 h, 64 ε R): ε = 2⁻²³ or 2⁻⁵² by storage, R the largest |coordinate| [m]. A thickness below 4

@@ -48,7 +48,8 @@ class World {
   const SurfaceMotion* surface(SurfaceId id) const;
   /// The next gather of this surface is a teleport, not a motion: it becomes a new surface.
   void reset_motion(SurfaceId id);
-  Status set_slip(SurfaceId id, const SlipSettings& slip);
+  Status set_slip(SurfaceId id, const SlipSettings& slip);  ///< of both sides
+  Status set_slip(SurfaceId id, const SlipSettings& front, const SlipSettings& back);
 
   // --- fluid
   Status add_emitter(const DiscEmitter& emitter);
@@ -72,12 +73,22 @@ class World {
 
   // --- the step
   /// One coupled step of dt [s]. On refusal (dt ≤ 0 or not finite, bad settings) nothing happens and
-  /// report.status says why.
+  /// report.status says why. Where something would go farther than fluid.cfl spacings, the step is cut into
+  /// up to fluid.max_substeps intervals, each with its own certificate; surfaces go straight through them to
+  /// where their hosts want them at the end of the step.
   const StepReport& step(double dt);
+  /// The longest next step that is accurate, 0 < dt ≤ largest [s]; nothing crosses at longer ones either. The
+  /// least of (method of A.6)
+  ///   fluid.cfl spacings × max_substeps on the way of whatever is fastest: particles, starts that fall due
+  ///   (gravity added), surfaces that touch the fluid's box, as fast as in the last step;
+  ///   0.25 √(H/a) × max_substeps, a the largest acceleration by pressure, viscosity and gravity in the last
+  ///   interval;
+  ///   0.125 H²/ν; and with mcg03 0.4 H/(√k + v).
+  double suggested_dt(double largest) const;
   const StepReport& report() const;
   double time() const;  ///< [s]
   std::uint64_t step_count() const;
-  /// Contacts of the last step.
+  /// Contacts of the last step, of its last sub-step where it was cut.
   const std::vector<ContactRecord>& contacts() const;
 
   /// 64 bits over id, position and velocity bits of every particle in order of id, then node positions and

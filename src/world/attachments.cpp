@@ -55,6 +55,7 @@ Status check_state(const SurfaceMotion& m) {
 Status set_delta(SurfaceMotion& m, const SurfaceSettings& settings, double r) {
   m.thickness = settings.thickness;
   m.slip = settings.slip;
+  m.slip_back = settings.slip_back;
   m.delta = minimum_separation(settings.thickness, r, m.storage);
   if (settings.thickness >= 4 * m.delta) return {};
   const double per_metre = 4 * minimum_separation(0, 1, m.storage);
@@ -147,6 +148,7 @@ void Attachments::gather(double dt, const WorldSettings& world, const FluidSetti
       a->teleported = false;
     }
     m.slip = a->settings.slip;
+    m.slip_back = a->settings.slip_back;
     // Where prescribed nodes stand costs nothing: they are not rounded again (a floor may be larger than the
     // box).
     for (std::size_t i = 0; i < m.x_t1.size(); ++i)

@@ -1,4 +1,5 @@
 /// One coupled step, in order. docs/architecture.md has the table of what each stage reads and writes.
+#include <algorithm>
 #include <cmath>
 
 #include "world/intake.h"
@@ -9,26 +10,44 @@ namespace oilskin {
 void World::Impl::run_step(double dt) {
   gather(dt);  // surfaces: x_t0 → proposed x_t1
   quarantine_input();
+  cut(dt);  // how many sub-steps
+  const double begin = time, part = dt / report.substeps;
+  for (substep = 0; substep < report.substeps; ++substep) {
+    time = begin + substep * part;
+    run_interval(part);
+  }
+  scatter();
+  time = begin + dt;
+  last_dt = dt;
+  ++step_count;
+}
+
+/// What is certified at once: a step, or one of its sub-steps.
+void World::Impl::run_interval(double dt) {
+  paths.next();                               // surfaces: a part of their way
   fluid->prepare(particles, report.seconds);  // cell order, neighbours
   emit(dt);                                   // starts of this interval, or blocked
   predict_motion();                           // x_t1 without pressure, to find contacts
-  contact->begin(dt, contact_settings, motion, surfaces, report.contact, report.seconds);
-  predict_contacts(dt);  // bounds for the pressure solver
-  propose_motion(dt);    // pressure, viscosity → x_t1
-  contact->run();        // impulses, meetings, zones → certificate
-  certify();             // an independent check, when asked for
+  contact_report = {};
+  contact->begin(dt, contact_settings, motion, surfaces, contact_report, report.seconds);
+  fluid->meet_surfaces(dt, particles, surfaces, report.seconds);  // hidden neighbours, boundary terms
+  predict_contacts(dt);                                           // bounds for the pressure solver
+  propose_motion(dt);                                             // pressure, viscosity → x_t1
+  contact->run();                                                 // impulses, meetings, zones → certificate
+  certify();                                                      // an independent check, when asked for
   tell_observer(dt);
   commit();  // nothing live has moved since the certificate
-  scatter();
-  time += dt;
-  ++step_count;
 }
 
 void World::Impl::gather(double dt) {
   contact::StageTimer timer(report.seconds.gather);
   std::vector<std::uint64_t> stale;
   attachments.gather(dt, settings, fluid_settings, report, surfaces, stale);
-  for (std::uint64_t id : stale) contact->forget(id);
+  for (std::uint64_t id : stale) {
+    contact->forget(id);
+    fluid->forget(id);
+  }
+  fluid->note_answers(dt, settings.gravity, surfaces);
   attachments.reseed(surfaces, particles, fluid->particle_mass(), next_particle_id, *workers, report);
 }
 
@@ -66,7 +85,7 @@ void World::Impl::emit(double dt) {
     now.x_t0[i] = particles.position[i];
     now.velocity[i] = particles.velocity[i];
     now.remaining[i] = dt;
-    report.momentum_before += mass * particles.velocity[i];
+    if (substep == 0) report.momentum_before += mass * particles.velocity[i];
   }
   std::size_t at = live;
   for (std::size_t k = 0; k < starts.size(); ++k) {
@@ -79,9 +98,9 @@ void World::Impl::emit(double dt) {
     report.momentum_gravity += mass * starts[k].remaining * settings.gravity;
     ++at;
   }
-  report.blocked_starts = emission->settle(blocked);
-  report.emitted = emitted;
-  report.mass_emitted = static_cast<double>(emitted) * mass;
+  report.blocked_starts += emission->settle(blocked);
+  report.emitted += emitted;
+  report.mass_emitted += static_cast<double>(emitted) * mass;
   report.momentum_gravity += static_cast<double>(live) * mass * dt * settings.gravity;
 }
 
@@ -115,35 +134,40 @@ void World::Impl::predict_contacts(double dt) {
 }
 
 void World::Impl::propose_motion(double dt) {
-  fluid->propose(dt, settings.gravity, particles, prediction, report.fluid, report.seconds);
+  FluidReport found;
+  fluid->propose(dt, settings.gravity, particles, prediction, found, report.seconds);
+  report.fluid = substep == 0 ? found : worst_of(report.fluid, found);
   contact::StageTimer timer(report.seconds.other_fluid);
   const std::size_t live = particles.size();
+  double change = 0;  // squared
   for (std::size_t i = 0; i < now.id.size(); ++i) {
-    const Vec3 ballistic = now.velocity[i] + now.remaining[i] * settings.gravity;
-    if (i < live)
-      now.velocity[i] = particles.velocity[i];
-    else
-      now.velocity[i] += now.remaining[i] * settings.gravity;
+    const Vec3 before = now.velocity[i], ballistic = before + now.remaining[i] * settings.gravity;
+    now.velocity[i] = i < live ? particles.velocity[i] : ballistic;
     now.x_t1[i] = now.x_t0[i] + now.remaining[i] * now.velocity[i];
-    if (world::is_sound(now.x_t1[i]) && world::is_sound(now.velocity[i])) continue;
+    if (world::is_sound(now.x_t1[i]) && world::is_sound(now.velocity[i])) {
+      if (i < live) change = std::max(change, (now.velocity[i] - before).squaredNorm());
+      continue;
+    }
     now.x_t1[i] = now.x_t0[i];
     if (!now.velocity[i].allFinite()) now.velocity[i] = ballistic;  // it leaves with what it is booked with
     now.removed[i] = 1;
     ++report.quarantined;
   }
+  largest_acceleration = std::sqrt(change) / dt;
 }
 
 void World::Impl::certify() {
   if (!contact_settings.verify) return;
   contact::StageTimer timer(report.seconds.verify);
-  report.contact.crossings_found_by_verify =
-      ContactSolver::count_crossings(motion, surfaces, &report.contact.verified_pairs);
+  contact_report.crossings_found_by_verify =
+      ContactSolver::count_crossings(motion, surfaces, &contact_report.verified_pairs);
 }
 
 void World::Impl::tell_observer(double dt) {
+  const std::uint64_t number = interval_count++;
   if (!observer) return;
   Interval interval;
-  interval.number = step_count;
+  interval.number = number;
   interval.length = dt;
   interval.surfaces = surfaces;
   std::vector<std::uint64_t> id;
@@ -166,6 +190,7 @@ void World::Impl::commit() {
   for (std::size_t i = particles.size(); i < now.id.size(); ++i)
     particles.push_back(now.id[i], now.x_t0[i], now.velocity[i], fluid_settings.rest_density);
   std::vector<std::uint8_t> keep(particles.size(), 1);
+  report.momentum_after.setZero();
   for (std::size_t i = 0; i < particles.size(); ++i) {
     particles.position[i] = now.x_t1[i];
     particles.velocity[i] = now.velocity[i];
@@ -179,15 +204,16 @@ void World::Impl::commit() {
     report.mass_removed += mass;
     if (!now.removed[i]) ++report.removed;
   }
-  report.removed += report.contact.removed;
-  if (report.contact.crossings_found_by_verify > 0 && contact_settings.ccd && contact_settings.zones)
-    report.messages.push_back("verify found particles that crossed a surface or ended nearer than δ");
+  report.removed += contact_report.removed;
+  report.contact.add(contact_report);
   particles.compress(keep);
   report.alive = particles.size();
 }
 
 void World::Impl::scatter() {
   contact::StageTimer timer(report.seconds.gather);
+  paths.end();
+  fluid->note_loads(report.dt, surfaces);
   attachments.scatter(surfaces, report);
 }
 

@@ -74,7 +74,9 @@ Status World::attach(SurfaceHost& host, const SurfaceSettings& settings, Surface
 
 void World::detach(SurfaceId id) {
   const std::uint64_t trace_id = impl_->attachments.detach(id.value);
-  if (trace_id != 0) impl_->contact->forget(trace_id);
+  if (trace_id == 0) return;
+  impl_->contact->forget(trace_id);
+  impl_->fluid->forget(trace_id);
 }
 
 std::size_t World::surface_count() const {
@@ -94,10 +96,15 @@ void World::reset_motion(SurfaceId id) {
 }
 
 Status World::set_slip(SurfaceId id, const SlipSettings& slip) {
+  return set_slip(id, slip, slip);
+}
+
+Status World::set_slip(SurfaceId id, const SlipSettings& front, const SlipSettings& back) {
   world::Attachment* a = impl_->attachments.find(id.value);
   if (!a) return Status::refused("there is no surface " + std::to_string(id.value));
   SurfaceSettings changed = a->settings;
-  changed.slip = slip;
+  changed.slip = front;
+  changed.slip_back = back;
   Status s = changed.validate();
   if (s.ok()) a->settings = changed;
   return s;
@@ -251,6 +258,8 @@ const StepReport& World::step(double dt) {
   }
   w.run_step(dt);
   w.report.time = w.time;
+  if (w.report.contact.crossings_found_by_verify > 0 && w.contact_settings.ccd && w.contact_settings.zones)
+    w.report.messages.push_back("verify found particles that crossed a surface or ended nearer than δ");
   w.report.flags = flags_of(w.report, w.contact_settings);
   return w.report;
 }

@@ -6,6 +6,7 @@
 #include "fluid/fluid_solver.h"
 #include "oilskin/world.h"
 #include "world/attachments.h"
+#include "world/substeps.h"
 
 namespace oilskin {
 
@@ -36,10 +37,18 @@ struct World::Impl {
   fluid::Particles particles;
   std::uint64_t next_particle_id = 1;
   std::uint64_t step_count = 0;
-  double time = 0;
+  std::uint64_t interval_count = 0;
+  double time = 0;                  ///< where the interval under way begins
+  double last_dt = 0;               ///< of the last step; 0 = there was none
+  double largest_acceleration = 0;  ///< by the fluid's own forces in the last interval [m/s²]
   StepReport report;
 
   // Context of the step under way
+  world::SurfacePaths paths;
+  int substep = 0;  ///< from 0
+
+  // Context of the interval under way
+  ContactReport contact_report;
   IntervalArrays now;
   ParticleMotion motion;
   std::vector<SurfaceMotion*> surfaces;
@@ -54,6 +63,8 @@ struct World::Impl {
   void run_step(double dt);
   void gather(double dt);
   void quarantine_input();
+  void cut(double dt);
+  void run_interval(double dt);
   void emit(double dt);
   void predict_motion();
   void predict_contacts(double dt);
@@ -62,6 +73,10 @@ struct World::Impl {
   void tell_observer(double dt);
   void commit();
   void scatter();
+
+  // How long it may be (time_step.cpp)
+  world::Speeds speeds(Span<SurfaceMotion* const> moved, double moved_for, double dt) const;
+  double longest_dt(double largest) const;
 };
 
 }  // namespace oilskin

@@ -1,4 +1,5 @@
-// The contract of hosts on Bullet's soft body, in the precision that this file is compiled for.
+// The contract of hosts on Bullet's soft body, in the precision that this file is compiled for, in steps and
+// in sub-steps.
 #include "support/contract_suite.h"
 
 #include "adapter/bullet_world.h"
@@ -7,13 +8,15 @@
 namespace oilskin::test {
 namespace {
 
+template <int max_substeps>
 class BulletFixture {
  public:
   static constexpr bool is_double = bullet::test::is_double;
   static constexpr int nodes = 17;
 
   BulletFixture()
-      : fluid_(FluidSettings{}, world_settings(), contact_settings()), bullet_(btVector3(0, 0, 0), &solver_) {
+      : fluid_(fluid_settings(), world_settings(), contact_settings()),
+        bullet_(btVector3(0, 0, 0), &solver_) {
     cloth_ = bullet_.patch(nodes, 0.2, 0, 0, 0.2 * 0.04);
     EXPECT_TRUE(solver_.addFluid(&fluid_).ok());
   }
@@ -34,6 +37,11 @@ class BulletFixture {
     s.kill_box = {Vec3::Constant(-2), Vec3::Constant(2)};
     return s;
   }
+  static FluidSettings fluid_settings() {
+    FluidSettings s;
+    s.max_substeps = max_substeps;
+    return s;
+  }
   static ContactSettings contact_settings() {
     ContactSettings s;
     s.verify = true;
@@ -46,7 +54,8 @@ class BulletFixture {
   btSoftBody* cloth_ = nullptr;
 };
 
-INSTANTIATE_TYPED_TEST_SUITE_P(Bullet, HostContract, BulletFixture);
+using Hosts = ::testing::Types<BulletFixture<1>, BulletFixture<6>>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Bullet, HostContract, Hosts);
 
 }  // namespace
 }  // namespace oilskin::test

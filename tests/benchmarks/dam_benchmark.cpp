@@ -1,32 +1,36 @@
-// DAM(n): a cube of n³ particles collapses in a box of static triangles. Prints milliseconds per step of
-// PCISPH, with the density error that was truly reached, measured on the positions at the start of each step.
+// DAM(n): a cube of n³ particles collapses in a box of static triangles. Prints milliseconds per step, with
+// the density error that was truly reached, measured on the positions at the start of each step.
 //
 // The fluid is that of a neutral scene with published figures for SPlisHSPlasH (2 threads, 2 cores): spacing
-// s = 1/n, H = 2.15443469 s, dt = s/20, ν = 0.01, 0.1 % mean density error; there its PCISPH takes about 50
-// ms per step at n = 25 with 6 iterations, boundary particles included (14,002 of them), of which we have
-// none.
+// s = 1/n, H = 2.15443469 s, dt = s/20, ν = 0.01, 0.1 % mean density error, at least 3 iterations of PCISPH
+// and 2 of DFSPH; there PCISPH takes about 50 ms per step at n = 25 with 6 iterations and DFSPH 15.5 ms,
+// boundary particles included (14,002 of them), of which we have none.
 //
-// use: dam_benchmark [n = 25] [threads = 2] [steps = 100]; the figures are of the second half of the steps
+// use: dam_benchmark [n = 25] [threads = 2] [steps = 100] [pcisph | dfsph | both = both]; the figures are of
+// the second half of the steps
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 
 #include "oilskin/world.h"
 #include "support/static_mesh.h"
 
 using namespace oilskin;
 
-int main(int argc, char** argv) {
-  const int n = argc > 1 ? std::atoi(argv[1]) : 25;
-  const int threads = argc > 2 ? std::atoi(argv[2]) : 2;
-  const int steps = argc > 3 ? std::atoi(argv[3]) : 100;
+namespace {
+
+int run(int n, int threads, int steps, PressureSolver solver) {
   const double s = 1.0 / n;
+  const bool dfsph = solver == PressureSolver::dfsph;
 
   FluidSettings fluid;
   fluid.spacing = s;
   fluid.support_ratio = 2.15443469;
   fluid.viscosity = 0.01;
   fluid.xsph_rate = 0;
+  fluid.solver = solver;
+  fluid.min_iterations = dfsph ? 2 : 3;
   fluid.max_iterations = 100;
   WorldSettings settings;
   settings.threads = threads;
@@ -49,7 +53,7 @@ int main(int argc, char** argv) {
   if (Status status = world.add_particles(x, v); !status.ok()) return 2;
 
   StageSeconds seconds;
-  double wall = 0, iterations = 0, error_sum = 0, error_max = 0;
+  double wall = 0, iterations = 0, divergence_iterations = 0, error_sum = 0, error_max = 0;
   int counted = 0;
   for (int k = 0; k < steps; ++k) {
     const auto begin = std::chrono::steady_clock::now();
@@ -61,6 +65,7 @@ int main(int argc, char** argv) {
     wall += elapsed;
     seconds += r.seconds;
     iterations += r.fluid.iterations;
+    divergence_iterations += r.fluid.divergence_iterations;
     double sum = 0;
     for (double density : world.densities()) {
       const double e = std::max(0.0, density / fluid.rest_density - 1);
@@ -71,18 +76,31 @@ int main(int argc, char** argv) {
   }
   const double ms = 1e3 / counted;
   const double contact = seconds.gather + seconds.proximity + seconds.impulses + seconds.ccd + seconds.zones;
-  std::printf("DAM(%d): %zu particles, %d threads, steps %d to %d\n", n, world.particle_count(), threads,
-              steps / 2 + 1, steps);
+  std::printf("DAM(%d), %s: %zu particles, %d threads, steps %d to %d\n", n, dfsph ? "DFSPH" : "PCISPH",
+              world.particle_count(), threads, steps / 2 + 1, steps);
   std::printf(
       "  whole step %.2f ms; fluid %.2f ms (neighbours %.2f, pressure %.2f, other %.2f); contact with walls "
       "%.2f ms\n",
       wall * ms, (seconds.neighbours + seconds.pressure + seconds.other_fluid) * ms, seconds.neighbours * ms,
       seconds.pressure * ms, seconds.other_fluid * ms, contact * ms);
-  std::printf("  %.2f iterations per step; density error mean %.4f %%, max %.2f %%\n", iterations / counted,
-              100 * error_sum / counted, 100 * error_max);
+  std::printf("  %.2f iterations per step, %.2f of divergence; density error mean %.4f %%, max %.2f %%\n",
+              iterations / counted, divergence_iterations / counted, 100 * error_sum / counted,
+              100 * error_max);
   std::printf("  %.3g particle·steps/s\n", static_cast<double>(world.particle_count()) * counted / wall);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int n = argc > 1 ? std::atoi(argv[1]) : 25;
+  const int threads = argc > 2 ? std::atoi(argv[2]) : 2;
+  const int steps = argc > 3 ? std::atoi(argv[3]) : 100;
+  const std::string solver = argc > 4 ? argv[4] : "both";
+  if (solver != "dfsph" && run(n, threads, steps, PressureSolver::pcisph) != 0) return 2;
+  if (solver != "pcisph" && run(n, threads, steps, PressureSolver::dfsph) != 0) return 2;
   std::printf(
-      "  SPlisHSPlasH, PCISPH at 0.1 %%, n = 25, on 2 cores of another machine: 50 ms (boundary particles "
-      "included)\n");
+      "SPlisHSPlasH at 0.1 %%, n = 25, on 2 cores of another machine: PCISPH 50 ms, DFSPH 15.5 ms (boundary "
+      "particles included)\n");
   return 0;
 }

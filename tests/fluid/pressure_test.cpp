@@ -1,4 +1,4 @@
-/// The two pressure solvers, each by what it promises.
+/// The pressure solvers, by what they promise.
 #include <gtest/gtest.h>
 
 #include "fluid/lattice.h"
@@ -17,8 +17,20 @@ struct Column : Tank {
   }
 };
 
-TEST(Pcisph, column_comes_to_rest_and_carries_its_weight) {
-  Column tank(water(), 10, 12);
+class Incompressible : public testing::TestWithParam<PressureSolver> {
+ protected:
+  static FluidSettings settings() {
+    FluidSettings s = water();
+    s.solver = GetParam();
+    return s;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Fluid, Incompressible,
+                         testing::Values(PressureSolver::pcisph, PressureSolver::dfsph),
+                         [](const auto& test) { return solver_name(test.param); });
+
+TEST_P(Incompressible, column_comes_to_rest_and_carries_its_weight) {
+  Column tank(settings(), 10, 12);
   int unconverged = 0;
   for (int step = 0; step < 800; ++step) {
     tank.step(5e-4);
@@ -35,8 +47,10 @@ TEST(Pcisph, column_comes_to_rest_and_carries_its_weight) {
   EXPECT_NEAR(bottom / counted / (1000 * 9.81 * 0.06), 1, 0.5);
 }
 
-TEST(Pcisph, warm_start_saves_iterations) {
-  Column warm(water(), 10, 12), cold(water(), 10, 12);
+TEST_P(Incompressible, warm_start_saves_iterations) {
+  FluidSettings s = settings();
+  s.tolerance = 2e-4;
+  Column warm(s, 10, 12), cold(s, 10, 12);
   int warm_iterations = 0, cold_iterations = 0;
   for (int step = 0; step < 100; ++step) {
     warm.step(5e-4);
@@ -49,16 +63,16 @@ TEST(Pcisph, warm_start_saves_iterations) {
   EXPECT_LT(warm_iterations, 0.9 * cold_iterations);
 }
 
-TEST(Pcisph, warm_start_scales_with_the_step) {
+TEST_P(Incompressible, warm_start_scales_with_the_step) {
   // From 0.5 ms to 0.05 ms and back: pressures are forces, so they neither explode nor vanish.
-  Column tank(water(), 8, 8);
+  Column tank(settings(), 8, 8);
   for (int step = 0; step < 200; ++step) tank.step(step % 10 == 0 ? 5e-4 : 5e-5);
   EXPECT_TRUE(tank.finite());
   EXPECT_LT(tank.fastest(), 0.5);
 }
 
-TEST(Pcisph, stops_at_the_largest_number_of_iterations_and_says_so) {
-  FluidSettings s = water();
+TEST_P(Incompressible, stops_at_the_largest_number_of_iterations_and_says_so) {
+  FluidSettings s = settings();
   s.min_iterations = s.max_iterations = 1;
   Column tank(s, 8, 8, 0.9 * dx);
   tank.step(5e-4);
@@ -67,8 +81,8 @@ TEST(Pcisph, stops_at_the_largest_number_of_iterations_and_says_so) {
   EXPECT_GT(tank.report.density_error_mean, s.tolerance);
 }
 
-TEST(Pcisph, reaches_a_tight_tolerance_and_its_minimum) {
-  FluidSettings s = water();
+TEST_P(Incompressible, reaches_a_tight_tolerance_and_its_minimum) {
+  FluidSettings s = settings();
   s.tolerance = 1e-4;
   s.min_iterations = 7;
   s.max_iterations = 500;
@@ -81,8 +95,8 @@ TEST(Pcisph, reaches_a_tight_tolerance_and_its_minimum) {
   }
 }
 
-TEST(Pcisph, compressed_start_recovers) {
-  Tank tank(water());
+TEST_P(Incompressible, compressed_start_recovers) {
+  Tank tank(settings());
   tank.walls = false;
   tank.gravity.setZero();
   tank.fill(10, 10, 10, 0.7 * dx);
@@ -98,9 +112,9 @@ TEST(Pcisph, compressed_start_recovers) {
   EXPECT_LE(tank.velocity_sum().norm(), 1e-12 * tank.speed_sum());
 }
 
-TEST(Pcisph, larger_support_is_stable_with_the_relaxed_stiffness) {
+TEST_P(Incompressible, larger_support_is_stable_with_the_relaxed_stiffness) {
   for (const double ratio : {1.5, 2.5, 3.0, 4.0}) {
-    FluidSettings s = water();
+    FluidSettings s = settings();
     s.support_ratio = ratio;
     Column tank(s, 8, 8);
     for (int step = 0; step < 100; ++step) {
@@ -112,11 +126,11 @@ TEST(Pcisph, larger_support_is_stable_with_the_relaxed_stiffness) {
   }
 }
 
-TEST(Pcisph, prediction_respects_contacts) {
+TEST_P(Incompressible, prediction_respects_contacts) {
   // Particles that fall on a plane: without the bound the loop predicts them below it and finds no
   // compression; with it the layers above feel them stop.
   auto mean_pressure = [](bool aware, double* worst) {
-    FluidSettings s = water();
+    FluidSettings s = settings();
     s.contact_aware = aware;
     Tank tank(s);
     tank.fill(8, 4, 8, dx);
@@ -137,10 +151,10 @@ TEST(Pcisph, prediction_respects_contacts) {
   EXPECT_GE(worst, 0);
 }
 
-TEST(Pcisph, contacts_of_one_particle_act_together) {
+TEST_P(Incompressible, contacts_of_one_particle_act_together) {
   // A particle pushed into a corner: were the prediction to leave it, it would move away from the ones behind
   // it.
-  FluidSettings s = water();
+  FluidSettings s = settings();
   Tank tank(s);
   tank.gravity.setZero();
   tank.add(Vec3(0.3 * dx, 0.3 * dx, 0.3 * dx), Vec3(-5, -5, -5));

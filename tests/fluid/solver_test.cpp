@@ -16,10 +16,10 @@ class EveryModel : public testing::TestWithParam<PressureSolver> {
     return s;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Fluid, EveryModel, testing::Values(PressureSolver::mcg03, PressureSolver::pcisph),
-                         [](const auto& test) {
-                           return test.param == PressureSolver::mcg03 ? "mcg03" : "pcisph";
-                         });
+INSTANTIATE_TEST_SUITE_P(Fluid, EveryModel,
+                         testing::Values(PressureSolver::mcg03, PressureSolver::pcisph,
+                                         PressureSolver::dfsph),
+                         [](const auto& test) { return solver_name(test.param); });
 
 /// A disordered, partly compressed blob with random velocities.
 void fill_randomly(Tank& tank, std::size_t n, double size, std::uint64_t seed) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "core/hash.h"
 #include "fluid/fluid_solver.h"
@@ -109,6 +110,10 @@ inline FluidSettings water(double spacing = 0.005) {
   FluidSettings s;
   s.spacing = spacing;
   return s;
+}
+
+inline std::string solver_name(PressureSolver solver) {
+  return solver == PressureSolver::mcg03 ? "mcg03" : solver == PressureSolver::pcisph ? "pcisph" : "dfsph";
 }
 
 inline FluidSettings gas_water(double spacing = 0.005) {

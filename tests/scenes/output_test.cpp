@@ -16,9 +16,10 @@ const char* const small = R"({"host": "mock", "dt": 0.002, "duration": 0.02, "fl
 TEST(Output, theReportHasEveryKeyOfTheFormat) {
   const Folder folder;
   const auto report = report_of(folder.write("small.json", small), "", {});
-  for (const char* key : {"scene", "settings", "machine", "steps", "simulated_seconds", "wall_seconds",
-                          "seconds", "particles", "contact", "density_error", "pressure_iterations",
-                          "momentum", "mass", "state_hash", "peak_memory_bytes", "acceptance"})
+  for (const char* key :
+       {"scene", "settings", "machine", "steps", "substeps", "simulated_seconds", "wall_seconds", "seconds",
+        "particles", "contact", "density_error", "pressure_iterations", "momentum", "mass", "state_hash",
+        "peak_memory_bytes", "acceptance"})
     EXPECT_TRUE(report.contains(key)) << key;
   for (const char* key : {"cloth", "neighbours", "pressure", "other_fluid", "proximity", "impulses", "ccd",
                           "zones", "effects", "surface", "output", "verify"})
@@ -54,6 +55,22 @@ TEST(Output, optionsReachTheSettings) {
   EXPECT_EQ(report["settings"]["fluid"]["viscosity"], 0.0);
 }
 
+TEST(Output, adaptiveStepsAndSubstepsMeetTheDurationAndAreCounted) {
+  const Folder folder;
+  const std::string scene = folder.write("a.json", small);
+  const auto adaptive =
+      report_of(scene, "0.0205", {"--set", "adaptive_dt=true", "--set", "emitters.0.velocity=[0,-8,0]"});
+  EXPECT_NEAR(adaptive["simulated_seconds"].get<double>(), 0.0205, 1e-12);
+  EXPECT_GT(adaptive["steps"], 20) << "0.4 spacings at 8 m/s and more";
+  EXPECT_EQ(adaptive["substeps"], adaptive["steps"]);
+  EXPECT_EQ(adaptive["contact"]["crossings_found_by_verify"], 0);
+  const auto cut =
+      report_of(scene, "0.02", {"--set", "fluid.max_substeps=9", "--set", "emitters.0.velocity=[0,-8,0]"});
+  EXPECT_EQ(cut["steps"], 10);
+  EXPECT_GT(cut["substeps"], 20);
+  EXPECT_EQ(cut["contact"]["crossings_found_by_verify"], 0);
+}
+
 TEST(Output, quietPrintsNothing) {
   const Folder folder;
   const Outcome outcome = oilskin({"run", folder.write("a.json", small), "--quiet", "--out",
@@ -65,7 +82,8 @@ TEST(Output, quietPrintsNothing) {
 TEST(Output, listNamesEveryScene) {
   const Outcome outcome = oilskin({"list"});
   EXPECT_EQ(outcome.exit_code, 0);
-  for (const char* scene : {"jet", "slip", "vee", "rain", "bowl", "high_speed", "sweep"})
+  for (const char* scene :
+       {"jet", "slip", "vee", "rain", "bowl", "high_speed", "sweep", "dam_break", "two_sided"})
     EXPECT_NE(outcome.out.find(scene), std::string::npos) << scene;
 }
 

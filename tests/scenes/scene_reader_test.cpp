@@ -39,6 +39,7 @@ Scene everything() {
   pin.motion.stop = 2;
   grid.pins.kind = PinKind::boxes;
   grid.pins.boxes = {pin};
+  grid.surface.slip_back.emplace().model = SlipModel::viscous_wall;
   mesh.mesh.emplace();
   mesh.mesh->file = "vee.obj";
   mesh.pins.kind = PinKind::nodes;
@@ -58,7 +59,15 @@ Scene everything() {
   scene.acceptance.slip_ratio.emplace();
   scene.acceptance.pin_reaction.emplace();
   scene.acceptance.dry_shadow.emplace();
+  scene.acceptance.pool_level.emplace();
+  scene.acceptance.pool_calm.emplace();
+  scene.acceptance.at_rest = {{{Vec3::Zero(), Vec3::Ones()}, 0.5, 1, 0.02}};
+  scene.acceptance.dam_break.emplace();
+  scene.acceptance.dam_break->height = 0.05;
   scene.pictures.views.emplace_back();
+  scene.pictures.views.back().slice.emplace();
+  scene.pictures.views.back().colour = WaterColour::density;
+  scene.pictures.views.back().orthographic = 0.3;
   return scene;
 }
 
@@ -91,7 +100,7 @@ TEST(SceneReader, everyShippedSceneReads) {
     EXPECT_TRUE(scene.contact.verify) << scene.name << ": shipped scenes verify";
     ++count;
   }
-  EXPECT_GE(count, 7);
+  EXPECT_GE(count, 9);
 }
 
 TEST(SceneReader, everyKeyIsDocumented) {
@@ -110,6 +119,31 @@ TEST(SceneReader, messagesNameThePath) {
             "cloth.1.slip.modle: this key is not known; the nearest known one is \"model\"");
   EXPECT_EQ(message_of(R"({"fluid": {"spacing": -1}})"), "fluid.spacing: is -1, must be > 0");
   EXPECT_NE(message_of(R"({"cloth": [{"normal": [1, 0, 0], "u_axis": [1, 0, 0]}]})").find("parallel"),
+            std::string::npos);
+}
+
+TEST(SceneReader, checksThatCouldNeverBeLookedAtAreRefused) {
+  EXPECT_EQ(message_of(R"({"acceptance": {"at_rest": [{}]}})"),
+            "acceptance.at_rest.0.within: is missing: the box whose water is to be at rest");
+  EXPECT_EQ(message_of(R"({"acceptance": {"at_rest": [{"within": {"min": [0, 0, 0], "max": [1, 1, 1]},
+                                                       "from": 1, "to": 0.5}]}})"),
+            "acceptance.at_rest.0.to: must be later than \"from\"");
+  EXPECT_EQ(message_of(R"({"acceptance": {"pool_level": {"cloth": 0}}})"),
+            "acceptance.pool_level.cloth: is 0, must be the index of a cloth, the scene has 0");
+  EXPECT_EQ(message_of(R"({"cloth": [{}], "acceptance": {"pool_calm": {"cloth": 1}}})"),
+            "acceptance.pool_calm.cloth: is 1, must be the index of a cloth, the scene has 1");
+  EXPECT_EQ(message_of(R"({"gravity": [0, 0, 0], "acceptance": {"dam_break": {}}})"),
+            "gravity: is zero; a pool or a dam break needs a weight");
+  EXPECT_EQ(message_of(R"({"acceptance": {"dam_break": {"along": [1, 1, 0]}}})"),
+            "acceptance.dam_break.along: must be square to gravity");
+}
+
+TEST(SceneReader, aCutNeedsASlabAndAKnownColour) {
+  EXPECT_NE(message_of(R"({"pictures": {"views": [{"slice": {"thickness": 0}}]}})").find("must be > 0"),
+            std::string::npos);
+  EXPECT_NE(message_of(R"({"pictures": {"views": [{"slice": {"normal": [0, 0, 0]}}]}})").find("normal"),
+            std::string::npos);
+  EXPECT_NE(message_of(R"({"pictures": {"views": [{"colour": "presure"}]}})").find("pressure"),
             std::string::npos);
 }
 

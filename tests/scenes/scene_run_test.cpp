@@ -12,19 +12,27 @@ namespace {
 struct Short {
   const char* scene;
   const char* duration;
+  const char* set = nullptr;  // a key to change, so that what the scene is about happens in time
 };
 
-const Short shortened[] = {{"jet", "0.1"},   {"slip", "0.22"},        {"vee", "0.14"},  {"rain", "0.3"},
-                           {"bowl", "0.15"}, {"high_speed", "0.003"}, {"sweep", "0.02"}};
+const Short shortened[] = {
+    {"jet", "0.1"},    {"slip", "0.22"},      {"vee", "0.14"},
+    {"rain", "0.3"},   {"bowl", "0.15"},      {"high_speed", "0.003"},
+    {"sweep", "0.02"}, {"dam_break", "0.05"}, {"two_sided", "0.15", "cloth.0.pins.1.release=0.02"}};
 
 std::string name_of(const testing::TestParamInfo<Short>& info) {
   return info.param.scene;
 }
 
+nlohmann::json short_report(const Short& run, std::vector<std::string> more) {
+  if (run.set != nullptr) more.insert(more.end(), {"--set", run.set});
+  return report_of(run.scene, run.duration, more);
+}
+
 class ShortRun : public testing::TestWithParam<Short> {};
 
 TEST_P(ShortRun, keepsThePromiseAndTheLedgers) {
-  const auto report = report_of(GetParam().scene, GetParam().duration, {});
+  const auto report = short_report(GetParam(), {});
   EXPECT_EQ(report["contact"]["crossings_found_by_verify"], 0);
   EXPECT_GT(report["contact"]["contacts"].get<int>(), 0) << "nothing touched anything: the run is too short";
   EXPECT_EQ(report["acceptance"].size(), 5u);
@@ -35,8 +43,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ShortRun, testing::ValuesIn(shortened), name_of
 class Threads : public testing::TestWithParam<Short> {};
 
 TEST_P(Threads, doNotChangeABit) {
-  const auto one = report_of(GetParam().scene, GetParam().duration, {"--threads", "1"});
-  const auto two = report_of(GetParam().scene, GetParam().duration, {"--threads", "2"});
+  const auto one = short_report(GetParam(), {"--threads", "1"});
+  const auto two = short_report(GetParam(), {"--threads", "2"});
   EXPECT_EQ(one["state_hash"], two["state_hash"]);
   EXPECT_EQ(one["momentum"]["to_free_nodes"], two["momentum"]["to_free_nodes"]);
 }
@@ -63,13 +71,69 @@ TEST(Leak, withoutTheContinuousTestAndZonesCrossingsAreCounted) {
   EXPECT_GT(report["contact"]["crossings_found_by_verify"].get<int>(), 0);
 }
 
+/// Whether a check of a run holds; null where there is no such check.
+nlohmann::json check_of(const std::string& scene, const std::vector<std::string>& settings,
+                        const std::string& name) {
+  const Folder folder;
+  std::vector<std::string> arguments = {"run", scene,   "--quiet",    "--no-render", "--frames-per-second",
+                                        "0",   "--out", folder.path()};
+  for (const std::string& setting : settings) arguments.insert(arguments.end(), {"--set", setting});
+  const Outcome outcome = oilskin(arguments);
+  bool all = true;
+  nlohmann::json found;
+  const auto report = nlohmann::json::parse(folder.read("report.json"), nullptr, false);
+  for (const auto& check : report["acceptance"]) {
+    all = all && check["ok"].get<bool>();
+    if (check["name"] == name) found = check["ok"];
+  }
+  EXPECT_EQ(outcome.exit_code, all ? 0 : 1) << outcome.err;
+  return found;
+}
+
+// A front that is not seen to follow the table must not pass for one that does.
+TEST(Checks, theDamBreakFailsWhenItEndsTooSoonOrIsAnother) {
+  const std::string coarse = "fluid.spacing=0.0057", many = "acceptance.min_emitted=1";
+  EXPECT_EQ(check_of("dam_break", {coarse, many, "duration=0.1"}, "dam_front"), false);
+  EXPECT_EQ(check_of("dam_break", {coarse, many, "acceptance.dam_break.width=0.04"}, "dam_front"), false);
+}
+
+// Water that floats, and water that moves.
+TEST(Checks, restIsSeenAndMotionIsSeen) {
+  const Folder folder;
+  const std::string scene = folder.write("float.json", R"({"host": "mock", "duration": 0.02,
+    "gravity": [0, 0, 0], "emitters": [{"shape": "box", "min": [0, 0, 0], "max": [0.03, 0.03, 0.03]}],
+    "acceptance": {"at_rest": [{"within": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "speed": 0.001}]}})");
+  const std::string check = "at_rest.0", moves = "emitters.0.velocity=[0, 0.1, 0]";
+  const std::string elsewhere = R"(acceptance.at_rest.0.within={"min": [2, 2, 2], "max": [3, 3, 3]})";
+  EXPECT_EQ(check_of(scene, {}, check), true);
+  EXPECT_EQ(check_of(scene, {moves}, check), false);
+  EXPECT_EQ(check_of(scene, {moves, "acceptance.at_rest.0.speed=0.11"}, check), true);
+  EXPECT_EQ(check_of(scene, {elsewhere}, check), false) << "no water was looked at";
+  EXPECT_EQ(check_of(scene, {"acceptance.at_rest.0.to=0.05"}, check), false) << "the run ends before";
+  EXPECT_EQ(check_of(scene, {"acceptance.at_rest.0.from=0.03"}, check), false) << "the run ends before";
+}
+
+// A block of water in a rigid bowl, before it has fallen.
+TEST(Checks, waterThatHangsOverItsPoolIsSeen) {
+  const Folder folder;
+  const std::string scene = folder.write("hang.json", R"({"host": "mock", "duration": 0.002,
+    "emitters": [{"shape": "box", "min": [-0.05, -0.14, -0.05], "max": [0.05, 0.0, 0.05]}],
+    "cloth": [{"bowl_depth": 0.15, "pins": [{"within": {"min": [-1, -1, -1], "max": [1, 1, 1]}}]}],
+    "acceptance": {"pool_level": {}, "pool_calm": {}}})");
+  EXPECT_EQ(check_of(scene, {}, "pool_level"), false) << "a heap does not lift the pool";
+  EXPECT_EQ(check_of(scene, {"acceptance.pool_level.above=20"}, "pool_level"), true);
+  EXPECT_EQ(check_of(scene, {"gravity=[0, -1, 0]"}, "pool_calm"), true) << "it has hardly begun to fall";
+  EXPECT_EQ(check_of(scene, {"emitters.0.velocity=[0, 0.5, 0]"}, "pool_calm"), false);
+  EXPECT_EQ(check_of(scene, {"cloth.0.bowl_depth=0"}, "pool_level"), false) << "a flat sheet is no basin";
+}
+
 #ifdef OILSKIN_AUDIT
 
 class Audit : public testing::TestWithParam<Short> {};
 
 TEST_P(Audit, findsNoCrossingInTheTrace) {
   const Folder folder;
-  const auto report = report_of(GetParam().scene, GetParam().duration, {"--trace", folder.path("trace")});
+  const auto report = short_report(GetParam(), {"--trace", folder.path("trace")});
   // The auditor holds every surface to the δ that the run promised (the least of all surfaces).
   std::ostringstream delta;
   delta << std::setprecision(17) << report["contact"]["delta"].get<double>();

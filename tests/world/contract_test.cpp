@@ -1,16 +1,16 @@
-// The contract of hosts on the mock cloth.
+// The contract of hosts on the mock cloth, in steps and in sub-steps.
 #include "support/contract_suite.h"
 #include "support/mock_cloth.h"
 
 namespace oilskin::test {
 namespace {
 
-template <class Scalar>
+template <class Scalar, int max_substeps = 1>
 class MockFixture {
  public:
   static constexpr bool is_double = sizeof(Scalar) == 8;
 
-  MockFixture() : world_(world_settings(), FluidSettings{}, contact_settings()), cloth_(grid()) {}
+  MockFixture() : world_(world_settings(), fluid_settings(), contact_settings()), cloth_(grid()) {}
 
   World& world() { return world_; }
   Status attach(const SurfaceSettings& s) { return world_.attach(cloth_, s, &id_); }
@@ -26,6 +26,11 @@ class MockFixture {
     WorldSettings s;
     s.gravity.setZero();
     s.kill_box = {Vec3::Constant(-2), Vec3::Constant(2)};
+    return s;
+  }
+  static FluidSettings fluid_settings() {
+    FluidSettings s;
+    s.max_substeps = max_substeps;
     return s;
   }
   static ContactSettings contact_settings() {
@@ -48,7 +53,8 @@ class MockFixture {
   SurfaceId id_;
 };
 
-using Hosts = ::testing::Types<MockFixture<float>, MockFixture<double>>;
+using Hosts =
+    ::testing::Types<MockFixture<float>, MockFixture<double>, MockFixture<float, 6>, MockFixture<double, 6>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Mock, HostContract, Hosts);
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "support/mock_cloth.h"
+#include "support/static_mesh.h"
 #include "support/world_helpers.h"
 
 namespace oilskin {
@@ -241,6 +242,47 @@ TEST(World, emitters_and_cloths_where_nothing_lives_are_refused) {
   g.origin.y() = 50;
   MockCloth<double> cloth(g);
   EXPECT_NE(w.attach(cloth, test::sheet_settings(), nullptr).message.find("kill box"), std::string::npos);
+}
+
+TEST(World, each_side_of_a_surface_slips_by_its_own_settings) {
+  FluidSettings fluid;
+  fluid.viscosity = fluid.xsph_rate = 0;
+  World w(box(1, Vec3::Zero()), fluid);
+  test::StaticMesh sheet;
+  sheet.add_rectangle(Vec3(-0.1, 0, -0.1), Vec3(0, 0, 0.2), Vec3(0.2, 0, 0));  // the front looks up
+  SurfaceSettings s = test::sheet_settings();
+  s.slip_back.emplace().model = SlipModel::no_slip;
+  SurfaceId id;
+  ASSERT_TRUE(w.attach(sheet, s, &id).ok());
+  const std::vector<Vec3> x{{0, 0.001, 0}, {0.05, -0.001, 0}}, v(2, Vec3(0.1, 0, 0));
+  ASSERT_TRUE(w.add_particles(x, v).ok());
+  const auto speed = [&](std::uint64_t particle) {
+    for (std::size_t i = 0; i < w.particle_count(); ++i)
+      if (w.ids()[i] == particle) return w.velocities()[i].x();
+    return -1.0;
+  };
+  const auto restart = [&] {
+    std::vector<Vec3> dv;
+    for (const Vec3& u : w.velocities()) dv.push_back(Vec3(0.1, 0, 0) - u);
+    ASSERT_TRUE(w.add_velocities(dv).ok());
+  };
+  w.step(1e-4);
+  EXPECT_NEAR(speed(1), 0.1, 1e-12);
+  EXPECT_NEAR(speed(2), 0, 1e-12);
+  SlipSettings no_slip, free;
+  no_slip.model = SlipModel::no_slip;
+  restart();
+  ASSERT_TRUE(w.set_slip(id, no_slip, free).ok());
+  w.step(1e-4);
+  EXPECT_NEAR(speed(1), 0, 1e-12);
+  EXPECT_NEAR(speed(2), 0.1, 1e-12);
+  restart();
+  ASSERT_TRUE(w.set_slip(id, no_slip).ok()) << "both sides";
+  w.step(1e-4);
+  EXPECT_NEAR(speed(1), 0, 1e-12);
+  EXPECT_NEAR(speed(2), 0, 1e-12);
+  no_slip.slip_length = -1;
+  EXPECT_NE(w.set_slip(id, free, no_slip).message.find("slip_back.slip_length"), std::string::npos);
 }
 
 struct Splash {

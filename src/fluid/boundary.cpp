@@ -1,0 +1,393 @@
+#include "fluid/boundary.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/closest_point.h"
+#include "fluid/lattice.h"
+#include "fluid/occlusion.h"
+#include "fluid/wall_integral.h"
+
+namespace oilskin::fluid {
+
+namespace {
+
+constexpr std::size_t triangle_chunk = 64, point_chunk = 256;
+
+/// How much a sheet may bend within the support radius and still count as the plane through its closest
+/// point: cosine between normals, and distance of corners from the plane in units of H.
+constexpr double plane_cosine = 0.996, plane_distance = 0.06;
+
+/// Mean time of what is remembered of loads and answers [s]. Shorter, and the water feels how the host
+/// shakes; longer, and it feels a load that is no more.
+constexpr double memory_time = 0.02;
+
+std::vector<std::uint8_t> triangles_at_border(const SurfaceMotion& s) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const Triangle& t : s.triangles)
+    for (int k = 0; k < 3; ++k) edges.push_back(std::minmax(t[k], t[(k + 1) % 3]));
+  std::sort(edges.begin(), edges.end());
+  std::vector<std::uint8_t> node_at_border(s.x_t0.size(), 0), at_border;
+  for (std::size_t k = 0; k < edges.size();) {
+    std::size_t stop = k;
+    while (stop < edges.size() && edges[stop] == edges[k]) ++stop;
+    if (stop - k != 2) node_at_border[edges[k].first] = node_at_border[edges[k].second] = 1;
+    k = stop;
+  }
+  for (const Triangle& t : s.triangles)
+    at_border.push_back(node_at_border[t[0]] | node_at_border[t[1]] | node_at_border[t[2]]);
+  return at_border;
+}
+
+}  // namespace
+
+/// A triangle within H of a particle.
+struct Boundary::Near {
+  std::uint32_t particle = 0, surface = 0, triangle = 0;
+  ClosestPoint closest;
+};
+
+Boundary::Boundary(double support_ratio) {
+  // d ln λ/dζ grows with a.
+  const double mass = lattice_mass_beyond<CubicSpline>(support_ratio), z = 0.5 / support_ratio;
+  const double slope = 2 * lattice_pull_beyond<CubicSpline>(support_ratio) / mass;
+  double low = 0.5, high = 0.999 / z;
+  for (int k = 0; k < 60; ++k) {
+    const double way = 0.5 * (low + high);
+    (way * plane_integral_slope(way * z) < slope * plane_integral(way * z) ? low : high) = way;
+  }
+  image_way_ = static_cast<float>(low);
+  image_mass_ = static_cast<float>(mass / plane_integral(low * z));
+}
+
+void Boundary::clear() {
+  points_.clear();
+  walls_.clear();
+  nodes_.clear();
+}
+
+void Boundary::find(double dt, double particle_mass, Span<const Vec3> x, const Neighbours& neighbours,
+                    double support_radius, Span<SurfaceMotion* const> surfaces, const Workers& workers) {
+  clear();
+  support_radius_ = support_radius;
+  mass_ = particle_mass;
+  surfaces_.assign(surfaces.begin(), surfaces.end());
+  for (const SurfaceMotion* s : surfaces) {
+    SurfaceMemory& memory = memory_[s->id];
+    if (memory.at_border.size() != s->triangles.size()) memory.at_border = triangles_at_border(*s);
+    if (memory.nodes.size() != s->x_t0.size()) memory.nodes.assign(s->x_t0.size(), {});
+  }
+  std::vector<std::vector<Near>> found;
+  collect_near(x, neighbours, surfaces, workers, found);
+  make_points(x, surfaces, workers, found);
+  if (points_.empty()) return;
+  number_nodes(dt, surfaces);
+  find_yielding(workers);
+}
+
+// From the triangles' side: most particles are near none.
+void Boundary::collect_near(Span<const Vec3> x, const Neighbours& neighbours,
+                            Span<SurfaceMotion* const> surfaces, const Workers& workers,
+                            std::vector<std::vector<Near>>& found) const {
+  const double reach = support_radius_, plane_reach = reach / static_cast<double>(image_way_);
+  for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
+    const SurfaceMotion& motion = *surfaces[s];
+    const std::size_t first = found.size();
+    found.resize(first + (motion.triangles.size() + triangle_chunk - 1) / triangle_chunk);
+    workers.for_chunks(
+        motion.triangles.size(), triangle_chunk, [&](std::size_t begin, std::size_t end, std::size_t chunk) {
+          for (std::size_t t = begin; t < end; ++t) {
+            const Triangle& node = motion.triangles[t];
+            const Vec3 &a = motion.x_t0[node[0]], &b = motion.x_t0[node[1]], &c = motion.x_t0[node[2]];
+            Box box;
+            for (const Vec3& corner : {a, b, c}) box.add(corner);
+            box = box.inflated(reach);
+            const Vec3 cross = (b - a).cross(c - a);
+            const double inverse_norm = cross.norm() > 0 ? 1 / cross.norm() : 0;
+            neighbours.for_runs_in(box, [&](std::uint32_t run_begin, std::uint32_t run_end) {
+              for (std::uint32_t i = run_begin; i < run_end; ++i) {
+                if (!box.contains(x[i])) continue;
+                const double z = cross.dot(x[i] - a) * inverse_norm;
+                if (std::abs(z) >= plane_reach) continue;
+                const ClosestPoint closest = closest_point(x[i], a, b, c);
+                if (closest.distance < reach)
+                  found[first + chunk].push_back({i, s, static_cast<std::uint32_t>(t), closest});
+              }
+            });
+          }
+        });
+  }
+}
+
+void Boundary::make_points(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces, const Workers& workers,
+                           const std::vector<std::vector<Near>>& found) {
+  // Counting sort by particle; in the order of triangles within each.
+  std::vector<std::uint32_t> begin(x.size() + 1, 0);
+  for (const auto& part : found)
+    for (const Near& n : part) ++begin[n.particle + 1];
+  point_of_.assign(x.size(), none);
+  for (std::uint32_t i = 0; i < x.size(); ++i) {
+    if (begin[i + 1] > 0) {
+      point_of_[i] = static_cast<std::uint32_t>(points_.size());
+      points_.emplace_back();
+      points_.back().particle = i;
+    }
+    begin[i + 1] += begin[i];
+  }
+  std::vector<Near> near(begin.back());
+  std::vector<std::uint32_t> at(begin.begin(), begin.end() - 1);
+  for (const auto& part : found)
+    for (const Near& n : part) near[at[n.particle]++] = n;
+
+  std::vector<std::vector<Wall>> walls((points_.size() + point_chunk - 1) / point_chunk);
+  workers.for_chunks(points_.size(), point_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
+    for (std::size_t k = b; k < e; ++k) {
+      Point& point = points_[k];
+      const std::uint32_t i = point.particle;
+      point.begin = static_cast<std::uint32_t>(walls[c].size());
+      integrate(x[i], surfaces, {near.data() + begin[i], begin[i + 1] - begin[i]}, point, walls[c]);
+      point.end = static_cast<std::uint32_t>(walls[c].size());
+      for (std::uint32_t w = point.begin; w < point.end; ++w)
+        walls[c][w].point = static_cast<std::uint32_t>(k);
+    }
+  });
+  for (std::size_t c = 0; c < walls.size(); ++c) {
+    const auto base = static_cast<std::uint32_t>(walls_.size());
+    for (std::size_t k = c * point_chunk; k < std::min(points_.size(), (c + 1) * point_chunk); ++k) {
+      points_[k].begin += base;
+      points_[k].end += base;
+    }
+    walls_.insert(walls_.end(), walls[c].begin(), walls[c].end());
+  }
+}
+
+// Nodes of walls are surface and node for now; number_nodes() makes them indices.
+void Boundary::integrate(const Vec3& x, Span<SurfaceMotion* const> surfaces, Span<const Near> near,
+                         Point& point, std::vector<Wall>& walls) const {
+  std::size_t nearest = 0;
+  for (std::size_t k = 1; k < near.size(); ++k)
+    if (near[k].closest.distance < near[nearest].closest.distance) nearest = k;
+  const auto add = [&](const Near& n, const WallView& view) {
+    const float image = image_way_ * view.distance;
+    if (!(image < 1) || !(view.share > 0)) return;
+    Wall wall;
+    wall.node = {n.surface, n.triangle, 0};
+    wall.weight = {static_cast<float>(n.closest.weights[0]), static_cast<float>(n.closest.weights[1])};
+    wall.gamma = image_way_ * image_mass_ * view.share * plane_integral_slope(image) * view.normal;
+    wall.lambda = image_mass_ * view.share * plane_integral(image);
+    walls.push_back(wall);
+    point.lambda += wall.lambda;
+    point.gamma += wall.gamma;
+  };
+  const ClosestPoint& c = near[nearest].closest;
+  if (c.distance > 0 && is_plane(surfaces, near, nearest)) {
+    WallView plane;
+    plane.distance = static_cast<float>(c.distance / support_radius_);
+    plane.share = 1;
+    plane.normal = (c.offset / c.distance).cast<float>();
+    return add(near[nearest], plane);
+  }
+  for (const Near& n : near) {
+    const SurfaceMotion& s = *surfaces[n.surface];
+    std::array<Eigen::Vector3f, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k)
+      corners[k] = ((s.x_t0[s.triangles[n.triangle][k]] - x) / support_radius_).cast<float>();
+    add(n, view_of_wall(corners));
+  }
+  const float of_nearest_plane =
+      image_mass_ * plane_integral(image_way_ * static_cast<float>(c.distance / support_radius_));
+  if (point.lambda > 1.05f * of_nearest_plane) drop_hidden(x, surfaces, near, point, walls);
+  point.lambda = std::min(point.lambda, 1.0f);
+}
+
+/// Layers behind a layer, and floors that go on behind walls, are no walls for this particle: those whose
+/// closest point it does not see.
+void Boundary::drop_hidden(const Vec3& x, Span<SurfaceMotion* const> surfaces, Span<const Near> near,
+                           Point& point, std::vector<Wall>& walls) const {
+  const auto is_hidden = [&](const Near& n) {
+    const Vec3 at = x - n.closest.offset;
+    const Triangle& own = surfaces[n.surface]->triangles[n.triangle];
+    for (const Near& other : near) {
+      const SurfaceMotion& s = *surfaces[other.surface];
+      const Triangle& t = s.triangles[other.triangle];
+      const bool adjoins =
+          n.surface == other.surface && std::any_of(t.begin(), t.end(), [&](std::uint32_t node) {
+            return std::find(own.begin(), own.end(), node) != own.end();
+          });
+      if (adjoins || other.closest.distance >= n.closest.distance) continue;
+      const SightTest test(s, other.triangle);
+      if (test.normal_length() > 0 && test.blocks(x, at, test.side(x), test.side(at))) return true;
+    }
+    return false;
+  };
+  point.lambda = 0;
+  point.gamma.setZero();
+  std::size_t kept = point.begin;
+  for (std::size_t w = point.begin; w < walls.size(); ++w) {
+    const auto of_wall = std::find_if(near.begin(), near.end(), [&](const Near& n) {
+      return n.surface == walls[w].node[0] && n.triangle == walls[w].node[1];
+    });
+    if (is_hidden(*of_wall)) continue;
+    walls[kept] = walls[w];
+    point.lambda += walls[kept].lambda;
+    point.gamma += walls[kept].gamma;
+    ++kept;
+  }
+  walls.resize(kept);
+}
+
+/// Is everything near the particle one plane sheet without a border? Then its closest point tells all.
+bool Boundary::is_plane(Span<SurfaceMotion* const> surfaces, Span<const Near> near,
+                        std::size_t nearest) const {
+  const ClosestPoint& c = near[nearest].closest;
+  const Vec3 normal = c.offset / c.distance;
+  const double tolerance = plane_distance * support_radius_;
+  for (const Near& n : near) {
+    const SurfaceMotion& s = *surfaces[n.surface];
+    if (n.surface != near[nearest].surface || memory_.at(s.id).at_border[n.triangle]) return false;
+    const Triangle& t = s.triangles[n.triangle];
+    const Vec3 cross = (s.x_t0[t[1]] - s.x_t0[t[0]]).cross(s.x_t0[t[2]] - s.x_t0[t[0]]);
+    if (!(std::abs(cross.dot(normal)) >= plane_cosine * cross.norm())) return false;
+    // Another layer has the same normal, but lies off the plane.
+    if (std::abs(n.closest.offset.dot(normal) - c.distance) > tolerance) return false;
+  }
+  return true;
+}
+
+void Boundary::number_nodes(double dt, Span<SurfaceMotion* const> surfaces) {
+  std::vector<std::vector<std::uint32_t>> number(surfaces.size());
+  for (std::size_t s = 0; s < surfaces.size(); ++s) number[s].assign(surfaces[s]->x_t0.size(), none);
+  for (Wall& wall : walls_) {
+    const std::uint32_t s = wall.node[0];
+    const SurfaceMotion& motion = *surfaces[s];
+    const Triangle& triangle = motion.triangles[wall.node[1]];
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::uint32_t& n = number[s][triangle[k]];
+      if (n == none) {
+        n = static_cast<std::uint32_t>(nodes_.size());
+        Node node;
+        node.surface = s;
+        node.node = triangle[k];
+        node.inverse_mass = static_cast<float>(motion.inverse_mass[triangle[k]]);
+        node.velocity = ((motion.x_t1[triangle[k]] - motion.x_t0[triangle[k]]) / dt).cast<float>();
+        const NodeMemory& memory = memory_.at(motion.id).nodes[triangle[k]];
+        const double load2 = memory.load.squaredNorm();
+        if (node.inverse_mass > 0 && load2 > 0) {
+          const double carried = std::clamp(-memory.answer.dot(memory.load) / load2, 0.0, 1.0);
+          node.expected = (carried * dt * memory.load).cast<float>();
+        }
+        nodes_.push_back(node);
+      }
+      wall.node[k] = n;
+    }
+  }
+  corners_begin_.assign(nodes_.size() + 1, 0);
+  for (const Wall& wall : walls_)
+    for (std::uint32_t n : wall.node) ++corners_begin_[n + 1];
+  for (std::size_t n = 0; n < nodes_.size(); ++n) corners_begin_[n + 1] += corners_begin_[n];
+  corners_.resize(corners_begin_.back());
+  std::vector<std::uint32_t> at(corners_begin_.begin(), corners_begin_.end() - 1);
+  for (std::uint32_t w = 0; w < walls_.size(); ++w)
+    for (std::uint8_t k = 0; k < 3; ++k) corners_[at[walls_[w].node[k]]++] = {w, k};
+}
+
+/// Row sums of |∂ inflow/∂θ|: an upper bound of its eigenvalues.
+void Boundary::find_yielding(const Workers& workers) {
+  yields_ = std::any_of(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.inverse_mass > 0; });
+  yielding_.assign(points_.size(), 0);
+  inflow_.assign(points_.size(), 0);
+  wall_velocity_.resize(nodes_.size());
+  if (yields_) {
+    std::vector<float> per_node(nodes_.size());
+    workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
+      float sum = 0;
+      for (std::uint32_t c = corners_begin_[n]; c < corners_begin_[n + 1]; ++c) {
+        const Wall& wall = walls_[corners_[c].wall];
+        sum += static_cast<float>(wall.share(corners_[c].corner)) * wall.gamma.norm();
+      }
+      per_node[n] = nodes_[n].inverse_mass * static_cast<float>(mass_) * sum;
+    });
+    workers.for_each(points_.size(), point_chunk, [&](std::size_t k) {
+      for (std::uint32_t w = points_[k].begin; w < points_[k].end; ++w)
+        for (int c = 0; c < 3; ++c)
+          yielding_[k] += walls_[w].gamma.norm() * static_cast<float>(walls_[w].share(c)) *
+                          per_node[walls_[w].node[static_cast<std::size_t>(c)]];
+    });
+  }
+  // Walls whose nodes are all prescribed move as they are told, whatever pushes them.
+  const bool yields = yields_;
+  yields_ = true;
+  respond(std::vector<float>(points_.size(), 0), workers);
+  yields_ = yields;
+}
+
+void Boundary::respond(const std::vector<float>& theta, const Workers& workers) {
+  if (!yields_) return;
+  const auto mass = static_cast<float>(mass_);
+  workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
+    const Node& node = nodes_[n];
+    wall_velocity_[n] = node.velocity;
+    if (node.inverse_mass == 0) return;
+    Eigen::Vector3f impulse = node.expected;  // on the node, beyond what the host will carry
+    for (std::uint32_t c = corners_begin_[n]; c < corners_begin_[n + 1]; ++c) {
+      const Wall& wall = walls_[corners_[c].wall];
+      impulse += mass * theta[wall.point] * static_cast<float>(wall.share(corners_[c].corner)) * wall.gamma;
+    }
+    wall_velocity_[n] -= node.inverse_mass * impulse;
+  });
+  workers.for_each(points_.size(), point_chunk, [&](std::size_t k) {
+    float sum = 0;
+    for (std::uint32_t w = points_[k].begin; w < points_[k].end; ++w)
+      for (int c = 0; c < 3; ++c)
+        sum += static_cast<float>(walls_[w].share(c)) *
+               walls_[w].gamma.dot(wall_velocity_[walls_[w].node[static_cast<std::size_t>(c)]]);
+    inflow_[k] = sum;
+  });
+}
+
+void Boundary::push(const std::vector<double>& theta, std::vector<Vec3>& dv, const Workers& workers) {
+  workers.for_each(points_.size(), point_chunk, [&](std::size_t k) {
+    Vec3 sum = Vec3::Zero();
+    for (std::uint32_t w = points_[k].begin; w < points_[k].end; ++w) sum += walls_[w].gamma.cast<double>();
+    dv[points_[k].particle] += theta[k] * sum;
+  });
+  workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
+    Vec3 impulse = Vec3::Zero();
+    for (std::uint32_t c = corners_begin_[n]; c < corners_begin_[n + 1]; ++c) {
+      const Wall& wall = walls_[corners_[c].wall];
+      impulse -= mass_ * theta[wall.point] * wall.share(corners_[c].corner) * wall.gamma.cast<double>();
+    }
+    SurfaceMotion& s = *surfaces_[nodes_[n].surface];
+    s.velocity[nodes_[n].node] += s.inverse_mass[nodes_[n].node] * impulse;
+    s.impulse[nodes_[n].node] += impulse;
+  });
+}
+
+void Boundary::note_answers(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces) {
+  const double fresh = -std::expm1(-dt / memory_time);
+  for (const SurfaceMotion* s : surfaces) {
+    const auto found = memory_.find(s->id);
+    if (found == memory_.end() || found->second.nodes.size() != s->velocity.size()) continue;
+    for (std::size_t i = 0; i < s->velocity.size(); ++i) {
+      if (s->inverse_mass[i] == 0) continue;
+      NodeMemory& m = found->second.nodes[i];
+      const Vec3 force = ((s->velocity[i] - m.velocity_left) / dt - gravity) / s->inverse_mass[i];
+      m.answer += fresh * (force - m.answer);
+    }
+  }
+}
+
+void Boundary::note_loads(double dt, Span<SurfaceMotion* const> surfaces) {
+  const double fresh = -std::expm1(-dt / memory_time);
+  for (const SurfaceMotion* s : surfaces) {
+    const auto found = memory_.find(s->id);
+    if (found == memory_.end() || found->second.nodes.size() != s->velocity.size()) continue;
+    for (std::size_t i = 0; i < s->velocity.size(); ++i) {
+      NodeMemory& m = found->second.nodes[i];
+      m.velocity_left = s->velocity[i];
+      m.load += fresh * (s->impulse[i] / dt - m.load);
+    }
+  }
+}
+
+}  // namespace oilskin::fluid

@@ -1,0 +1,118 @@
+#include "fluid/incompressible.h"
+
+#include "fluid/lattice.h"
+
+namespace oilskin::fluid {
+
+namespace {
+
+using Kernel = CubicSpline;
+
+/// A start that is compressed by more than this is not asked to be incompressible at the end of the step:
+/// within one dt that means speeds of dx/dt, an explosion. The excess decays with the time constant instead.
+constexpr float tolerated_compression = 0.05f;
+constexpr double recovery_time = 0.002;  // [s]
+
+/// How slowly iterations fall: by one, or by this ratio, after so many steps in which the fewer iterations
+/// would have left no more than this part of the tolerance.
+constexpr double largest_fall = 1.18;
+constexpr int patience = 5;
+constexpr double margin = 0.8;
+
+}  // namespace
+
+IncompressibleSums::IncompressibleSums(double volume, double support_radius, double smoothed_fraction,
+                                       double viscosity_dt, const ViscousWeights& weights)
+    : DensityModel(volume, support_radius, smoothed_fraction),
+      by_slope(static_cast<float>(2 * viscosity_dt / (support_radius * support_radius) * weights.slope)),
+      by_hat(static_cast<float>(2 * viscosity_dt / (support_radius * support_radius) * weights.hat)) {}
+
+/// δ and ω belong to the lattice on which particles of volume V pack: its spacing is V^(1/3) (a lattice that
+/// is 8 % wider gives a δ 1.4 times too large, and the loop diverges).
+IncompressibleModel::IncompressibleModel(const FluidSettings& s)
+    : settings_(s),
+      support_radius_(s.support_ratio * s.spacing),
+      volume_(std::pow(s.spacing, 3) / lattice_density<Kernel>(s.support_ratio)),
+      viscous_weights_(viscous_weights<Kernel>(s.support_ratio)) {
+  const double packing = std::cbrt(volume_), ratio = support_radius_ / packing;
+  const double scale = volume_ * Kernel::norm / std::pow(support_radius_, 3);
+  density_scale_ = static_cast<float>(scale);
+  self_density_ = density_scale_ * static_cast<float>(Kernel::w(0.0));
+  stiffness_ = scale * pcisph_stiffness<Kernel>(ratio) / (ratio * ratio);
+  relaxation_ = pcisph_relaxation<Kernel>(ratio);
+  push_scale_ = 1 / density_scale_;
+}
+
+IncompressibleSums IncompressibleModel::sums(double dt) const {
+  return {volume_, support_radius_, -std::expm1(-settings_.xsph_rate * dt), settings_.viscosity * dt,
+          viscous_weights_};
+}
+
+double IncompressibleModel::phi_per_pascal(double dt) const {
+  return dt * dt * static_cast<double>(density_scale_) /
+         (settings_.rest_density * support_radius_ * support_radius_);
+}
+
+/// A step that iterates more than it must leaves the next ones little to do; those then iterate too little,
+/// and the pressures swing between the two. So iterations fall slowly, and only where the tolerance would
+/// have been met with fewer for some time: the error goes as their inverse square.
+bool IncompressibleModel::Loop::may_end(double mean) {
+  if (!converged || iterations < min_iterations) return false;
+  if (iterations >= pace.iterations) return true;
+  const double ratio = static_cast<double>(pace.iterations) / iterations;
+  if (iterations + 1 < pace.iterations && ratio > largest_fall) return false;
+  if (ratio * ratio * mean <= margin * tolerance) fewer_would_do = true;
+  return fewer_would_do && pace.calm >= patience;
+}
+
+IncompressibleModel::Pace IncompressibleModel::Loop::next_pace() const {
+  const bool fell = iterations < pace.iterations;
+  return {iterations, fewer_would_do && !fell ? pace.calm + 1 : 0};
+}
+
+void IncompressibleModel::begin(StepState& state) {
+  const float remaining = static_cast<float>(std::exp(-state.dt / recovery_time));
+  theta_.assign(state.boundary.points().size(), 0);
+  wall_density_.assign(state.boundary.points().size(), 0);
+  drift_.resize(state.size());
+  target_.resize(state.size());
+  state.for_each([&](std::size_t i) {
+    target_[i] = remaining * std::max(0.0f, state.relative_density[i] - 1 - tolerated_compression);
+  });
+}
+
+/// p = ½ p_old (dt_old/dt)², so that the displacement by pressure starts at half of what it was. More than
+/// half makes the slow modes of a column at rest grow from step to step.
+double IncompressibleModel::warm_start(const StepState& state) const {
+  const double ratio = state.previous_dt / state.dt;
+  return 0.5 * ratio * ratio * phi_per_pascal(state.dt);
+}
+
+void IncompressibleModel::write(const Loop& density, FluidReport& report) {
+  report.iterations = density.iterations;
+  report.density_error_mean = density.errors.mean(density.errors.sum);
+  report.density_error_max = density.errors.largest;
+  report.converged = density.converged;
+  report.diverged |= density.diverged;
+}
+
+/// Removes what approaches a sheet beyond the bound, one contact after the other; twice, since the later may
+/// undo the earlier in a corner.
+void IncompressibleModel::keep_side(const StepState& state, Span<const PredictionContact> contacts,
+                                    Vec3& displacement) const {
+  const double to_displacement = state.dt / support_radius_;
+  for (int pass = 0; pass < (contacts.size() > 1 ? 2 : 1); ++pass)
+    for (const PredictionContact& c : contacts) {
+      const double short_of = c.least_normal_velocity * to_displacement - displacement.dot(c.normal);
+      if (short_of > 0) displacement += short_of * c.normal;
+    }
+}
+
+bool IncompressibleModel::diverges(double mean, double tolerance) {
+  const bool far_above = mean > 10 * tolerance + 1e-3;
+  growing_ = far_above && last_mean_ > 0 && mean > last_mean_ ? growing_ + 1 : 0;
+  last_mean_ = mean;
+  return growing_ >= 3;
+}
+
+}  // namespace oilskin::fluid

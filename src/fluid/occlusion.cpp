@@ -1,0 +1,192 @@
+#include "fluid/occlusion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace oilskin::fluid {
+
+namespace {
+
+constexpr std::size_t triangle_chunk = 64, particle_chunk = 64;
+
+using Pair = std::pair<std::uint32_t, std::uint32_t>;
+
+struct TriangleRef {
+  std::uint32_t surface, triangle;
+};
+
+Box triangle_box(const SurfaceMotion& s, std::uint32_t triangle) {
+  Box box;
+  for (std::uint32_t n : s.triangles[triangle]) box.add(s.x_t0[n]);
+  return box;
+}
+
+/// Is there water within H on both sides?
+bool parts_water(const SightTest& test, const Box& box, Span<const Vec3> x, double reach,
+                 const Neighbours& neighbours) {
+  const double plane_reach = reach * test.normal_length();
+  bool front = false, back = false;
+  neighbours.for_runs_in(box, [&](std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t i = begin; i < end && !(front && back); ++i) {
+      const double side = test.side(x[i]);
+      if (std::abs(side) > plane_reach || !box.contains(x[i])) continue;
+      front |= side >= 0;
+      back |= side <= 0;
+    }
+  });
+  return front && back;
+}
+
+/// Per particle, the dividing triangles within half of H: one end of a pair that a triangle hides is as near.
+struct NearTriangles {
+  std::vector<std::uint32_t> particle;  // ascending
+  std::vector<std::uint32_t> begin;     // one more than particles
+  std::vector<TriangleRef> triangle;
+};
+
+NearTriangles find_dividing_triangles(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,
+                                      double support_radius, const Neighbours& neighbours,
+                                      const Workers& workers) {
+  struct Near {
+    std::uint32_t particle;
+    TriangleRef triangle;
+  };
+  const double half = 0.5 * support_radius * (1 + 1e-9);
+  std::vector<Near> all;
+  for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
+    const SurfaceMotion& motion = *surfaces[s];
+    std::vector<std::vector<Near>> found((motion.triangles.size() + triangle_chunk - 1) / triangle_chunk);
+    workers.for_chunks(
+        motion.triangles.size(), triangle_chunk, [&](std::size_t begin, std::size_t end, std::size_t chunk) {
+          for (std::size_t k = begin; k < end; ++k) {
+            const auto t = static_cast<std::uint32_t>(k);
+            const SightTest test(motion, t);
+            if (test.normal_length() == 0) continue;
+            const Box box = triangle_box(motion, t);
+            if (!parts_water(test, box.inflated(support_radius), x, support_radius, neighbours)) continue;
+            const Box near = box.inflated(half);
+            const double plane_reach = half * test.normal_length();
+            neighbours.for_runs_in(near, [&](std::uint32_t run_begin, std::uint32_t run_end) {
+              for (std::uint32_t i = run_begin; i < run_end; ++i)
+                if (near.contains(x[i]) && std::abs(test.side(x[i])) <= plane_reach)
+                  found[chunk].push_back({i, {s, t}});
+            });
+          }
+        });
+    for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Near& a, const Near& b) { return a.particle < b.particle; });
+  NearTriangles near;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (k == 0 || all[k].particle != all[k - 1].particle) {
+      near.particle.push_back(all[k].particle);
+      near.begin.push_back(static_cast<std::uint32_t>(k));
+    }
+    near.triangle.push_back(all[k].triangle);
+  }
+  near.begin.push_back(static_cast<std::uint32_t>(all.size()));
+  return near;
+}
+
+void find_hidden_neighbours(std::uint32_t i, Span<const TriangleRef> triangles, Span<const Vec3> x,
+                            Span<SurfaceMotion* const> surfaces, const Neighbours& neighbours,
+                            std::vector<Pair>& hidden) {
+  const std::uint32_t* list = neighbours.list(i);
+  const std::uint32_t count = neighbours.count(i);
+  std::vector<std::uint8_t> is_hidden(count, 0);
+  for (const TriangleRef& t : triangles) {
+    const SightTest test(*surfaces[t.surface], t.triangle);
+    const double own = test.side(x[i]);
+    for (std::uint32_t k = 0; k < count; ++k) {
+      if (is_hidden[k]) continue;
+      const std::uint32_t j = list[k];
+      const double other = test.side(x[j]);
+      if ((own > 0 && other > 0) || (own < 0 && other < 0)) continue;
+      is_hidden[k] = i < j ? test.blocks(x[i], x[j], own, other) : test.blocks(x[j], x[i], other, own);
+    }
+  }
+  for (std::uint32_t k = 0; k < count; ++k) {
+    if (!is_hidden[k]) continue;
+    hidden.push_back({i, list[k]});
+    hidden.push_back({list[k], i});
+  }
+}
+
+double cross2(double ax, double ay, double bx, double by) {
+  return ax * by - ay * bx;
+}
+
+}  // namespace
+
+SightTest::SightTest(const SurfaceMotion& surface, std::uint32_t triangle) {
+  const Triangle& node = surface.triangles[triangle];
+  for (std::size_t k = 0; k < 3; ++k) corner_[k] = surface.x_t0[node[k]];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t next = (k + 1) % 3;
+    reversed_[k] = node[k] > node[next];
+    edge_[k] = {static_cast<std::uint8_t>(reversed_[k] ? next : k),
+                static_cast<std::uint8_t>(reversed_[k] ? k : next)};
+  }
+  normal_ = (corner_[1] - corner_[0]).cross(corner_[2] - corner_[0]);
+  normal_length_ = normal_.norm();
+}
+
+bool SightTest::blocks(const Vec3& p, const Vec3& q, double side_p, double side_q) const {
+  if ((side_p > 0 && side_q > 0) || (side_p < 0 && side_q < 0)) return false;
+  if (side_p == 0 && side_q == 0) return blocks_in_plane(p, q);
+  const Vec3 along = q - p;
+  bool left = true, right = true;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 &u = corner_[edge_[k][0]], &v = corner_[edge_[k][1]];
+    const double volume = along.dot((u - p).cross(v - p));
+    const double sign = reversed_[k] ? -volume : volume;
+    left &= sign >= 0;
+    right &= sign <= 0;
+  }
+  return left || right;
+}
+
+/// Both ends lie in the triangle's plane: no line parts them there.
+bool SightTest::blocks_in_plane(const Vec3& p, const Vec3& q) const {
+  Eigen::Index drop = 0;
+  normal_.cwiseAbs().maxCoeff(&drop);
+  const Eigen::Index a = (drop + 1) % 3, b = (drop + 2) % 3;
+  const auto parted_by = [&](const Vec3& from, const Vec3& to, const Vec3& inside_1, const Vec3& inside_2,
+                             const Vec3& outside_1, const Vec3& outside_2) {
+    const auto at = [&](const Vec3& x) {
+      return cross2(to[a] - from[a], to[b] - from[b], x[a] - from[a], x[b] - from[b]);
+    };
+    const double low = std::min(at(inside_1), at(inside_2)), high = std::max(at(inside_1), at(inside_2));
+    const double l = std::min(at(outside_1), at(outside_2)), h = std::max(at(outside_1), at(outside_2));
+    return h < std::min(low, 0.0) || l > std::max(high, 0.0);
+  };
+  for (std::size_t k = 0; k < 3; ++k) {  // the triangle's edges
+    const Vec3 &u = corner_[k], &v = corner_[(k + 1) % 3], &w = corner_[(k + 2) % 3];
+    if (parted_by(u, v, u, w, p, q)) return false;
+  }
+  const auto at = [&](const Vec3& x) { return cross2(q[a] - p[a], q[b] - p[b], x[a] - p[a], x[b] - p[b]); };
+  const double s0 = at(corner_[0]), s1 = at(corner_[1]), s2 = at(corner_[2]);
+  return !(std::min({s0, s1, s2}) > 0 || std::max({s0, s1, s2}) < 0);
+}
+
+std::uint64_t remove_hidden_neighbours(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,
+                                       double support_radius, Neighbours& neighbours,
+                                       const Workers& workers) {
+  const NearTriangles near = find_dividing_triangles(x, surfaces, support_radius, neighbours, workers);
+  std::vector<std::vector<Pair>> hidden((near.particle.size() + particle_chunk - 1) / particle_chunk);
+  workers.for_chunks(near.particle.size(), particle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
+    for (std::size_t k = b; k < e; ++k)
+      find_hidden_neighbours(near.particle[k],
+                             {near.triangle.data() + near.begin[k], near.begin[k + 1] - near.begin[k]}, x,
+                             surfaces, neighbours, hidden[c]);
+  });
+  std::vector<Pair> pairs;
+  for (const auto& part : hidden) pairs.insert(pairs.end(), part.begin(), part.end());
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  neighbours.remove(pairs, workers);
+  return pairs.size() / 2;
+}
+
+}  // namespace oilskin::fluid

@@ -1,0 +1,82 @@
+#include "world/substeps.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace oilskin::world {
+
+int substep_count(const Speeds& speeds, double dt, double way, int most) {
+  const double fluid = speeds.fluid + speeds.gravity * dt;
+  const double parts = std::ceil(dt * std::max(fluid, speeds.surfaces) / way);
+  return parts < most ? std::max(1, static_cast<int>(parts)) : most;
+}
+
+double longest_step(const Speeds& speeds, double way) {
+  // dt (v + g dt) = way, in the form that does not cancel.
+  const double slope = speeds.fluid + std::sqrt(speeds.fluid * speeds.fluid + 4 * speeds.gravity * way);
+  double longest = std::numeric_limits<double>::infinity();
+  if (slope > 0) longest = 2 * way / slope;
+  if (speeds.surfaces > 0) longest = std::min(longest, way / speeds.surfaces);
+  return longest;
+}
+
+double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, double dt) {
+  double longest = 0;  // squared
+  for (const SurfaceMotion* s : surfaces)
+    for (const Triangle& t : s->triangles) {
+      Box swept;
+      double way = 0;
+      for (std::uint32_t node : t) {
+        swept.add(s->x_t0[node]);
+        swept.add(s->x_t1[node]);
+        way = std::max(way, (s->x_t1[node] - s->x_t0[node]).squaredNorm());
+      }
+      if (way > longest && swept.overlaps(water)) longest = way;
+    }
+  return std::sqrt(longest) / dt;
+}
+
+void SurfacePaths::begin(Span<SurfaceMotion* const> surfaces, int parts, double length) {
+  paths_.clear();
+  parts_ = left_ = parts;
+  length_ = length;
+  if (parts == 1) return;
+  for (SurfaceMotion* s : surfaces)
+    paths_.push_back({s, s->x_t0, s->x_t1, s->velocity, std::vector<Vec3>(s->x_t0.size(), Vec3::Zero())});
+}
+
+void SurfacePaths::next() {
+  for (Path& path : paths_) {
+    if (left_ < parts_) continue_from_certified(path);
+    SurfaceMotion& m = *path.motion;
+    for (std::size_t i = 0; i < m.x_t0.size(); ++i)
+      m.x_t1[i] =
+          left_ == 1 ? path.target[i] : stored(m.x_t0[i] + (path.target[i] - m.x_t0[i]) / left_, m.storage);
+  }
+  --left_;
+}
+
+void SurfacePaths::continue_from_certified(Path& path) const {
+  SurfaceMotion& m = *path.motion;
+  m.x_t0 = m.x_t1;
+  for (std::size_t i = 0; i < m.x_t0.size(); ++i) {
+    path.impulse[i] += m.impulse[i];
+    // A pin that was held has farther to go in less time, and pushes the water as fast as it goes.
+    if (m.moved[i] && m.inverse_mass[i] == 0)
+      m.velocity[i] = (path.target[i] - m.x_t0[i]) / (left_ * length_);
+  }
+}
+
+void SurfacePaths::end() {
+  for (Path& path : paths_) {
+    SurfaceMotion& m = *path.motion;
+    m.x_t0 = path.start;
+    for (std::size_t i = 0; i < m.x_t0.size(); ++i) {
+      m.impulse[i] += path.impulse[i];
+      m.moved[i] = m.x_t1[i] != path.target[i];
+      if (m.inverse_mass[i] == 0) m.velocity[i] = path.velocity[i];
+    }
+  }
+}
+
+}  // namespace oilskin::world

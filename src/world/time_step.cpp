@@ -1,0 +1,57 @@
+/// How long a step may be, and in how many parts it falls.
+#include <algorithm>
+#include <cmath>
+
+#include "world/intake.h"
+#include "world/world_impl.h"
+
+namespace oilskin {
+
+/// A wall drives the water before it as fast as it goes itself, so what surfaces do counts like the fluid's
+/// own speed, but only where they meet: cloth that flaps in the air costs nothing.
+world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved_for, double dt) const {
+  world::Speeds found;
+  Box water;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const Vec3 &x = particles.position[i], &v = particles.velocity[i];
+    if (!world::is_sound(x) || !world::is_sound(v)) continue;  // quarantined by the next step
+    water.add(x);
+    found.fluid = std::max(found.fluid, v.squaredNorm());
+  }
+  found.fluid = std::max(std::sqrt(found.fluid), emission->fastest_due(time, dt));
+  found.gravity = found.fluid > 0 || particles.size() > 0 ? settings.gravity.norm() : 0;
+  const double reach = fluid->support_radius() + found.fluid * dt;
+  if (moved_for > 0) found.surfaces = world::fastest_node(moved, water.inflated(reach), moved_for);
+  return found;
+}
+
+void World::Impl::cut(double dt) {
+  const double way = fluid_settings.cfl * fluid_settings.spacing;
+  const int most = fluid_settings.max_substeps;
+  report.substeps = most > 1 ? world::substep_count(speeds(surfaces, dt, dt), dt, way, most) : 1;
+  paths.begin(surfaces, report.substeps, dt / report.substeps);
+}
+
+/// The limits of method A.6. Those of accuracy hold for an interval, so that sub-steps loosen them. Those of
+/// stability hold for the step: a step is cut by speeds alone, and it may not be.
+double World::Impl::longest_dt(double largest) const {
+  std::vector<SurfaceMotion*> moved;
+  for (const auto& a : attachments.all())
+    if (!a->refused && world::meets(fluid_settings, a->settings)) moved.push_back(&a->motion);
+  const world::Speeds found = speeds(moved, last_dt, largest);
+  const FluidSettings& f = fluid_settings;
+  const double support = fluid->support_radius();
+  double dt = std::min(largest, world::longest_step(found, f.max_substeps * f.cfl * f.spacing));
+  if (largest_acceleration > 0)
+    dt = std::min(dt, f.max_substeps * 0.25 * std::sqrt(support / largest_acceleration));
+  if (f.viscosity > 0) dt = std::min(dt, 0.125 * support * support / f.viscosity);
+  if (f.solver == PressureSolver::mcg03)
+    dt = std::min(dt, 0.4 * support / (std::sqrt(f.stiffness) + found.fluid));
+  return dt;
+}
+
+double World::suggested_dt(double largest) const {
+  return impl_->status.ok() && largest > 0 ? impl_->longest_dt(largest) : largest;
+}
+
+}  // namespace oilskin

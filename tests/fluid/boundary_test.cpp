@@ -1,0 +1,254 @@
+// Boundary terms: walls continue the water as its mirror image.
+#include "fluid/boundary.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fluid/lattice.h"
+#include "fluid/wall_integral.h"
+#include "support/random.h"
+#include "support/surface_of.h"
+
+namespace oilskin::fluid {
+namespace {
+
+// Table of method A.10.3.
+TEST(WallIntegral, half_space_function_of_the_cubic_spline) {
+  const double zeta[] = {0, 0.1, 0.25, 0.5, 0.75, 0.9};
+  const double mass[] = {0.5, 0.362622, 0.187760, 0.033333, 0.001302, 0.000015};
+  for (int k = 0; k < 6; ++k) {
+    EXPECT_NEAR(half_space_mass(zeta[k]), mass[k], 1e-6);
+    const double e = 1e-6, z = zeta[k] + e;
+    EXPECT_NEAR(plane_integral(z), (half_space_mass(z - e) - half_space_mass(z + e)) / (2 * e), 1e-6);
+    EXPECT_NEAR(plane_integral_slope(z), (plane_integral(z - e) - plane_integral(z + e)) / (2 * e), 1e-5);
+  }
+  EXPECT_EQ(half_space_mass(1.0), 0);
+  EXPECT_EQ(plane_integral(1.5), 0);
+}
+
+TEST(WallIntegral, tiles_of_a_plane_hide_it_together) {
+  test::Random random(5);
+  for (float edge : {0.3f, 0.9f, 2.0f, 20.0f})
+    for (float z : {0.05f, 0.1f, 0.25f, 0.49f})
+      for (int trial = 0; trial < 20; ++trial) {
+        const float x = edge * static_cast<float>(random.uniform()),
+                    y = edge * static_cast<float>(random.uniform());
+        const int cells = static_cast<int>(std::ceil(1 / edge)) + 1;
+        const auto corner = [&](int a, int b) {
+          return Eigen::Vector3f(static_cast<float>(a) * edge - x, -z, static_cast<float>(b) * edge - y);
+        };
+        float share = 0;
+        for (int a = -cells; a <= cells; ++a)
+          for (int b = -cells; b <= cells; ++b) {
+            const WallView one = view_of_wall({corner(a, b), corner(a + 1, b), corner(a + 1, b + 1)});
+            const WallView two = view_of_wall({corner(a, b + 1), corner(a, b), corner(a + 1, b + 1)});
+            share += one.share + two.share;
+            for (const WallView& w : {one, two})
+              if (w.share > 0) EXPECT_LT((w.normal - Eigen::Vector3f(0, 1, 0)).norm(), 1e-5);
+          }
+        EXPECT_NEAR(share, 1, z < 0.1f ? 0.02 : 2e-4) << "edge " << edge << ", z " << z;
+      }
+}
+
+/// λ_T by its definition (method A.10.4): ∫ over the triangle of solid angle × kernel mass beyond.
+double shadow_mass(const std::array<Eigen::Vector3f, 3>& corners, int n) {
+  const auto beyond = [](double q) {
+    const double q3 = q * q * q, q5 = q3 * q * q;
+    if (q < 0.5) return -32 * q3 * q3 + 192 * q5 / 5 - 32 * q3 / 3 + 1;
+    return q < 1 ? 32 * q3 * q3 / 3 - 192 * q5 / 5 + 48 * q3 * q - 64 * q3 / 3 + 16.0 / 15 : 0;
+  };
+  const Vec3 a = corners[0].cast<double>(), b = corners[1].cast<double>(), c = corners[2].cast<double>();
+  const Vec3 normal = (b - a).cross(c - a);
+  double sum = 0;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      double s = (i + 0.5) / n, t = (j + 0.5) / n;
+      if (s + t > 1) s = 1 - s, t = 1 - t;
+      const Vec3 y = a + s * (b - a) + t * (c - a);
+      const double r = y.norm();
+      sum += std::abs(normal.dot(y)) / (2.0 * n * n) / (4 * pi * r * r * r) * beyond(r);
+    }
+  return sum;
+}
+
+TEST(WallIntegral, a_triangle_hides_what_the_definition_says) {
+  test::Random random(9);
+  for (int trial = 0; trial < 60; ++trial) {
+    std::array<Eigen::Vector3f, 3> corners;
+    for (Eigen::Vector3f& x : corners)
+      x = Vec3(1.6 * (random.uniform() - 0.5), -0.15 - 0.4 * random.uniform(), 1.6 * (random.uniform() - 0.5))
+              .cast<float>();
+    const WallView view = view_of_wall(corners);
+    if (view.distance < 0.08f) continue;  // seen edge-on: the sum over points is too coarse there
+    EXPECT_NEAR(view.share * half_space_mass(view.distance), shadow_mass(corners, 200), 2e-3);
+  }
+}
+
+TEST(WallIntegral, hides_nothing_where_there_is_no_area) {
+  const Eigen::Vector3f a(0.1f, -0.2f, 0), b(0.3f, -0.2f, 0.1f);
+  EXPECT_EQ(view_of_wall({a, b, b}).share, 0);
+  EXPECT_EQ(view_of_wall({a, a, a}).share, 0);
+  EXPECT_EQ(view_of_wall({a, b, Eigen::Vector3f(0.2f, -0.2f, 0.05f)}).share, 0);
+  const Eigen::Vector3f in_plane(1, 0, 0), too(0, 0, 1), third(1, 0, 1);
+  EXPECT_EQ(view_of_wall({in_plane, too, third}).share, 0) << "edge-on";
+}
+
+/// A lattice on a sheet, and what the boundary finds.
+struct Layer {
+  static constexpr double dx = 0.005, h = 2 * dx, mass = 1.25e-4;
+  Workers workers;
+  std::vector<Vec3> x;
+  Neighbours neighbours;
+  SurfaceMotion surface;
+  Boundary boundary{2.0};
+
+  Layer(const test::StaticMesh& mesh, double inverse_mass, int threads = 1)
+      : workers(threads), surface(test::surface_of(mesh, inverse_mass)) {}
+  void fill(int n, int layers, double first, const Vec3& corner = Vec3::Zero()) {
+    for (int c = 0; c < n; ++c)
+      for (int b = 0; b < layers; ++b)
+        for (int a = 0; a < n; ++a)
+          x.push_back(corner + Vec3((a + 0.5) * dx, first + b * dx, (c + 0.5) * dx));
+  }
+  void find() {
+    const auto& order = neighbours.cell_order(x, h, workers);
+    std::vector<Vec3> sorted;
+    for (std::uint32_t i : order) sorted.push_back(x[i]);
+    x = sorted;
+    neighbours.search(x, workers);
+    SurfaceMotion* surfaces[] = {&surface};
+    boundary.find(1e-3, mass, x, neighbours, h, surfaces, workers);
+  }
+};
+
+test::StaticMesh plate(double size, std::uint32_t cells, double from = 0) {
+  test::StaticMesh mesh;
+  mesh.add_rectangle(Vec3(from, 0, from), Vec3(size, 0, 0), Vec3(0, 0, size), cells, cells);
+  return mesh;
+}
+
+TEST(Boundary, a_lattice_on_a_sheet_lacks_nothing) {
+  Layer water(plate(0.12, 14, -0.03), 0);
+  water.fill(12, 4, Layer::dx / 2);
+  water.find();
+  EXPECT_EQ(water.boundary.points().size(), 144u) << "the first layer";
+  for (const Boundary::Point& p : water.boundary.points()) {
+    EXPECT_NEAR(p.lambda, lattice_mass_beyond<CubicSpline>(2), 2e-5);
+    EXPECT_NEAR(p.gamma.y(), 2 * lattice_pull_beyond<CubicSpline>(2), 2e-4) << "as much as the layer above";
+    EXPECT_NEAR(p.gamma.x(), 0, 1e-5);
+  }
+}
+
+TEST(Boundary, both_sides_are_alike_and_the_force_is_the_slope) {
+  // A sheet of many small triangles that is bent a little: no shortcut for planes.
+  test::StaticMesh mesh = plate(0.06, 12, -0.03);
+  for (Vec3& n : mesh.nodes) n.y() = 1.5 * n.x() * n.x();
+  for (double z : {0.001, 0.002, 0.0025, 0.004}) {
+    const auto lambda_at = [&](double y) {
+      Layer water(mesh, 0);
+      water.x = {Vec3(0, y, 0)};
+      water.find();
+      return water.boundary.points().empty() ? Boundary::Point() : water.boundary.points()[0];
+    };
+    const double e = 1e-5;
+    const Boundary::Point above = lambda_at(z), below = lambda_at(-z);
+    EXPECT_NEAR(above.lambda, below.lambda, 0.04) << "the hollow side is nearer to more of the sheet";
+    EXPECT_GT(above.gamma.y(), 0);
+    EXPECT_LT(below.gamma.y(), 0);
+    const double slope = static_cast<double>(lambda_at(z - e).lambda - lambda_at(z + e).lambda) / (2 * e);
+    EXPECT_NEAR(above.gamma.y() / Layer::h, slope, 0.06 * slope + 2) << "z " << z;
+  }
+}
+
+TEST(Boundary, ends_with_the_sheet) {
+  const double z = 0.0025;
+  float last = 1;
+  for (double beyond : {-0.012, -0.005, 0.0, 0.003, 0.006, 0.012}) {
+    Layer water(plate(0.06, 9, -0.06), 0);
+    water.x = {Vec3(beyond, z, -0.03)};
+    water.find();
+    const float lambda = water.boundary.empty() ? 0 : water.boundary.points()[0].lambda;
+    EXPECT_LE(lambda, last + 1e-6f) << beyond;
+    if (beyond == 0.0) EXPECT_NEAR(lambda, 0.5 * lattice_mass_beyond<CubicSpline>(2), 2e-3);
+    last = lambda;
+  }
+  EXPECT_EQ(last, 0);
+}
+
+TEST(Boundary, layers_behind_a_layer_do_not_count) {
+  test::StaticMesh mesh = plate(0.06, 7, -0.03);
+  for (int layer = 1; layer <= 3; ++layer)
+    mesh.add_rectangle(Vec3(-0.03, -0.0005 * layer, -0.03), Vec3(0.06, 0, 0), Vec3(0, 0, 0.06), 5, 5);
+  Layer water(mesh, 0);
+  water.fill(4, 1, Layer::dx / 2, Vec3(-0.01, 0, -0.01));
+  water.find();
+  ASSERT_EQ(water.boundary.points().size(), 16u);
+  for (const Boundary::Point& p : water.boundary.points())
+    EXPECT_NEAR(p.lambda, lattice_mass_beyond<CubicSpline>(2), 2e-3);
+}
+
+TEST(Boundary, what_particles_get_nodes_lose) {
+  for (double inverse_mass : {0.0, 2e4}) {
+    test::StaticMesh mesh = plate(0.06, 7);
+    test::Random random(4);
+    for (Vec3& n : mesh.nodes) n.y() += 0.002 * random.uniform();
+    Layer water(mesh, inverse_mass);
+    water.fill(12, 2, 0.004);
+    water.find();
+    std::vector<double> theta;
+    for (std::size_t k = 0; k < water.boundary.points().size(); ++k) theta.push_back(random.uniform());
+    std::vector<Vec3> dv(water.x.size(), Vec3::Zero());
+    water.boundary.push(theta, dv, water.workers);
+    Vec3 given = Vec3::Zero(), taken = Vec3::Zero(), nodes = Vec3::Zero();
+    for (const Vec3& v : dv) given += Layer::mass * v;
+    for (const Vec3& j : water.surface.impulse) taken += j;
+    EXPECT_GT(given.y(), 0);
+    EXPECT_LT((given + taken).norm(), 1e-14 * given.norm());
+    for (const Vec3& v : water.surface.velocity) nodes += v;
+    if (inverse_mass == 0)
+      EXPECT_TRUE(nodes.isZero(0));
+    else
+      EXPECT_LT((nodes / inverse_mass - taken).norm(), 1e-12 * taken.norm());
+  }
+}
+
+TEST(Boundary, light_walls_give_way_and_heavy_ones_move_as_told) {
+  test::StaticMesh mesh = plate(0.12, 14, -0.03);
+  for (double inverse_mass : {0.0, 6e4}) {
+    Layer water(mesh, inverse_mass);
+    for (Vec3& x : water.surface.x_t1) x.y() += 2e-4;  // 0.2 m/s upwards
+    water.fill(12, 1, Layer::dx / 2);
+    water.find();
+    const std::vector<float> still = water.boundary.inflow();
+    water.boundary.respond(std::vector<float>(water.boundary.points().size(), 0.01f), water.workers);
+    for (std::size_t k = 0; k < still.size(); ++k) {
+      const Boundary::Point& p = water.boundary.points()[k];
+      EXPECT_NEAR(still[k], 0.2f * p.gamma.y(), 1e-4f);
+      const float fallen = (still[k] - water.boundary.inflow()[k]) / 0.01f;
+      EXPECT_NEAR(fallen, water.boundary.yielding()[k], 1e-3f * fallen + 1e-3f);
+      if (inverse_mass > 0) EXPECT_GT(fallen, 1);
+    }
+  }
+}
+
+TEST(Boundary, does_not_depend_on_threads) {
+  std::vector<float> lambda[2], yielding[2];
+  for (int threads : {1, 2}) {
+    test::StaticMesh mesh = plate(0.1, 17);
+    test::Random random(8);
+    for (Vec3& n : mesh.nodes) n.y() += 0.003 * random.uniform();
+    Layer water(mesh, 1e4, threads);
+    for (int i = 0; i < 4000; ++i)
+      water.x.push_back(Vec3(0.1 * random.uniform(), 0.03 * random.uniform() - 0.01, 0.1 * random.uniform()));
+    water.find();
+    for (const Boundary::Point& p : water.boundary.points()) lambda[threads - 1].push_back(p.lambda);
+    yielding[threads - 1] = water.boundary.yielding();
+  }
+  EXPECT_GT(lambda[0].size(), 1000u);
+  EXPECT_EQ(lambda[0], lambda[1]);
+  EXPECT_EQ(yielding[0], yielding[1]);
+}
+
+}  // namespace
+}  // namespace oilskin::fluid

@@ -1,0 +1,267 @@
+// Water at rest on sheets with boundary terms and hidden neighbours (validation B.1 in the accurate mode,
+// B.14), on rigid sheets and on cloth that is lighter than the water on it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/mock_cloth.h"
+#include "support/static_mesh.h"
+#include "support/world_helpers.h"
+
+namespace oilskin {
+namespace {
+
+constexpr double g = 9.81;
+
+FluidSettings accurate(PressureSolver solver = PressureSolver::pcisph) {
+  FluidSettings s;
+  s.solver = solver;
+  s.boundary = BoundaryModel::mirrored;
+  return s;
+}
+
+WorldSettings small_world() {
+  WorldSettings s;
+  s.kill_box = {Vec3::Constant(-1), Vec3::Constant(1)};
+  return s;
+}
+
+/// Four walls of an open box [0, width]² × [bottom, top] along y.
+test::StaticMesh walls(double width_x, double width_z, double bottom, double top, double cell = 0.01) {
+  test::StaticMesh mesh;
+  const Vec3 x(width_x, 0, 0), y(0, top - bottom, 0), z(0, 0, width_z), corner(0, bottom, 0);
+  const auto cells = [&](double length) { return static_cast<std::uint32_t>(std::ceil(length / cell)); };
+  for (double at : {0.0, width_x})
+    mesh.add_rectangle(corner + Vec3(at, 0, 0), y, z, cells(top - bottom), cells(width_z));
+  for (double at : {0.0, width_z})
+    mesh.add_rectangle(corner + Vec3(0, 0, at), x, y, cells(width_x), cells(top - bottom));
+  return mesh;
+}
+
+void fill(World& w, int nx, int layers, int nz, const Vec3& corner) {
+  std::vector<Vec3> x;
+  const double dx = w.fluid_settings().spacing;
+  for (int c = 0; c < nz; ++c)
+    for (int b = 0; b < layers; ++b)
+      for (int a = 0; a < nx; ++a) x.push_back(corner + dx * Vec3(a + 0.5, b + 0.5, c + 0.5));
+  std::uint64_t blocked = 0;
+  ASSERT_TRUE(w.add_particles(x, std::vector<Vec3>(x.size(), Vec3::Zero()), &blocked).ok());
+  ASSERT_EQ(blocked, 0u);
+}
+
+double vertical_impulse(const World& w, SurfaceId id) {
+  double sum = 0;
+  for (const Vec3& j : w.surface(id)->impulse) sum -= j.y();
+  return sum;
+}
+
+double mean_square_speed(const World& w) {
+  double sum = 0;
+  for (const Vec3& v : w.velocities()) sum += v.squaredNorm();
+  return sum / static_cast<double>(w.particle_count());
+}
+
+class Column : public ::testing::TestWithParam<PressureSolver> {};
+
+TEST_P(Column, stands_as_high_as_its_water_and_presses_with_its_weight) {
+  constexpr int n = 10, layers = 20;
+  World w(small_world(), accurate(GetParam()));
+  const double dx = 0.005, dt = 1e-3;
+  test::StaticMesh floor, sides = walls(n * dx, n * dx, 0, 0.15);
+  floor.add_rectangle(Vec3::Zero(), Vec3(n * dx, 0, 0), Vec3(0, 0, n * dx), 5, 5);
+  SurfaceId floor_id, sides_id;
+  ASSERT_TRUE(w.attach(floor, test::sheet_settings(), &floor_id).ok());
+  ASSERT_TRUE(w.attach(sides, test::sheet_settings(), &sides_id).ok());
+  fill(w, n, layers, n, Vec3::Zero());
+  const std::size_t count = w.particle_count();
+  const double weight = static_cast<double>(count) * w.particle_mass() * g;
+
+  double impulse = 0, on_sides = 0, time = 0, begin = 0, height = 0, square = 0;
+  double pressure[layers] = {}, seen[layers] = {};
+  while (w.time() < 0.7) {
+    const StepReport& r = w.step(dt);
+    ASSERT_LT(r.fluid.density_error_mean, 2e-3);
+    if (w.time() < 0.4) {
+      begin = test::fluid_momentum(w).y();
+      continue;
+    }
+    time += dt;
+    impulse += vertical_impulse(w, floor_id);
+    on_sides += vertical_impulse(w, sides_id);
+    square += dt * mean_square_speed(w);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec3& x = w.positions()[i];
+      height += 2 * dt * x.y() / static_cast<double>(count);
+      const int layer = static_cast<int>(x.y() / dx);
+      if (layer >= layers || std::min({x.x(), x.z(), n * dx - x.x(), n * dx - x.z()}) < 2 * dx) continue;
+      pressure[layer] += w.pressures()[i];
+      ++seen[layer];
+    }
+  }
+  ASSERT_EQ(w.particle_count(), count);
+  height /= time;
+  square /= time;
+  const double force = (impulse - (test::fluid_momentum(w).y() - begin)) / time / weight;
+  EXPECT_NEAR(force, 1, 0.002) << "B.1a";
+  EXPECT_NEAR(on_sides / time / weight, 0, 1e-6);
+  // Disordered water packs a percent closer than the lattice that its mass was calibrated on.
+  EXPECT_NEAR(height / (layers * dx), 0.99, 0.006) << "B.1c";
+  EXPECT_LT(0.5 * square, 0.01 * g * dx) << "B.1e: of the energy that lifts one layer by itself";
+  const auto over_hydrostatic = [&](int layer) {
+    return pressure[layer] / seen[layer] / (1000 * g * dx * (layers - layer - 0.5));
+  };
+  std::cout << "  force/weight " << force << ", height " << height << " m of " << layers * dx
+            << ", rms speed " << std::sqrt(square)
+            << " m/s, p/hydrostatic in layers 0, 1, 2, 9: " << over_hydrostatic(0) << ' '
+            << over_hydrostatic(1) << ' ' << over_hydrostatic(2) << ' ' << over_hydrostatic(9) << '\n';
+  double bulk = 0;
+  for (int layer = 1; layer < 10; ++layer) bulk += over_hydrostatic(layer) / 9;
+  EXPECT_NEAR(over_hydrostatic(0) / bulk, 1, 0.08) << "B.1b: the first layer is like the others";
+  EXPECT_NEAR(bulk, 1, 0.07);
+}
+
+INSTANTIATE_TEST_SUITE_P(solvers, Column, ::testing::Values(PressureSolver::pcisph, PressureSolver::dfsph));
+
+/// Below a floor with 0.1 m of water on it hang single particles, at z from it. Returns what they feel beyond
+/// gravity [m/s²].
+std::vector<double> pull_through_floor(bool occlusion, const std::vector<double>& distances) {
+  FluidSettings fluid = accurate();
+  fluid.occlusion = occlusion;
+  fluid.xsph_rate = 0;
+  World w(small_world(), fluid);
+  constexpr int n = 8;
+  const double dx = 0.005, dt = 1e-3;
+  test::StaticMesh floor, sides = walls(n * dx, n * dx, 0, 0.15);
+  floor.add_rectangle(Vec3::Zero(), Vec3(n * dx, 0, 0), Vec3(0, 0, n * dx), 5, 5);
+  SurfaceId id;
+  EXPECT_TRUE(w.attach(floor, test::sheet_settings(), &id).ok());
+  EXPECT_TRUE(w.attach(sides, test::sheet_settings(), &id).ok());
+  fill(w, n, 20, n, Vec3::Zero());
+  while (w.time() < 0.15) w.step(dt);
+  std::vector<double> felt;
+  for (double z : distances) {
+    const Vec3 x(0.02, -z, 0.02), zero = Vec3::Zero();
+    EXPECT_TRUE(w.add_particles(Span<const Vec3>(&x, 1), Span<const Vec3>(&zero, 1)).ok());
+    w.step(dt);
+    for (std::size_t i = 0; i < w.particle_count(); ++i)
+      if (w.positions()[i].y() < 0 && w.positions()[i].y() > -0.02)
+        felt.push_back(w.velocities()[i].y() / dt + g);
+    for (int k = 0; k < 70; ++k) w.step(dt);  // it falls out of reach
+  }
+  return felt;
+}
+
+TEST(TwoSides, water_does_not_feel_water_behind_a_sheet) {
+  const std::vector<double> distances = {0.0011, 0.0025, 0.005, 0.0075};
+  const std::vector<double> with = pull_through_floor(true, distances);
+  const std::vector<double> without = pull_through_floor(false, distances);
+  ASSERT_EQ(with.size(), 4u);
+  ASSERT_EQ(without.size(), 4u);
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_LT(std::abs(with[k]), 1e-6 * g) << "B.14a, z = " << distances[k];
+    std::cout << "  z " << distances[k] << " m: " << with[k] << " m/s² hidden, " << without[k]
+              << " m/s² without\n";
+  }
+  EXPECT_LT(without[0], -40) << "the test can fail";
+}
+
+TEST(TwoSides, equal_heads_leave_a_sheet_alone) {
+  World w(small_world(), accurate());
+  const double dx = 0.005, dt = 1e-3;
+  constexpr int nx = 8, layers = 12, nz = 6;
+  test::StaticMesh box = walls(2 * nx * dx, nz * dx, 0, 0.12), parting;
+  box.add_rectangle(Vec3::Zero(), Vec3(2 * nx * dx, 0, 0), Vec3(0, 0, nz * dx), 16, 6);
+  parting.add_rectangle(Vec3(nx * dx, 0, 0), Vec3(0, 0.12, 0), Vec3(0, 0, nz * dx), 12, 4);
+  SurfaceId id, parting_id;
+  ASSERT_TRUE(w.attach(box, test::sheet_settings(), &id).ok());
+  ASSERT_TRUE(w.attach(parting, test::sheet_settings(), &parting_id).ok());
+  fill(w, 2 * nx, layers, nz, Vec3::Zero());
+  double impulse = 0, time = 0;
+  while (w.time() < 0.6) {
+    w.step(dt);
+    if (w.time() < 0.3) continue;
+    time += dt;
+    for (const Vec3& j : w.surface(parting_id)->impulse) impulse += j.x();
+  }
+  const double one_side = 0.5 * 1000 * g * std::pow(layers * dx, 2) * nz * dx;
+  EXPECT_LT(std::abs(impulse / time), 0.01 * one_side) << "B.14b";
+}
+
+/// A sheet over the bottom of an open shaft, pinned along its border, with layers of water on it.
+struct ClothFloor {
+  World w;
+  test::MockCloth<float> cloth;
+  test::StaticMesh sides;
+  SurfaceId cloth_id, sides_id;
+  static constexpr int n = 12;
+
+  ClothFloor(int layers, double areal_density, const FluidSettings& fluid)
+      : w(small_world(), fluid),
+        cloth(test::GridShape{13, 13, Vec3(-0.01, 0, -0.01), Vec3(0.08, 0, 0), Vec3(0, 0, 0.08),
+                              areal_density}),
+        sides(walls(0.06, 0.06, -0.03, 0.15)) {
+    cloth.gravity = Vec3(0, -g, 0);
+    cloth.stiffness = 2000;
+    cloth.damping = 0.02;
+    for (std::size_t i = 0; i < cloth.x.size(); ++i) {
+      const auto inside = [](float c) { return c > 0.0f && c < 0.06f; };
+      if (!inside(cloth.x[i].x()) || !inside(cloth.x[i].z())) cloth.pin(i);
+    }
+    EXPECT_TRUE(w.attach(cloth, test::sheet_settings(), &cloth_id).ok());
+    EXPECT_TRUE(w.attach(sides, test::sheet_settings(), &sides_id).ok());
+    fill(w, n, layers, n, Vec3::Zero());
+  }
+};
+
+TEST(LightCloth, carries_deep_water) {
+  // 2 kg/m² under 60 kg/m², on springs that give back what they get. (Bullet's cloth, which does not, is
+  // looked at in the adapter's tests and in the scene bowl.)
+  ClothFloor pool(12, 2, accurate());
+  World& w = pool.w;
+  const std::size_t count = w.particle_count();
+  double reaction = 0, time = 0, begin = 0, fastest_node = 0;
+  while (w.time() < 0.5) {
+    const StepReport& r = w.step(5e-4);
+    ASSERT_TRUE(r.status.ok());
+    ASSERT_LT(r.momentum_residual().norm(), 1e-9);
+    if (w.time() < 0.2) {
+      begin = test::fluid_momentum(w).y();
+      continue;
+    }
+    time += 5e-4;
+    reaction += vertical_impulse(w, pool.cloth_id);
+    const SurfaceMotion& s = *w.surface(pool.cloth_id);
+    for (std::size_t i = 0; i < s.x_t0.size(); ++i)
+      fastest_node = std::max(fastest_node, (s.x_t1[i] - s.x_t0[i]).norm() / 5e-4);
+  }
+  const double weight = static_cast<double>(count) * w.particle_mass() * g;
+  EXPECT_EQ(w.particle_count(), count);
+  EXPECT_NEAR((reaction - (test::fluid_momentum(w).y() - begin)) / time / weight, 1, 0.01);
+  EXPECT_LT(fastest_node, 1.5);
+}
+
+TEST(LightCloth, that_is_free_falls_with_the_water_on_it) {
+  World w(small_world(), accurate());
+  test::MockCloth<double> cloth(
+      test::GridShape{9, 9, Vec3::Zero(), Vec3(0.05, 0, 0), Vec3(0, 0, 0.05), 0.05});
+  cloth.gravity = Vec3(0, -g, 0);
+  SurfaceId id;
+  ASSERT_TRUE(w.attach(cloth, test::sheet_settings(), &id).ok());
+  fill(w, 8, 4, 8, Vec3(0.005, 0, 0.005));
+  for (int k = 0; k < 100; ++k) w.step(1e-3);
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& v : w.velocities()) mean += v / static_cast<double>(w.particle_count());
+  EXPECT_NEAR(mean.y(), -g * 0.1, 0.002 * g * 0.1) << "nothing holds them";
+  double fastest = 0;
+  for (std::size_t i = 0; i < cloth.x.size(); ++i) fastest = std::max(fastest, (cloth.v[i] - mean).norm());
+  EXPECT_LT(fastest, 1) << "the water's pressure does not fling cloth that is a hundred times lighter";
+}
+
+TEST(Settings, boundary_terms_need_a_pressure_solver_that_has_them) {
+  FluidSettings s = accurate(PressureSolver::mcg03);
+  EXPECT_FALSE(s.validate().ok());
+  EXPECT_NE(s.validate().message.find("boundary"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace oilskin
