@@ -20,7 +20,7 @@ constexpr double plane_cosine = 0.996, plane_distance = 0.06;
 
 /// Mean time of what is remembered of loads and answers [s]. Shorter, and the water feels how the host
 /// shakes; longer, and it feels a load that is no more.
-constexpr double memory_time = 0.02;
+constexpr double memory_time = 0.05;
 
 std::vector<std::uint8_t> triangles_at_border(const SurfaceMotion& s) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;

@@ -36,7 +36,6 @@ class Boundary {
 
   static constexpr std::uint32_t none = UINT32_MAX;
 
-  static constexpr float mirror = 1;
   /// `support_ratio` H/dx of the lattice.
   explicit Boundary(double support_ratio);
 

@@ -16,7 +16,7 @@ constexpr double recovery_time = 0.002;  // [s]
 /// How slowly iterations fall: by one, or by this ratio, after so many steps in which the fewer iterations
 /// would have left no more than this part of the tolerance.
 constexpr double largest_fall = 1.18;
-constexpr int patience = 5;
+constexpr int patience = 3;
 constexpr double margin = 0.8;
 
 }  // namespace

@@ -27,13 +27,13 @@ struct FluidSettings {
       2;  ///< support radius over spacing, H/dx, 1.5 … 4; PCISPH relaxes δ by ω as it grows
   PressureSolver solver = PressureSolver::pcisph;
   double tolerance = 1e-3;  ///< PCISPH, DFSPH: mean positive density error, relative, at which it stops, ≥ 0
-  double divergence_tolerance = 1e-3;  ///< DFSPH: mean relative compression per step at which it stops, ≥ 0
-  int min_iterations = 3;              ///< PCISPH, ≥ 1
-  int max_iterations = 50;    ///< PCISPH, ≥ min_iterations; a step that ends here is counted in the report
+  double divergence_tolerance = 1e-3;  ///< DFSPH: mean compression beyond ρ0 per step, relative, ≥ 0
+  int min_iterations = 3;              ///< PCISPH, DFSPH, ≥ 1
+  int max_iterations = 50;    ///< PCISPH, DFSPH, ≥ min_iterations; a step that ends here is counted
   double stiffness = 4;       ///< MCG03: k [m²/s²], > 0; speed of sound √k, so dt ≤ 0.4 H/(√k + v)
   double viscosity = 1e-6;    ///< kinematic ν [m²/s], ≥ 0; 0 = none. Explicit: dt ≤ 0.125 H²/ν
   double xsph_rate = 10;      ///< XSPH smoothing ν_x [1/s], ≥ 0; per step 1 − exp(−ν_x dt); 0 = none
-  bool contact_aware = true;  ///< PCISPH predicts no position behind a sheet in contact (method of A.3)
+  bool contact_aware = true;  ///< PCISPH, DFSPH predict no position behind a sheet in contact (method of A.3)
   /// Nothing acts through a surface: neighbours whose connecting segment meets one are left out of every sum.
   bool occlusion = true;
   BoundaryModel boundary = BoundaryModel::contact_only;
