@@ -16,6 +16,12 @@ Status wrong(const char* field, const T& value, const char* range) {
   return Status::refused(s.str());
 }
 
+/// Enums come from outside, too.
+template <class E>
+bool is_one_of(E value, E last) {
+  return static_cast<int>(value) >= 0 && static_cast<int>(value) <= static_cast<int>(last);
+}
+
 bool positive(double x) {
   return std::isfinite(x) && x > 0;
 }
@@ -42,6 +48,10 @@ Status FluidSettings::validate() const {
     return wrong("fluid.divergence_tolerance", divergence_tolerance, "finite and ≥ 0");
   if (!positive(cfl)) return wrong("fluid.cfl", cfl, "finite and > 0");
   if (max_substeps < 1 || max_substeps > 1000) return wrong("fluid.max_substeps", max_substeps, "1 … 1000");
+  if (!is_one_of(solver, PressureSolver::dfsph))
+    return wrong("fluid.solver", static_cast<int>(solver), "a PressureSolver");
+  if (!is_one_of(boundary, BoundaryModel::mirrored))
+    return wrong("fluid.boundary", static_cast<int>(boundary), "a BoundaryModel");
   if (boundary == BoundaryModel::mirrored && solver == PressureSolver::mcg03)
     return wrong("fluid.boundary", "mirrored", "contact_only with solver mcg03, or use pcisph or dfsph");
   return {};
@@ -50,6 +60,8 @@ Status FluidSettings::validate() const {
 Status SurfaceSettings::validate() const {
   if (!positive(thickness)) return wrong("thickness", thickness, "a finite length > 0 m");
   const auto check = [](const SlipSettings& s, const char* friction, const char* slip_length) -> Status {
+    if (!is_one_of(s.model, SlipModel::viscous_wall))
+      return wrong("slip.model", static_cast<int>(s.model), "a SlipModel");
     if (std::isnan(s.friction) || s.friction < 0) return wrong(friction, s.friction, "≥ 0");
     if (std::isnan(s.slip_length) || s.slip_length < 0) return wrong(slip_length, s.slip_length, "≥ 0 m");
     return {};
@@ -61,6 +73,10 @@ Status SurfaceSettings::validate() const {
 }
 
 Status ContactSettings::validate() const {
+  if (!is_one_of(repulsion, Repulsion::none))
+    return wrong("contact.repulsion", static_cast<int>(repulsion), "a Repulsion");
+  if (!is_one_of(infeasible, Infeasible::allow))
+    return wrong("contact.infeasible", static_cast<int>(infeasible), "an Infeasible");
   if (!not_negative(stiffness)) return wrong("contact.stiffness", stiffness, "finite and ≥ 0 N/m");
   if (sweeps < 1 || sweeps > 1000) return wrong("contact.sweeps", sweeps, "1 … 1000");
   if (rounds < 0 || rounds > 100) return wrong("contact.rounds", rounds, "0 … 100");

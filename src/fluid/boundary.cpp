@@ -22,10 +22,27 @@ constexpr double plane_cosine = 0.996, plane_distance = 0.06;
 /// shakes; longer, and it feels a load that is no more.
 constexpr double memory_time = 0.05;
 
-std::vector<std::uint8_t> triangles_at_border(const SurfaceMotion& s) {
+/// Triangles that have the nodes of an earlier one.
+std::vector<std::uint8_t> repeated_triangles(const SurfaceMotion& s) {
+  std::vector<std::pair<Triangle, std::uint32_t>> sorted;
+  for (std::uint32_t t = 0; t < s.triangles.size(); ++t) {
+    Triangle nodes = s.triangles[t];
+    std::sort(nodes.begin(), nodes.end());
+    sorted.push_back({nodes, t});
+  }
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<std::uint8_t> repeated(s.triangles.size(), 0);
+  for (std::size_t k = 1; k < sorted.size(); ++k)
+    if (sorted[k].first == sorted[k - 1].first) repeated[sorted[k].second] = 1;
+  return repeated;
+}
+
+std::vector<std::uint8_t> triangles_at_border(const SurfaceMotion& s,
+                                              const std::vector<std::uint8_t>& repeated) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-  for (const Triangle& t : s.triangles)
-    for (int k = 0; k < 3; ++k) edges.push_back(std::minmax(t[k], t[(k + 1) % 3]));
+  for (std::size_t t = 0; t < s.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3 && !repeated[t]; ++k)
+      edges.push_back(std::minmax(s.triangles[t][k], s.triangles[t][(k + 1) % 3]));
   std::sort(edges.begin(), edges.end());
   std::vector<std::uint8_t> node_at_border(s.x_t0.size(), 0), at_border;
   for (std::size_t k = 0; k < edges.size();) {
@@ -74,7 +91,10 @@ void Boundary::find(double dt, double particle_mass, Span<const Vec3> x, const N
   surfaces_.assign(surfaces.begin(), surfaces.end());
   for (const SurfaceMotion* s : surfaces) {
     SurfaceMemory& memory = memory_[s->id];
-    if (memory.at_border.size() != s->triangles.size()) memory.at_border = triangles_at_border(*s);
+    if (memory.at_border.size() != s->triangles.size()) {
+      memory.repeated = repeated_triangles(*s);
+      memory.at_border = triangles_at_border(*s, memory.repeated);
+    }
     if (memory.nodes.size() != s->x_t0.size()) memory.nodes.assign(s->x_t0.size(), {});
   }
   std::vector<std::vector<Near>> found;
@@ -92,11 +112,13 @@ void Boundary::collect_near(Span<const Vec3> x, const Neighbours& neighbours,
   const double reach = support_radius_, plane_reach = reach / static_cast<double>(image_way_);
   for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
     const SurfaceMotion& motion = *surfaces[s];
+    const std::vector<std::uint8_t>& repeated = memory_.at(motion.id).repeated;
     const std::size_t first = found.size();
     found.resize(first + (motion.triangles.size() + triangle_chunk - 1) / triangle_chunk);
     workers.for_chunks(
         motion.triangles.size(), triangle_chunk, [&](std::size_t begin, std::size_t end, std::size_t chunk) {
           for (std::size_t t = begin; t < end; ++t) {
+            if (repeated[t]) continue;
             const Triangle& node = motion.triangles[t];
             const Vec3 &a = motion.x_t0[node[0]], &b = motion.x_t0[node[1]], &c = motion.x_t0[node[2]];
             Box box;
@@ -197,37 +219,57 @@ void Boundary::integrate(const Vec3& x, Span<SurfaceMotion* const> surfaces, Spa
   const float of_nearest_plane =
       image_mass_ * plane_integral(image_way_ * static_cast<float>(c.distance / support_radius_));
   if (point.lambda > 1.05f * of_nearest_plane) drop_hidden(x, surfaces, near, point, walls);
-  point.lambda = std::min(point.lambda, 1.0f);
+  if (point.lambda <= 1) return;
+  // In a narrow corner: there is no more to be seen than everything. Density and push stay of one function.
+  const float share = 1 / point.lambda;
+  point.lambda = 1;
+  point.gamma *= share;
+  for (std::size_t w = point.begin; w < walls.size(); ++w) walls[w].gamma *= share;
 }
 
-/// Layers behind a layer, and floors that go on behind walls, are no walls for this particle: those whose
-/// closest point it does not see.
+/// Layers behind a layer, floors that go on behind walls, and sheets that lie on a sheet are no walls for
+/// this particle: those whose closest point it does not see, or sees on an earlier one.
 void Boundary::drop_hidden(const Vec3& x, Span<SurfaceMotion* const> surfaces, Span<const Near> near,
                            Point& point, std::vector<Wall>& walls) const {
-  const auto is_hidden = [&](const Near& n) {
-    const Vec3 at = x - n.closest.offset;
-    const Triangle& own = surfaces[n.surface]->triangles[n.triangle];
-    for (const Near& other : near) {
-      const SurfaceMotion& s = *surfaces[other.surface];
-      const Triangle& t = s.triangles[other.triangle];
-      const bool adjoins =
-          n.surface == other.surface && std::any_of(t.begin(), t.end(), [&](std::uint32_t node) {
-            return std::find(own.begin(), own.end(), node) != own.end();
-          });
-      if (adjoins || other.closest.distance >= n.closest.distance) continue;
-      const SightTest test(s, other.triangle);
-      if (test.normal_length() > 0 && test.blocks(x, at, test.side(x), test.side(at))) return true;
+  std::vector<SightTest> test;
+  std::vector<double> own_side;
+  std::vector<std::uint32_t> by_distance;
+  for (std::uint32_t k = 0; k < near.size(); ++k) {
+    test.emplace_back(*surfaces[near[k].surface], near[k].triangle);
+    own_side.push_back(test[k].side(x));
+    by_distance.push_back(k);
+  }
+  std::sort(by_distance.begin(), by_distance.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::make_pair(near[a].closest.distance, a) < std::make_pair(near[b].closest.distance, b);
+  });
+  const auto adjoin = [&](const Near& a, const Near& b) {
+    if (a.surface != b.surface) return false;
+    const Triangle &s = surfaces[a.surface]->triangles[a.triangle],
+                   &t = surfaces[b.surface]->triangles[b.triangle];
+    return std::any_of(t.begin(), t.end(),
+                       [&](std::uint32_t n) { return std::find(s.begin(), s.end(), n) != s.end(); });
+  };
+  const auto is_same_place = [&](std::uint32_t a, std::uint32_t b) {
+    return (near[a].closest.offset - near[b].closest.offset).norm() <= 1e-6 * support_radius_;
+  };
+  const auto is_hidden = [&](std::uint32_t k) {
+    for (std::uint32_t o = 0; o < k; ++o)
+      if (!adjoin(near[k], near[o]) && is_same_place(k, o) && test[o].is_parallel_to(test[k])) return true;
+    const Vec3 at = x - (1 - 1e-6) * near[k].closest.offset;  // what lies in its plane does not hide it
+    for (std::uint32_t o : by_distance) {
+      if (o == k) return false;  // what follows is farther
+      if (test[o].normal_length() == 0 || adjoin(near[k], near[o]) || is_same_place(k, o)) continue;
+      if (test[o].blocks(x, at, own_side[o], test[o].side(at))) return true;
     }
     return false;
   };
   point.lambda = 0;
   point.gamma.setZero();
   std::size_t kept = point.begin;
-  for (std::size_t w = point.begin; w < walls.size(); ++w) {
-    const auto of_wall = std::find_if(near.begin(), near.end(), [&](const Near& n) {
-      return n.surface == walls[w].node[0] && n.triangle == walls[w].node[1];
-    });
-    if (is_hidden(*of_wall)) continue;
+  std::uint32_t k = 0;  // walls are in the order of `near`, some of which are none
+  for (std::size_t w = point.begin; w < walls.size(); ++w, ++k) {
+    while (near[k].surface != walls[w].node[0] || near[k].triangle != walls[w].node[1]) ++k;
+    if (is_hidden(k)) continue;
     walls[kept] = walls[w];
     point.lambda += walls[kept].lambda;
     point.gamma += walls[kept].gamma;

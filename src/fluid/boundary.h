@@ -99,6 +99,7 @@ class Boundary {
   };
   struct SurfaceMemory {
     std::vector<NodeMemory> nodes;
+    std::vector<std::uint8_t> repeated;   // per triangle: an earlier one has the same nodes
     std::vector<std::uint8_t> at_border;  // per triangle: a corner of it lies on a border edge
   };
   struct Near;

@@ -13,6 +13,10 @@ using Kernel = CubicSpline;
 constexpr float tolerated_compression = 0.05f;
 constexpr double recovery_time = 0.002;  // [s]
 
+/// Nor is the compression that the last step's tolerance left corrected faster than in this time [s] per
+/// spacing [m]: within a millionth of a step that would throw resting water apart.
+constexpr double least_correction_time = 0.04;
+
 /// How slowly iterations fall: by one, or by this ratio, after so many steps in which the fewer iterations
 /// would have left no more than this part of the tolerance.
 constexpr double largest_fall = 1.18;
@@ -72,19 +76,24 @@ IncompressibleModel::Pace IncompressibleModel::Loop::next_pace() const {
 
 void IncompressibleModel::begin(StepState& state) {
   const float remaining = static_cast<float>(std::exp(-state.dt / recovery_time));
+  const float left =
+      static_cast<float>(std::max(0.0, 1 - state.dt / (least_correction_time * settings_.spacing)));
   theta_.assign(state.boundary.points().size(), 0);
   wall_density_.assign(state.boundary.points().size(), 0);
   drift_.resize(state.size());
   target_.resize(state.size());
   state.for_each([&](std::size_t i) {
-    target_[i] = remaining * std::max(0.0f, state.relative_density[i] - 1 - tolerated_compression);
+    const float excess = std::max(0.0f, state.relative_density[i] - 1);
+    target_[i] = remaining * std::max(0.0f, excess - tolerated_compression) +
+                 left * std::min(excess, tolerated_compression);
   });
 }
 
 /// p = ½ p_old (dt_old/dt)², so that the displacement by pressure starts at half of what it was. More than
-/// half makes the slow modes of a column at rest grow from step to step.
+/// half makes the slow modes of a column at rest grow from step to step. After a longer step the pressure is
+/// kept, not the displacement: within a millionth of the time that would throw water apart.
 double IncompressibleModel::warm_start(const StepState& state) const {
-  const double ratio = state.previous_dt / state.dt;
+  const double ratio = std::min(1.0, state.previous_dt / state.dt);
   return 0.5 * ratio * ratio * phi_per_pascal(state.dt);
 }
 

@@ -2,6 +2,8 @@
 /// the neighbour lists, both ways, so that no pair sum of the step sees them [method of A.10.2].
 #pragma once
 
+#include <cmath>
+
 #include "core/parallel.h"
 #include "fluid/neighbours.h"
 #include "oilskin/surface_motion.h"
@@ -18,6 +20,10 @@ class SightTest {
   /// Six times the volume over the triangle, signed: the side on which x lies.
   double side(const Vec3& x) const { return normal_.dot(x - corner_[0]); }
   double normal_length() const { return normal_length_; }
+  /// Up to 2.5 degrees. False where one has no area.
+  bool is_parallel_to(const SightTest& other) const {
+    return std::abs(normal_.dot(other.normal_)) > 0.999 * normal_length_ * other.normal_length_;
+  }
   /// `side_p`, `side_q` as side() gave them. Symmetric in p and q up to their order; callers fix it.
   bool blocks(const Vec3& p, const Vec3& q, double side_p, double side_q) const;
 

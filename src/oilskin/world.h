@@ -72,7 +72,7 @@ class World {
   Status add_velocities(Span<const Vec3> dv);
 
   // --- the step
-  /// One coupled step of dt [s]. On refusal (dt ≤ 0 or not finite, bad settings) nothing happens and
+  /// One coupled step of dt [s], 1e-12 … 1e6. On refusal (another dt, bad settings) nothing happens and
   /// report.status says why. Where something would go farther than fluid.cfl spacings, the step is cut into
   /// up to fluid.max_substeps intervals, each with its own certificate; surfaces go straight through them to
   /// where their hosts want them at the end of the step.

@@ -250,9 +250,9 @@ const StepReport& World::step(double dt) {
   w.report.alive = w.particles.size();
   w.report.status = w.status;
   if (!w.status.ok()) return w.report;
-  if (!(dt > 0) || !std::isfinite(dt)) {
+  if (!(dt >= 1e-12 && dt <= 1e6)) {
     std::ostringstream s;
-    s << "dt is " << dt << "; it must be finite and > 0 s";
+    s << "dt is " << dt << "; it must be 1e-12 … 1e6 s";
     w.report.status = Status::refused(s.str());
     return w.report;
   }

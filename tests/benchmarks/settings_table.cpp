@@ -64,7 +64,7 @@ void four_substeps(Scene* s) {
 }
 
 void all(Scene* s) {
-  for (const Change& change : {both, viscous_wall, dfsph, four_substeps}) change(s);
+  for (const auto change : {both, viscous_wall, dfsph, four_substeps}) change(s);
 }
 
 /// One row: a simulation and what it adds up.

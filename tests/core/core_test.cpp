@@ -138,5 +138,21 @@ TEST(Assert, can_be_routed_by_a_host) {
   set_assert_handler(nullptr);
 }
 
+TEST(Settings, numbers_that_are_no_choice_are_refused) {
+  FluidSettings fluid;
+  fluid.solver = static_cast<PressureSolver>(9);
+  EXPECT_NE(fluid.validate().message.find("fluid.solver is 9"), std::string::npos);
+  fluid = {};
+  fluid.boundary = static_cast<BoundaryModel>(-1);
+  EXPECT_FALSE(fluid.validate().ok());
+  SurfaceSettings surface;
+  surface.slip_back = SlipSettings{};
+  surface.slip_back->model = static_cast<SlipModel>(9);
+  EXPECT_FALSE(surface.validate().ok());
+  ContactSettings contact;
+  contact.infeasible = static_cast<Infeasible>(5);
+  EXPECT_FALSE(contact.validate().ok());
+}
+
 }  // namespace
 }  // namespace oilskin

@@ -44,8 +44,10 @@ TEST(WallIntegral, tiles_of_a_plane_hide_it_together) {
             const WallView one = view_of_wall({corner(a, b), corner(a + 1, b), corner(a + 1, b + 1)});
             const WallView two = view_of_wall({corner(a, b + 1), corner(a, b), corner(a + 1, b + 1)});
             share += one.share + two.share;
-            for (const WallView& w : {one, two})
-              if (w.share > 0) EXPECT_LT((w.normal - Eigen::Vector3f(0, 1, 0)).norm(), 1e-5);
+            for (const WallView& w : {one, two}) {
+              if (!(w.share > 0)) continue;
+              EXPECT_LT((w.normal - Eigen::Vector3f(0, 1, 0)).norm(), 1e-5);
+            }
           }
         EXPECT_NEAR(share, 1, z < 0.1f ? 0.02 : 2e-4) << "edge " << edge << ", z " << z;
       }
@@ -170,7 +172,9 @@ TEST(Boundary, ends_with_the_sheet) {
     water.find();
     const float lambda = water.boundary.empty() ? 0 : water.boundary.points()[0].lambda;
     EXPECT_LE(lambda, last + 1e-6f) << beyond;
-    if (beyond == 0.0) EXPECT_NEAR(lambda, 0.5 * lattice_mass_beyond<CubicSpline>(2), 2e-3);
+    if (beyond == 0.0) {
+      EXPECT_NEAR(lambda, 0.5 * lattice_mass_beyond<CubicSpline>(2), 2e-3);
+    }
     last = lambda;
   }
   EXPECT_EQ(last, 0);
@@ -186,6 +190,31 @@ TEST(Boundary, layers_behind_a_layer_do_not_count) {
   ASSERT_EQ(water.boundary.points().size(), 16u);
   for (const Boundary::Point& p : water.boundary.points())
     EXPECT_NEAR(p.lambda, lattice_mass_beyond<CubicSpline>(2), 2e-3);
+}
+
+TEST(Boundary, sheets_that_lie_on_each_other_count_once) {
+  test::StaticMesh mesh = plate(0.06, 7, -0.03);
+  const std::vector<Triangle> once = mesh.triangles;
+  for (const Triangle& t : once) mesh.triangles.push_back({t[1], t[0], t[2]});
+  Layer doubled(mesh, 0);
+  doubled.fill(4, 1, Layer::dx / 2, Vec3(-0.01, 0, -0.01));
+  doubled.find();
+  ASSERT_EQ(doubled.boundary.points().size(), 16u);
+  for (const Boundary::Point& p : doubled.boundary.points())
+    EXPECT_NEAR(p.lambda, lattice_mass_beyond<CubicSpline>(2), 2e-4);
+
+  Layer twice(plate(0.06, 7, -0.03), 0);
+  twice.fill(4, 1, Layer::dx / 2, Vec3(-0.01, 0, -0.01));
+  const auto& order = twice.neighbours.cell_order(twice.x, Layer::h, twice.workers);
+  std::vector<Vec3> sorted;
+  for (std::uint32_t i : order) sorted.push_back(twice.x[i]);
+  twice.neighbours.search(sorted, twice.workers);
+  SurfaceMotion other = test::surface_of(plate(0.06, 7, -0.03), 0, 2);
+  SurfaceMotion* surfaces[] = {&twice.surface, &other};
+  twice.boundary.find(1e-3, Layer::mass, sorted, twice.neighbours, Layer::h, surfaces, twice.workers);
+  ASSERT_EQ(twice.boundary.points().size(), 16u);
+  for (const Boundary::Point& p : twice.boundary.points())
+    EXPECT_NEAR(p.lambda, lattice_mass_beyond<CubicSpline>(2), 5e-3);
 }
 
 TEST(Boundary, what_particles_get_nodes_lose) {
@@ -206,10 +235,11 @@ TEST(Boundary, what_particles_get_nodes_lose) {
     EXPECT_GT(given.y(), 0);
     EXPECT_LT((given + taken).norm(), 1e-14 * given.norm());
     for (const Vec3& v : water.surface.velocity) nodes += v;
-    if (inverse_mass == 0)
+    if (inverse_mass == 0) {
       EXPECT_TRUE(nodes.isZero(0));
-    else
+    } else {
       EXPECT_LT((nodes / inverse_mass - taken).norm(), 1e-12 * taken.norm());
+    }
   }
 }
 
@@ -227,7 +257,9 @@ TEST(Boundary, light_walls_give_way_and_heavy_ones_move_as_told) {
       EXPECT_NEAR(still[k], 0.2f * p.gamma.y(), 1e-4f);
       const float fallen = (still[k] - water.boundary.inflow()[k]) / 0.01f;
       EXPECT_NEAR(fallen, water.boundary.yielding()[k], 1e-3f * fallen + 1e-3f);
-      if (inverse_mass > 0) EXPECT_GT(fallen, 1);
+      if (inverse_mass > 0) {
+        EXPECT_GT(fallen, 1);
+      }
     }
   }
 }

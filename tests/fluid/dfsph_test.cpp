@@ -163,7 +163,9 @@ TEST(Dfsph, a_deep_column_takes_fewer_iterations_than_pcisph) {
     int sum = 0;
     for (int step = 0; step < 60; ++step) {
       tank.step(1e-3);
-      if (solver == PressureSolver::dfsph) EXPECT_TRUE(tank.report.converged);
+      if (solver == PressureSolver::dfsph) {
+        EXPECT_TRUE(tank.report.converged);
+      }
       if (step >= 30) sum += tank.report.iterations;
     }
     return sum;

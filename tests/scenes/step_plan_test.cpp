@@ -72,7 +72,9 @@ TEST(StepPlan, adaptiveStepsKeepTheirLimitsAndChangeGradually) {
     EXPECT_GE(dt, 0.5 * last);
     EXPECT_LE(dt, 1.1 * last * (1 + 1e-12));
     last = dt;
-    if (k == 19) EXPECT_EQ(dt, 1e-4);
+    if (k == 19) {
+      EXPECT_EQ(dt, 1e-4);
+    }
   }
   EXPECT_GT(last, 5e-4);
 }

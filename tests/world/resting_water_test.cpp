@@ -120,6 +120,27 @@ TEST_P(Column, stands_as_high_as_its_water_and_presses_with_its_weight) {
   EXPECT_NEAR(bulk, 1, 0.07);
 }
 
+TEST_P(Column, is_not_thrown_apart_by_a_shorter_step) {
+  for (BoundaryModel boundary : {BoundaryModel::contact_only, BoundaryModel::mirrored})
+    for (double shorter : {1e-4, 1e-6, 1e-9}) {
+      FluidSettings fluid = accurate(GetParam());
+      fluid.boundary = boundary;
+      World w(small_world(), fluid);
+      constexpr int n = 6;
+      const double dx = 0.005;
+      test::StaticMesh floor, sides = walls(n * dx, n * dx, 0, 0.1);
+      floor.add_rectangle(Vec3::Zero(), Vec3(n * dx, 0, 0), Vec3(0, 0, n * dx), 3, 3);
+      SurfaceId id;
+      ASSERT_TRUE(w.attach(floor, test::sheet_settings(), &id).ok());
+      ASSERT_TRUE(w.attach(sides, test::sheet_settings(), &id).ok());
+      fill(w, n, 8, n, Vec3::Zero());
+      for (int k = 0; k < 150; ++k) w.step(1e-3);
+      const double before = mean_square_speed(w);
+      w.step(shorter);
+      EXPECT_LT(std::sqrt(mean_square_speed(w)), std::sqrt(before) + 0.1) << shorter;
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(solvers, Column, ::testing::Values(PressureSolver::pcisph, PressureSolver::dfsph));
 
 /// Below a floor with 0.1 m of water on it hang single particles, at z from it. Returns what they feel beyond
