@@ -31,7 +31,7 @@ struct FluidSettings {
   int min_iterations = 3;              ///< PCISPH, DFSPH, ≥ 1
   int max_iterations = 50;    ///< PCISPH, DFSPH, ≥ min_iterations; a step that ends here is counted
   double stiffness = 4;       ///< MCG03: k [m²/s²], > 0; speed of sound √k, so dt ≤ 0.4 H/(√k + v)
-  double viscosity = 1e-6;    ///< kinematic ν [m²/s], ≥ 0; 0 = none. Explicit: dt ≤ 0.125 H²/ν
+  double viscosity = 1e-6;    ///< kinematic ν [m²/s], ≥ 0; 0 = none. Explicit: dt ≤ 0.035 H²/ν
   double xsph_rate = 10;      ///< XSPH smoothing ν_x [1/s], ≥ 0; per step 1 − exp(−ν_x dt); 0 = none
   bool contact_aware = true;  ///< PCISPH, DFSPH predict no position behind a sheet in contact (method of A.3)
   /// Nothing acts through a surface: neighbours whose connecting segment meets one are left out of every sum.

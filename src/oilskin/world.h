@@ -83,7 +83,7 @@ class World {
   ///   (gravity added), surfaces that touch the fluid's box, as fast as in the last step;
   ///   0.25 √(H/a) × max_substeps, a the largest acceleration by pressure, viscosity and gravity in the last
   ///   interval;
-  ///   0.125 H²/ν; and with mcg03 0.4 H/(√k + v).
+  ///   0.035 H²/ν (of the lattice: Morris 1997 has 0.125); and with mcg03 0.4 H/(√k + v).
   double suggested_dt(double largest) const;
   const StepReport& report() const;
   double time() const;  ///< [s]

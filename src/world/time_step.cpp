@@ -44,7 +44,7 @@ double World::Impl::longest_dt(double largest) const {
   double dt = std::min(largest, world::longest_step(found, f.max_substeps * f.cfl * f.spacing));
   if (largest_acceleration > 0)
     dt = std::min(dt, f.max_substeps * 0.25 * std::sqrt(support / largest_acceleration));
-  if (f.viscosity > 0) dt = std::min(dt, 0.125 * support * support / f.viscosity);
+  if (f.viscosity > 0) dt = std::min(dt, 0.035 * support * support / f.viscosity);
   if (f.solver == PressureSolver::mcg03)
     dt = std::min(dt, 0.4 * support / (std::sqrt(f.stiffness) + found.fluid));
   return dt;

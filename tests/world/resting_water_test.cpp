@@ -208,6 +208,40 @@ TEST(TwoSides, equal_heads_leave_a_sheet_alone) {
   EXPECT_LT(std::abs(impulse / time), 0.01 * one_side) << "B.14b";
 }
 
+TEST(TwoSides, levels_meet_around_a_border_only) {
+  for (bool open : {true, false}) {
+    FluidSettings fluid = accurate();
+    fluid.xsph_rate = 50;
+    World w(small_world(), fluid);
+    const double dx = 0.005;
+    constexpr int nx = 8, nz = 4;
+    test::StaticMesh box = walls(2 * nx * dx, nz * dx, 0, 0.12), parting;
+    box.add_rectangle(Vec3::Zero(), Vec3(2 * nx * dx, 0, 0), Vec3(0, 0, nz * dx), 16, 4);
+    const double gap = open ? 0.015 : 0;
+    parting.add_rectangle(Vec3(nx * dx, gap, 0), Vec3(0, 0.12 - gap, 0), Vec3(0, 0, nz * dx), 12, 4);
+    SurfaceId id;
+    ASSERT_TRUE(w.attach(box, test::sheet_settings(), &id).ok());
+    ASSERT_TRUE(w.attach(parting, test::sheet_settings(), &id).ok());
+    fill(w, nx, 14, nz, Vec3::Zero());
+    fill(w, nx, 6, nz, Vec3(nx * dx, 0, 0));
+    double level[2] = {}, seen[2] = {};
+    while (w.time() < 1.2) {
+      w.step(1e-3);
+      if (w.time() < 1) continue;
+      for (const Vec3& x : w.positions()) {
+        level[x.x() > nx * dx] += 2 * x.y();
+        ++seen[x.x() > nx * dx];
+      }
+    }
+    const double left = level[0] / seen[0], right = level[1] / seen[1];
+    if (open) {
+      EXPECT_NEAR(left, right, 1.5 * dx) << "B.14c";
+    } else {
+      EXPECT_NEAR(left - right, 8 * dx, dx) << "and without a way round they stay";
+    }
+  }
+}
+
 /// A sheet over the bottom of an open shaft, pinned along its border, with layers of water on it.
 struct ClothFloor {
   World w;

@@ -475,7 +475,7 @@ TEST(SuggestedDt, is_the_least_of_its_limits) {
   EXPECT_EQ(suggested(FluidSettings{}, Vec3(0, 2, 0), 0, 1e-4), 1e-4);
   FluidSettings honey;
   honey.viscosity = 1;
-  EXPECT_NEAR(suggested(honey, Vec3::Zero(), 0), 0.125 * 0.01 * 0.01, 1e-15);
+  EXPECT_NEAR(suggested(honey, Vec3::Zero(), 0), 0.035 * 0.01 * 0.01, 1e-15);
   FluidSettings gas;
   gas.solver = PressureSolver::mcg03;
   EXPECT_NEAR(suggested(gas, Vec3(0, 0.1, 0), 0), 0.4 * 0.01 / 2.1, 1e-15);
