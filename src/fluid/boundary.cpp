@@ -255,11 +255,14 @@ void Boundary::drop_hidden(const Vec3& x, Span<SurfaceMotion* const> surfaces, S
   const auto is_hidden = [&](std::uint32_t k) {
     for (std::uint32_t o = 0; o < k; ++o)
       if (!adjoin(near[k], near[o]) && is_same_place(k, o) && test[o].is_parallel_to(test[k])) return true;
-    const Vec3 at = x - (1 - 1e-6) * near[k].closest.offset;  // what lies in its plane does not hide it
+    const Vec3 at = x - near[k].closest.offset;
     for (std::uint32_t o : by_distance) {
       if (o == k) return false;  // what follows is farther
       if (test[o].normal_length() == 0 || adjoin(near[k], near[o]) || is_same_place(k, o)) continue;
-      if (test[o].blocks(x, at, own_side[o], test[o].side(at))) return true;
+      const double side = test[o].side(at);
+      const bool in_its_plane = std::abs(side) <= 1e-6 * support_radius_ * test[o].normal_length() &&
+                                test[o].is_parallel_to(test[k]);
+      if (!in_its_plane && test[o].blocks(x, at, own_side[o], side)) return true;
     }
     return false;
   };

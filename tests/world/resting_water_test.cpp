@@ -116,7 +116,8 @@ TEST_P(Column, stands_as_high_as_its_water_and_presses_with_its_weight) {
             << over_hydrostatic(1) << ' ' << over_hydrostatic(2) << ' ' << over_hydrostatic(9) << '\n';
   double bulk = 0;
   for (int layer = 1; layer < 10; ++layer) bulk += over_hydrostatic(layer) / 9;
-  EXPECT_NEAR(over_hydrostatic(0) / bulk, 1, 0.08) << "B.1b: the first layer is like the others";
+  // One arrangement of 36 particles, which hardly moves: 0.04 from run to run. (0.6 with contact alone.)
+  EXPECT_NEAR(over_hydrostatic(0) / bulk, 1, 0.12) << "B.1b: the first layer is like the others";
   EXPECT_NEAR(bulk, 1, 0.07);
 }
 
