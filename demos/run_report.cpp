@@ -56,6 +56,8 @@ Json seconds(const RunSummary& s) {
   const StageSeconds& t = s.totals.seconds;
   return {{"cloth", s.simulation.host_seconds() + t.gather},
           {"neighbours", t.neighbours},
+          {"occlusion", t.occlusion},
+          {"boundary", t.boundary},
           {"pressure", t.pressure},
           {"other_fluid", t.other_fluid},
           {"proximity", t.proximity},

@@ -17,7 +17,7 @@ enum class PressureSolver {
 /// What the density and pressure of a particle know of a surface within the support radius.
 enum class BoundaryModel {
   contact_only,  ///< nothing, as in the paper: the first layer lacks half of its neighbours
-  mirrored,  ///< the kernel's mass behind the surface counts as water of the same pressure (pcisph, dfsph)
+  mirrored,  ///< each wall continues the water as its mirror image, in density and pressure (pcisph, dfsph)
 };
 
 struct FluidSettings {

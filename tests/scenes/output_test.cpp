@@ -21,8 +21,8 @@ TEST(Output, theReportHasEveryKeyOfTheFormat) {
         "particles", "contact", "density_error", "pressure_iterations", "momentum", "mass", "state_hash",
         "peak_memory_bytes", "acceptance"})
     EXPECT_TRUE(report.contains(key)) << key;
-  for (const char* key : {"cloth", "neighbours", "pressure", "other_fluid", "proximity", "impulses", "ccd",
-                          "zones", "effects", "surface", "output", "verify"})
+  for (const char* key : {"cloth", "neighbours", "occlusion", "boundary", "pressure", "other_fluid",
+                          "proximity", "impulses", "ccd", "zones", "effects", "surface", "output", "verify"})
     EXPECT_TRUE(report["seconds"].contains(key)) << key;
   for (const char* key : {"emitted", "alive", "removed", "absorbed", "blocked_starts"})
     EXPECT_TRUE(report["particles"].contains(key)) << key;
