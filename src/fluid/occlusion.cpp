@@ -113,10 +113,6 @@ void find_hidden_neighbours(std::uint32_t i, Span<const TriangleRef> triangles, 
   }
 }
 
-double cross2(double ax, double ay, double bx, double by) {
-  return ax * by - ay * bx;
-}
-
 }  // namespace
 
 SightTest::SightTest(const SurfaceMotion& surface, std::uint32_t triangle) {
@@ -147,26 +143,22 @@ bool SightTest::blocks(const Vec3& p, const Vec3& q, double side_p, double side_
   return left || right;
 }
 
-/// Both ends lie in the triangle's plane: no line parts them there.
+/// Both ends lie in the triangle's plane: no line along an edge or along the segment parts them there.
 bool SightTest::blocks_in_plane(const Vec3& p, const Vec3& q) const {
   Eigen::Index drop = 0;
   normal_.cwiseAbs().maxCoeff(&drop);
   const Eigen::Index a = (drop + 1) % 3, b = (drop + 2) % 3;
-  const auto parted_by = [&](const Vec3& from, const Vec3& to, const Vec3& inside_1, const Vec3& inside_2,
-                             const Vec3& outside_1, const Vec3& outside_2) {
-    const auto at = [&](const Vec3& x) {
-      return cross2(to[a] - from[a], to[b] - from[b], x[a] - from[a], x[b] - from[b]);
-    };
-    const double low = std::min(at(inside_1), at(inside_2)), high = std::max(at(inside_1), at(inside_2));
-    const double l = std::min(at(outside_1), at(outside_2)), h = std::max(at(outside_1), at(outside_2));
-    return h < std::min(low, 0.0) || l > std::max(high, 0.0);
+  // On which side of the line from → to lies x? 0 on it.
+  const auto side = [&](const Vec3& from, const Vec3& to, const Vec3& x) {
+    return (to[a] - from[a]) * (x[b] - from[b]) - (to[b] - from[b]) * (x[a] - from[a]);
   };
-  for (std::size_t k = 0; k < 3; ++k) {  // the triangle's edges
+  for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 &u = corner_[k], &v = corner_[(k + 1) % 3], &w = corner_[(k + 2) % 3];
-    if (parted_by(u, v, u, w, p, q)) return false;
+    const double inner = side(u, v, w), at_p = side(u, v, p), at_q = side(u, v, q);
+    if (std::max(at_p, at_q) < std::min(inner, 0.0) || std::min(at_p, at_q) > std::max(inner, 0.0))
+      return false;
   }
-  const auto at = [&](const Vec3& x) { return cross2(q[a] - p[a], q[b] - p[b], x[a] - p[a], x[b] - p[b]); };
-  const double s0 = at(corner_[0]), s1 = at(corner_[1]), s2 = at(corner_[2]);
+  const double s0 = side(p, q, corner_[0]), s1 = side(p, q, corner_[1]), s2 = side(p, q, corner_[2]);
   return !(std::min({s0, s1, s2}) > 0 || std::max({s0, s1, s2}) < 0);
 }
 

@@ -36,8 +36,8 @@ struct FluidSettings {
   bool contact_aware = true;  ///< PCISPH, DFSPH predict no position behind a sheet in contact (method of A.3)
   /// Nothing acts through a surface: neighbours whose connecting segment meets one are left out of every sum.
   bool occlusion = true;
-  /// Mirrored: for water that rests or flows on sheets. It costs two to three times the fluid's time; a jet
-  /// on light cloth converges badly with it, and comes off a rigid sheet with 6 % of its speed.
+  /// Mirrored: for water that rests or flows on sheets. The fluid takes three times as long; a jet on light
+  /// cloth converges badly with it (five times), and comes off a rigid sheet with 6 % of its speed.
   BoundaryModel boundary = BoundaryModel::contact_only;
   double cfl = 0.4;  ///< way of whatever is fastest within a sub-step, in spacings, > 0
   int max_substeps =

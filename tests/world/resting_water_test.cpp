@@ -49,6 +49,23 @@ void fill(World& w, int nx, int layers, int nz, const Vec3& corner) {
   ASSERT_EQ(blocked, 0u);
 }
 
+/// Water between a floor at y = 0 and four walls, n × layers × n particles.
+struct BoxedWater {
+  World w;
+  test::StaticMesh floor, sides;
+  SurfaceId floor_id, sides_id;
+
+  BoxedWater(int n, int layers, double top, const FluidSettings& fluid) : w(small_world(), fluid) {
+    const double width = n * fluid.spacing;
+    sides = walls(width, width, 0, top);
+    const auto cells = static_cast<std::uint32_t>(std::ceil(width / 0.01));
+    floor.add_rectangle(Vec3::Zero(), Vec3(width, 0, 0), Vec3(0, 0, width), cells, cells);
+    EXPECT_TRUE(w.attach(floor, test::sheet_settings(), &floor_id).ok());
+    EXPECT_TRUE(w.attach(sides, test::sheet_settings(), &sides_id).ok());
+    fill(w, n, layers, n, Vec3::Zero());
+  }
+};
+
 double vertical_impulse(const World& w, SurfaceId id) {
   double sum = 0;
   for (const Vec3& j : w.surface(id)->impulse) sum -= j.y();
@@ -65,14 +82,9 @@ class Column : public ::testing::TestWithParam<PressureSolver> {};
 
 TEST_P(Column, stands_as_high_as_its_water_and_presses_with_its_weight) {
   constexpr int n = 10, layers = 20;
-  World w(small_world(), accurate(GetParam()));
   const double dx = 0.005, dt = 1e-3;
-  test::StaticMesh floor, sides = walls(n * dx, n * dx, 0, 0.15);
-  floor.add_rectangle(Vec3::Zero(), Vec3(n * dx, 0, 0), Vec3(0, 0, n * dx), 5, 5);
-  SurfaceId floor_id, sides_id;
-  ASSERT_TRUE(w.attach(floor, test::sheet_settings(), &floor_id).ok());
-  ASSERT_TRUE(w.attach(sides, test::sheet_settings(), &sides_id).ok());
-  fill(w, n, layers, n, Vec3::Zero());
+  BoxedWater box(n, layers, 0.15, accurate(GetParam()));
+  World& w = box.w;
   const std::size_t count = w.particle_count();
   const double weight = static_cast<double>(count) * w.particle_mass() * g;
 
@@ -86,8 +98,8 @@ TEST_P(Column, stands_as_high_as_its_water_and_presses_with_its_weight) {
       continue;
     }
     time += dt;
-    impulse += vertical_impulse(w, floor_id);
-    on_sides += vertical_impulse(w, sides_id);
+    impulse += vertical_impulse(w, box.floor_id);
+    on_sides += vertical_impulse(w, box.sides_id);
     square += dt * mean_square_speed(w);
     for (std::size_t i = 0; i < count; ++i) {
       const Vec3& x = w.positions()[i];
@@ -126,15 +138,8 @@ TEST_P(Column, is_not_thrown_apart_by_a_shorter_step) {
     for (double shorter : {1e-4, 1e-6, 1e-9}) {
       FluidSettings fluid = accurate(GetParam());
       fluid.boundary = boundary;
-      World w(small_world(), fluid);
-      constexpr int n = 6;
-      const double dx = 0.005;
-      test::StaticMesh floor, sides = walls(n * dx, n * dx, 0, 0.1);
-      floor.add_rectangle(Vec3::Zero(), Vec3(n * dx, 0, 0), Vec3(0, 0, n * dx), 3, 3);
-      SurfaceId id;
-      ASSERT_TRUE(w.attach(floor, test::sheet_settings(), &id).ok());
-      ASSERT_TRUE(w.attach(sides, test::sheet_settings(), &id).ok());
-      fill(w, n, 8, n, Vec3::Zero());
+      BoxedWater box(6, 8, 0.1, fluid);
+      World& w = box.w;
       for (int k = 0; k < 150; ++k) w.step(1e-3);
       const double before = mean_square_speed(w);
       w.step(shorter);
@@ -150,15 +155,9 @@ std::vector<double> pull_through_floor(bool occlusion, const std::vector<double>
   FluidSettings fluid = accurate();
   fluid.occlusion = occlusion;
   fluid.xsph_rate = 0;
-  World w(small_world(), fluid);
-  constexpr int n = 8;
-  const double dx = 0.005, dt = 1e-3;
-  test::StaticMesh floor, sides = walls(n * dx, n * dx, 0, 0.15);
-  floor.add_rectangle(Vec3::Zero(), Vec3(n * dx, 0, 0), Vec3(0, 0, n * dx), 5, 5);
-  SurfaceId id;
-  EXPECT_TRUE(w.attach(floor, test::sheet_settings(), &id).ok());
-  EXPECT_TRUE(w.attach(sides, test::sheet_settings(), &id).ok());
-  fill(w, n, 20, n, Vec3::Zero());
+  BoxedWater box(8, 20, 0.15, fluid);
+  World& w = box.w;
+  const double dt = 1e-3;
   while (w.time() < 0.15) w.step(dt);
   std::vector<double> felt;
   for (double z : distances) {
