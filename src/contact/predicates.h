@@ -3,6 +3,7 @@
 
 #include "ccd/point_triangle.h"
 #include "core/closest_point.h"
+#include "core/ieee.h"
 #include "oilskin/types.h"
 
 namespace oilskin::contact {

@@ -43,8 +43,14 @@ class Zones {
   void add_momentum(std::uint32_t point, const Vec3& new_velocity);
   bool is_holdable(std::uint32_t point) const;
 
-  std::array<std::uint32_t, 4> points_of(const BadPair& b) const;
-  void treat(const BadPair& b, const std::array<std::uint32_t, 4>& roots);
+  /// A bad pair and the zones of its points, as they were when the round began.
+  struct Case {
+    BadPair bad;
+    std::array<std::uint32_t, 4> roots;
+    Level level;
+  };
+  Case case_of(const BadPair& b);
+  void treat(const Case& c);
   void give_up(const BadPair& b);
   void apply_zones(const std::vector<BadPair>& bad);
   void apply_zone(const std::vector<std::uint32_t>& members, Level level, const std::vector<BadPair>& bad,
@@ -148,21 +154,28 @@ bool Zones::is_holdable(std::uint32_t point) const {
   return !motion.holdable.empty() && motion.holdable[point - offset_[s]] != 0;
 }
 
-std::array<std::uint32_t, 4> Zones::points_of(const BadPair& b) const {
+Zones::Case Zones::case_of(const BadPair& b) {
   const Triangle& t = context_.surfaces[b.surface]->triangles[b.triangle];
-  return {b.particle, node_point(b.surface, t[0]), node_point(b.surface, t[1]), node_point(b.surface, t[2])};
+  Case c{b, {find(b.particle)}, Level::follow};
+  for (int k = 0; k < 3; ++k) c.roots[k + 1] = find(node_point(b.surface, t[k]));
+  c.level = level_[c.roots[0]];
+  return c;
 }
 
-// One bad pair, with the zones as they were at the start of the round.
-void Zones::treat(const BadPair& b, const std::array<std::uint32_t, 4>& roots) {
+// Zones and levels are those of the start of the round: what another pair changes in this round has not been
+// tried.
+void Zones::treat(const Case& c) {
+  const BadPair& b = c.bad;
   if (followed_in_[b.particle] >= 0) {
     give_up(b);
     return;
   }
-  const bool one_zone = roots[1] == roots[0] && roots[2] == roots[0] && roots[3] == roots[0];
+  const bool one_zone = c.roots[1] == c.roots[0] && c.roots[2] == c.roots[0] && c.roots[3] == c.roots[0];
   if (!one_zone) {
-    for (int k = 1; k < 4; ++k) unite(roots[0], roots[k]);
-  } else if (!b.meets && nudges_[b.particle] < max_nudges && level_[find(roots[0])] == Level::follow) {
+    for (int k = 1; k < 4; ++k) unite(c.roots[0], c.roots[k]);
+  } else if (c.level == Level::hold) {
+    give_up(b);  // only prescribed nodes that were not held can cause this
+  } else if (!b.meets && nudges_[b.particle] < max_nudges) {
     const SurfaceMotion& s = *context_.surfaces[b.surface];
     const Quad x1 = context_.end(b.particle, b.surface, b.triangle);
     const StrikeGeometry g =
@@ -171,10 +184,8 @@ void Zones::treat(const BadPair& b, const std::array<std::uint32_t, 4>& roots) {
     nudge_[b.particle] += std::max(2 * s.delta - d, 0.5 * s.delta) * g.normal;
     ++nudges_[b.particle];
     ++context_.report->nudged;
-  } else if (level_[find(roots[0])] != Level::hold) {
-    level_[find(roots[0])] = Level::hold;
   } else {
-    give_up(b);  // only prescribed nodes that may not be held can cause this
+    level_[find(c.roots[0])] = Level::hold;
   }
 }
 
@@ -269,7 +280,7 @@ void Zones::apply_zone(const std::vector<std::uint32_t>& members, Level level,
     if (any_prescribed) equal &= d == displacement;
     displacement = d;
     any_prescribed = true;
-    all_holdable &= is_holdable(m);
+    all_holdable &= is_holdable(m) || d.isZero(0);  // what stands still is held already
   }
   if (level == Level::follow && !any_prescribed) {
     follow_free(members);
@@ -333,18 +344,14 @@ void Zones::run(std::vector<BadPair> bad) {
     {
       StageTimer timer(context_.seconds->zones);
       ++context_.report->zone_rounds;
-      std::vector<std::array<std::uint32_t, 4>> roots;
-      roots.reserve(bad.size());
-      for (const BadPair& b : bad) {
-        std::array<std::uint32_t, 4> r = points_of(b);
-        for (std::uint32_t& point : r) point = find(point);
-        roots.push_back(r);
-      }
-      for (std::size_t k = 0; k < bad.size(); ++k) {
+      std::vector<Case> cases;
+      cases.reserve(bad.size());
+      for (const BadPair& b : bad) cases.push_back(case_of(b));
+      for (const Case& c : cases) {
         if (round_ > give_up_after)
-          give_up(bad[k]);
+          give_up(c.bad);
         else
-          treat(bad[k], roots[k]);
+          treat(c);
       }
       apply_zones(bad);
     }
