@@ -1,27 +1,31 @@
 #include "ccd/coplanarity_cubic.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-// The error bound. u = 2⁻⁵³; a quantity that went through n roundings has a relative error of at most γn ≈ n
-// u per product term, so the bound is n u times the sum of the magnitudes of all terms.
+#include "core/assert.h"
+
+// The error bound. Every computed number is a sum of products of exact ones, and u = 2⁻⁵³. A term that went
+// through n roundings is wrong by n u of its magnitude (and terms of second order), so n u times the sum of
+// the magnitudes of all terms bounds the error. Roundings per term, on top of the lines before:
 //
-//   E1 = b − a, E2 = c − a, W = p − a     one rounding per component                                        1
-//   N0 = E1⁰×E2⁰, N1 = E1¹×E2¹            two inputs, product, difference                          1+1+1+1 =
-//   4 Nm = E1⁰×E2¹ + E1¹×E2⁰                one sum more 5 Nm·W0                                 input W,
-//   product, two sums                                5+1+1+2 = 9 N0·W1 + Nm·W0, times the rounded 1/3  one
-//   sum, one constant, one product                                12
+//   E = b − a, F = c − a, W = p − a      the difference                                         1
+//   E×F                                  two inputs, the product, the difference                4
+//   Nm = E⁰×F¹ + E¹×F⁰                   one sum more                                           5
+//   Nm·W                                 5, W, the product, two sums                            9
+//   (N0·W1 + Nm·W0) · ⅓                  9, one sum, the rounded ⅓, its product                12
+//   a value, or a coefficient of a part  12, three levels of (1 − t) x + t y: the difference,
+//                                        the product, the sum                                  21
 //
-// The magnitudes: each coefficient is a mean of determinants of rows taken from E1, E2, W at either end, so
-// the sum of its terms' magnitudes is at most the permanent P of the matrix of componentwise maxima over both
-// ends. Values, and coefficients on sub-intervals, are blossoms of the four coefficients: three levels of (1
-// − t) x + t y, each with at most three roundings per term (1 − t, product, sum), of terms whose magnitudes
-// sum to at most P: 9 more. In all 21 u P. P's own roundings (at most 9 u P relative) and the second-order
-// terms are far below the u P that 22 u P leaves.
+// The magnitudes: a coefficient is a mean of determinants whose rows are E, F and W at either end, so those
+// of its terms sum to at most the permanent P of the maxima over both ends, component by component; a value,
+// or a coefficient of a part, is a mean of coefficients with weights that sum to 1. So 21 u P bounds the
+// error. P is computed from rounded differences with five roundings: at most 9 u below, relatively; this and
+// the terms of second order are far below the u P by which 22 u P exceeds it.
 //
-// Underflow: a product of two edges errs by 2⁻¹⁰⁷⁵ absolutely, which W magnifies; 12 of them and the later
-// products stay below u P when P > 1e-280 (1 + max|W|).
+// Underflow: a product of two differences is wrong by up to 2⁻¹⁰⁷⁵, and W multiplies six of them for each
+// coefficient; ten later products are wrong by as much. In all less than 2⁻¹⁰⁷¹ (1 + max|W|), which is below
+// u P / 1000 if P > 1e-280 (1 + max|W|). Overflow of any product makes a coefficient infinite or no number.
 
 namespace oilskin::ccd::detail {
 namespace {
@@ -69,7 +73,10 @@ CoplanarityCubic::CoplanarityCubic(const PointTriangleMotion& m, const RelativeM
   const V w = largest(w0, w1);
   const double magnitude = permanent(largest(e0, e1), largest(f0, f1), w);
   error_ = kErrorFactor * magnitude;
-  bounded_ = magnitude > 1e-280 * (1 + std::max({w.x, w.y, w.z})) && magnitude < 1e290;
+  const double* k = whole_.k;
+  const double sum_of_magnitudes = std::abs(k[0]) + std::abs(k[1]) + std::abs(k[2]) + std::abs(k[3]);
+  bounded_ =
+      magnitude > 1e-280 * (1 + std::max({w.x, w.y, w.z})) && magnitude < 1e290 && sum_of_magnitudes < 1e291;
 }
 
 Coefficients CoplanarityCubic::on(const TimeSpan& span) const {
@@ -100,6 +107,7 @@ double CoplanarityCubic::value(double t) const {
 TimeSpan narrow_crossing(const CoplanarityCubic& cubic, TimeSpan bracket) {
   constexpr int kMaxIterations = 60;
   const int sign_before = cubic.sign(cubic.value(bracket.begin));
+  OILSKIN_ASSERT(sign_before != 0 && sign_before == -cubic.sign(cubic.value(bracket.end)));
   double t = bracket.middle(), slope = 0;
   for (int i = 0; i < kMaxIterations; ++i) {
     const double value = cubic.value_and_slope(t, &slope);
@@ -119,6 +127,7 @@ TimeSpan narrow_crossing(const CoplanarityCubic& cubic, TimeSpan bracket) {
     if (after < bracket.end && cubic.sign(cubic.value(after)) == -sign_before) bracket.end = after;
     if (bracket.width() <= 2 * reach) break;
   }
+  OILSKIN_ASSERT(bracket.begin < bracket.end);
   return bracket;
 }
 

@@ -5,24 +5,33 @@
 #include <cstring>
 
 #include "ccd/coplanarity_cubic.h"
+#include "ccd/exact_arbiter.h"
+#include "ccd/plain_finding.h"
 #include "ccd/separation.h"
+#include "core/assert.h"
 
-// The method. Every answer "no hit" is certified, either by a bound of the cubic's
-// rounding error (the four points are never coplanar) or by a direction that separates point and triangle
-// beyond the rounding error of its dot products. What cannot be certified is a hit.
+// The method. Plain arithmetic answers what it can with certainty: "apart" by a bound of the cubic's rounding
+// error (the four points are never coplanar) or by a direction that separates point and triangle beyond the
+// rounding error of its dot products; "meet" by a certain crossing of the plane, certainly inside the
+// triangle. The first thing that it cannot decide goes to exact arithmetic, with the whole query.
 
 namespace oilskin::ccd {
 namespace {
 
 using detail::Coefficients;
 using detail::CoplanarityCubic;
+using detail::Finding;
 using detail::RelativeMotion;
 using detail::TimeSpan;
+using detail::Verdict;
 
 static_assert(sizeof(PointTriangleMotion) == 24 * sizeof(double), "end points are compared as one block");
 
 bool nothing_moves(const PointTriangleMotion& m) {
-  return std::memcmp(m.p_t0.data(), m.p_t1.data(), 12 * sizeof(double)) == 0;
+  const double *start = m.p_t0.data(), *end = m.p_t1.data();
+  // The point alone decides nearly always.
+  return std::memcmp(start, end, 3 * sizeof(double)) == 0 &&
+         std::memcmp(start, end, 12 * sizeof(double)) == 0;
 }
 
 /// Fills `relative` axis by axis; true as soon as an axis separates. The six signs are exact, and what has
@@ -59,33 +68,56 @@ Roots count_roots(const CoplanarityCubic& cubic, const Coefficients& c) {
   return Roots::kUnknown;
 }
 
-/// Is the point well inside the triangle at time t, as far as rounding can tell? A "yes" only saves work.
-bool well_inside(const RelativeMotion& motion, double t) {
-  double corner[3][3];
+/// Twice the areas of point and edges, projected along axis k.
+void projected_areas(const double corner[3][3], int k, double area[3]) {
+  const int x = (k + 1) % 3, y = (k + 2) % 3;
   for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) corner[i][k] = (1 - t) * motion.t0[i][k] + t * motion.t1[i][k];
+    const double *a = corner[(i + 1) % 3], *b = corner[(i + 2) % 3];
+    area[i] = a[x] * b[y] - a[y] * b[x];
   }
-  const auto cross = [](const double* a, const double* b, double* c) {
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-  };
-  double area[3][3], normal[3], weight[3], sum = 0;
-  for (int i = 0; i < 3; ++i) cross(corner[(i + 1) % 3], corner[(i + 2) % 3], area[i]);
-  for (int k = 0; k < 3; ++k) normal[k] = area[0][k] + area[1][k] + area[2][k];
+}
+
+/// Is the point certainly inside the triangle at a time within `span` at which the four points are coplanar?
+///
+/// With M the largest component at the ends of the step, a component computed for the middle of a span of
+/// half width h is within δ = (2 h + 8 u) M of the true one at any time of the span: 4 u M from roundings
+/// (input, 1 − t, product, sum), 2 M (h + 2 u) from the motion. With m the largest computed component, an
+/// area (two products) is within 4 m δ + 2 δ² + 4 u m² ≤ 8 m δ of the true one, unless δ > m/4; but then 8 m
+/// δ exceeds any area. If the three areas on an axis have one sign for certain, the point is inside.
+bool certainly_inside(const RelativeMotion& motion, const TimeSpan& span) {
+  const double t = span.middle(), s = 1 - t;
+  double corner[3][3], greatest_at_ends = 0, greatest = 0;
   for (int i = 0; i < 3; ++i) {
-    weight[i] = area[i][0] * normal[0] + area[i][1] * normal[1] + area[i][2] * normal[2];
-    sum += weight[i];
+    for (int k = 0; k < 3; ++k) {
+      const double start = motion.t0[i][k], end = motion.t1[i][k];
+      corner[i][k] = s * start + t * end;
+      greatest_at_ends = std::max(greatest_at_ends, std::max(std::abs(start), std::abs(end)));
+      greatest = std::max(greatest, std::abs(corner[i][k]));
+    }
   }
-  constexpr double kMargin = 1e-7;
-  return weight[0] > kMargin * sum && weight[1] > kMargin * sum && weight[2] > kMargin * sum;
+  constexpr double kUnderflow = 1e-300;
+  const double deviation = (span.width() + 8 * detail::kUnitRoundoff) * greatest_at_ends;
+  const double error = 8.001 * greatest * deviation + kUnderflow;
+  for (int k = 0; k < 3; ++k) {
+    double area[3];
+    projected_areas(corner, k, area);
+    const double least = std::min(std::min(area[0], area[1]), area[2]);
+    const double most = std::max(std::max(area[0], area[1]), area[2]);
+    if (least > error || most < -error) return true;
+  }
+  return false;
+}
+
+Finding separate(const RelativeMotion& motion, const TimeSpan& span) {
+  return {detail::certainly_apart(motion, span) ? Verdict::kApart : Verdict::kUnclear, 1};
 }
 
 /// The single crossing of the plane within `span`: through the triangle or beside it?
-Meeting meet_at_crossing(const CoplanarityCubic& cubic, const RelativeMotion& motion, const TimeSpan& span) {
+Finding meet_at_crossing(const CoplanarityCubic& cubic, const RelativeMotion& motion, const TimeSpan& span) {
+  constexpr double kTight = 1e-7;  // a crossing that is less well known gets its time from exact arithmetic
   const TimeSpan root = narrow_crossing(cubic, span);
-  if (well_inside(motion, root.middle())) return {true, root.begin};
-  return detail::meet_by_subdivision(motion, root);
+  if (root.width() < kTight && certainly_inside(motion, root)) return {Verdict::kMeet, root.begin};
+  return separate(motion, root);
 }
 
 /// Where to cut a span whose roots cannot be counted, and how many halvings each part is worth. In the
@@ -106,8 +138,9 @@ Cut choose_cut(const CoplanarityCubic& cubic, const Coefficients& c, const TimeS
   return {span.middle(), 1, 1};
 }
 
-/// Isolates the roots of the cubic from the earliest to the latest, and answers at the first that meets.
-Meeting first_meeting(const CoplanarityCubic& cubic, const RelativeMotion& motion, const TimeSpan& span,
+/// Isolates the roots of the cubic from the earliest to the latest, and ends at the first that meets or
+/// cannot be judged.
+Finding first_finding(const CoplanarityCubic& cubic, const RelativeMotion& motion, const TimeSpan& span,
                       const Coefficients& coefficients, int depth) {
   // Halving a double root this often narrows it to 1.5e-8, where rounding hides the cubic.
   constexpr int kMaxDepth = 26;
@@ -117,27 +150,36 @@ Meeting first_meeting(const CoplanarityCubic& cubic, const RelativeMotion& motio
     case Roots::kOne:
       return meet_at_crossing(cubic, motion, span);
     case Roots::kInvisible:
-      return detail::meet_by_subdivision(motion, span);
+      return separate(motion, span);
     case Roots::kUnknown:
       break;
   }
-  if (depth >= kMaxDepth) return detail::meet_by_subdivision(motion, span);
+  if (depth >= kMaxDepth) return separate(motion, span);
   const Cut cut = choose_cut(cubic, coefficients, span);
+  OILSKIN_ASSERT(span.begin < cut.time && cut.time < span.end);
   const TimeSpan early{span.begin, cut.time}, late{cut.time, span.end};
-  const Meeting meeting = first_meeting(cubic, motion, early, cubic.on(early), depth + cut.early_depth);
-  if (meeting.hit) return meeting;
-  return first_meeting(cubic, motion, late, cubic.on(late), depth + cut.late_depth);
+  const Finding finding = first_finding(cubic, motion, early, cubic.on(early), depth + cut.early_depth);
+  if (finding.verdict != Verdict::kApart) return finding;
+  return first_finding(cubic, motion, late, cubic.on(late), depth + cut.late_depth);
 }
 
 }  // namespace
 
-Meeting point_triangle(const PointTriangleMotion& m) {
+detail::Finding detail::plain_finding(const PointTriangleMotion& m) {
   if (nothing_moves(m)) return {};
   RelativeMotion relative;
   if (axis_separates(m, &relative)) return {};
   const CoplanarityCubic cubic(m, relative);
-  if (!cubic.bounded()) return detail::meet_by_subdivision(relative, {0, 1});
-  return first_meeting(cubic, relative, {0, 1}, cubic.coefficients(), 0);
+  if (!cubic.bounded()) return separate(relative, {0, 1});
+  return first_finding(cubic, relative, {0, 1}, cubic.coefficients(), 0);
+}
+
+Meeting point_triangle(const PointTriangleMotion& m) {
+  const Finding finding = detail::plain_finding(m);
+  if (finding.verdict == Verdict::kApart) return {};
+  if (finding.verdict == Verdict::kUnclear) return detail::exact_meeting(m);
+  OILSKIN_ASSERT(finding.time >= 0 && finding.time <= 1);
+  return {true, finding.time};
 }
 
 }  // namespace oilskin::ccd

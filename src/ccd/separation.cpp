@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/assert.h"
+
 namespace oilskin::ccd::detail {
 namespace {
 
@@ -19,21 +21,6 @@ Direction minus(const Direction& a, const Direction& b) {
 
 double dot(const Direction& a, const Direction& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/// A lower bound of d·A for one corner at one end of the step.
-///
-/// The computed dot product carries, per term, one rounding of A, one of the product and two of the sums: its
-/// error is at most γ4 S with S = Σ|d_k A_k| and γn = n u / (1 − n u). S itself is computed with three
-/// roundings per term. Subtracting the bound costs one rounding more, and the interpolation in `at_time`
-/// three more of terms that are at most S (1 + γ9): 4 + 1 + 3 = 8. 10 u S covers the second-order terms and
-/// is a cheap product. The additive term covers underflow of the products (2⁻¹⁰⁷⁵ each) when components
-/// differ wildly in size.
-double lower_bound(const Direction& d, const double* a) {
-  constexpr double kUnderflow = 1e-300;
-  const double x = d[0] * a[0], y = d[1] * a[1], z = d[2] * a[2];
-  const double sum_of_magnitudes = std::abs(x) + std::abs(y) + std::abs(z);
-  return (x + y + z) - (10 * kUnitRoundoff * sum_of_magnitudes + kUnderflow);
 }
 
 /// The motion is linear, so d·A is linear in time: bounds at the ends bound it in between.
@@ -132,21 +119,6 @@ RelativeMotion scaled_to_unity(const RelativeMotion& motion) {
   return scaled;
 }
 
-/// Intervals still to be looked at; the earliest is on top.
-class Agenda {
- public:
-  bool empty() const { return size_ == 0; }
-  void clear() { size_ = 0; }
-  void push(const TimeSpan& span) { spans_[size_++] = span; }
-  TimeSpan pop() { return spans_[--size_]; }
-
- private:
-  static constexpr int kCapacity =
-      128;  // each node pushes two and pops one: more than kMaxNodes is never needed
-  std::array<TimeSpan, kCapacity> spans_;
-  int size_ = 0;
-};
-
 /// Tries the directions that separate best at the time `guess`, keeps the one that reaches furthest around
 /// `at`. True when it reaches over the whole span.
 bool improve(const RelativeMotion& motion, double guess, double at, const TimeSpan& span, TimeSpan* best) {
@@ -169,17 +141,36 @@ bool improve(const RelativeMotion& motion, double guess, double at, const TimeSp
 
 }  // namespace
 
-Meeting meet_by_subdivision(const RelativeMotion& original, const TimeSpan& whole) {
-  constexpr int kMaxNodes = 100;
-  constexpr double kTouchResolution = 1e-12;  // of the time of a touch that is found anyway
-  constexpr double kFinest = 1e-14;           // a span as short as this is separated as a whole or touches
+/// Let S = Σ|d_k A_k| with the exact A. What a term of the computed dot product goes through, in units of u
+/// S:
+///
+///   A itself, the product, two sums                                   4
+///   the bound's subtraction from the sum                              1
+///   `at_time`: 1 − t, the product, the sum (of terms up to S)         3
+///                                                                     8
+///
+/// The computed S is smaller than S by four roundings at most, which is of second order like the products of
+/// roundings: 10 u S covers all and is a cheap product. Each end spares its own 3 u S, and `at_time` weighs
+/// both ends as it weighs their errors. The additive term covers underflow: a product errs by 2⁻¹⁰⁷⁵, and so
+/// does a component of A that `scaled_to_unity` scales down, times |d| < 100 there.
+double lower_bound(const std::array<double, 3>& d, const double* a) {
+  constexpr double kUnderflow = 1e-300;
+  const double x = d[0] * a[0], y = d[1] * a[1], z = d[2] * a[2];
+  const double sum_of_magnitudes = std::abs(x) + std::abs(y) + std::abs(z);
+  return (x + y + z) - (10 * kUnitRoundoff * sum_of_magnitudes + kUnderflow);
+}
+
+bool certainly_apart(const RelativeMotion& original, const TimeSpan& whole) {
+  // Enough for what turns while it slides past; what needs more is decided faster by exact arithmetic.
+  constexpr int kMaxNodes = 12;
   const RelativeMotion motion = scaled_to_unity(original);
-  Meeting meeting;
-  Agenda agenda;
-  agenda.push(whole);
-  for (int nodes = 0; !agenda.empty(); ++nodes) {
-    const TimeSpan span = agenda.pop();
-    if (nodes == kMaxNodes || (meeting.hit && span.width() < kTouchResolution)) return {true, span.begin};
+  std::array<TimeSpan, kMaxNodes + 1> left;  // each node takes one and leaves two at most
+  left[0] = whole;
+  int count = 1;
+  for (int nodes = 0; count > 0; ++nodes) {
+    if (nodes == kMaxNodes) return false;
+    const TimeSpan span = left[--count];
+    OILSKIN_ASSERT(span.begin <= span.end);
     const double middle = span.middle();
     TimeSpan apart{1, 0};
     // A touch at an end of the span (at the start of the step, or at the end of the previous cut) is
@@ -188,18 +179,12 @@ Meeting meet_by_subdivision(const RelativeMotion& original, const TimeSpan& whol
         improve(motion, span.end, middle, span, &apart)) {
       continue;
     }
-    if (span.width() < kFinest) return {true, span.begin};
-    if (apart.begin <= apart.end) {
-      if (apart.end < span.end) agenda.push({apart.end, span.end});
-      if (apart.begin > span.begin) agenda.push({span.begin, apart.begin});
-      continue;
-    }
-    // Touching as far as rounding can tell. Only an earlier touch is of interest now.
-    meeting = {true, middle};
-    agenda.clear();
-    if (middle > span.begin) agenda.push({span.begin, middle});
+    if (apart.begin > apart.end) return false;
+    OILSKIN_ASSERT(apart.begin <= middle && middle <= apart.end);
+    if (apart.end < span.end) left[count++] = {apart.end, span.end};
+    if (apart.begin > span.begin) left[count++] = {span.begin, apart.begin};
   }
-  return meeting;
+  return true;
 }
 
 }  // namespace oilskin::ccd::detail

@@ -1,6 +1,8 @@
 /// Directions that certainly keep a moving point apart from a moving triangle. Internal to the room.
 #pragma once
 
+#include <array>
+
 #include "ccd/point_triangle.h"
 
 namespace oilskin::ccd::detail {
@@ -23,9 +25,13 @@ struct TimeSpan {
   double width() const { return end - begin; }
 };
 
-/// Cuts `span` down by separating directions until nothing is left (no hit) or a point in time resists (hit).
-/// Needs no assumption on the input; work is bounded, and what exceeds the bound counts as a hit.
-/// Everything before the returned time is certainly separated.
-Meeting meet_by_subdivision(const RelativeMotion& motion, const TimeSpan& span);
+/// A lower bound of d·a for one corner at one end of the step, low enough that bounds at both ends may be
+/// interpolated in time with rounding.
+double lower_bound(const std::array<double, 3>& d, const double* a);
+
+/// Cuts `span` down by separating directions until nothing is left. True: point and triangle are certainly
+/// apart all the time. False: some time resists (they touch, or nearly so), or the work is not worth it.
+/// Needs no assumption on the input.
+bool certainly_apart(const RelativeMotion& motion, const TimeSpan& span);
 
 }  // namespace oilskin::ccd::detail

@@ -161,6 +161,47 @@ Corners denormal(Random& random) {
   return scaled(x, std::ldexp(1.0, -random.integer(1010, 1074)));
 }
 
+/// The point meets the plane three times at once: corners are combinations of the rows of (τ 1 0, 0 τ 1, 0 0
+/// τ), so that F = τ³ times a constant, and τ goes from −1 to 1 or 2.
+Corners triple_root(Random& random) {
+  const double end = random.integer(1, 2);
+  const auto row = [](int i, double tau) {
+    Vec3 r = tau * Vec3::Unit(i);
+    if (i < 2) r[i + 1] = 1;
+    return r;
+  };
+  Corners x{random.whole_vector(2), {}, {}, {}, random.whole_vector(2), {}, {}, {}};
+  for (int i = 1; i < 4; ++i) {
+    const Vec3 w = random.whole_vector(3);
+    x[i] = x[0] + w[0] * row(0, -1) + w[1] * row(1, -1) + w[2] * row(2, -1);
+    x[4 + i] = x[4] + w[0] * row(0, end) + w[1] * row(1, end) + w[2] * row(2, end);
+  }
+  const int kind = random.integer(0, 3);
+  if (kind == 1) return nudged(x, random);
+  if (kind == 2) return translated(scaled(x, random.uniform(0.1, 1)), random.vector(1e3));
+  if (kind == 3) x[random.integer(0, 7)] += random.vector(1) * random.power_of_ten(-17, 0);
+  return x;
+}
+
+/// Points that slide along an edge, or just beside it, in a plane of whole or skew directions.
+Corners along_an_edge(Random& random) {
+  const bool integral = random.integer(0, 1) == 0;
+  const auto any = [&] { return integral ? random.whole_vector(4) : random.vector(1); };
+  Corners x{any(), any(), any(), any()};
+  for (int i = 0; i < 4; ++i) x[4 + i] = x[i] + any();
+  const double from = random.integer(-2, 6) / 4.0, to = random.integer(-2, 6) / 4.0;
+  x[0] = x[1] + from * (x[2] - x[1]);
+  x[4] = x[5] + to * (x[6] - x[5]);
+  const int kind = random.integer(0, 2);
+  if (kind == 1) return nudged(x, random);
+  if (kind == 2) {
+    const double gap = random.power_of_ten(-20, -8);
+    x[0] += gap * any();
+    x[4] += gap * any();
+  }
+  return x;
+}
+
 /// Coordinates of very different sizes in one query.
 Corners mixed_sizes(Random& random) {
   Corners x;
@@ -227,6 +268,8 @@ const std::vector<Family>& families() {
        [](Random& r) { return translated(constructed(r, 1e-3, 1e-3), r.vector(r.power_of_ten(0, 6))); }},
       {"sliver", sliver},
       {"double root", grazing},
+      {"along an edge", along_an_edge},
+      {"triple root", triple_root},
       {"coplanar", coplanar},
       {"coplanar and ulps", [](Random& r) { return nudged(coplanar(r), r); }},
       {"fast", [](Random& r) { return constructed(r, 1, std::abs(r.power_of_ten(2, 6))); }},
@@ -238,7 +281,7 @@ const std::vector<Family>& families() {
       {"denormal", denormal},
       {"tiny", [](Random& r) { return scaled(constructed(r), std::abs(r.power_of_ten(-300, -90))); }},
       {"huge", [](Random& r) { return scaled(constructed(r), std::abs(r.power_of_ten(60, 89))); }},
-      {"mixed sizes", mixed_sizes},
+      {"mixed sizes", mixed_sizes, true},
   };
   return all;
 }

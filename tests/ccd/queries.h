@@ -35,6 +35,8 @@ class Random {
 struct Family {
   std::string name;
   std::function<Corners(Random&)> make;
+  /// Coordinates whose sizes differ so much that exact arithmetic, the oracle's above all, takes its time.
+  bool wide = false;
 };
 
 const std::vector<Family>& families();

@@ -1,0 +1,180 @@
+#include "ccd/whole_numbers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "core/assert.h"
+
+namespace oilskin::ccd::detail {
+namespace {
+
+/// |x| = mantissa 2^exponent, for finite x.
+struct Decomposed {
+  std::uint64_t mantissa;
+  int exponent;
+};
+
+Decomposed decompose(double x) {
+  static_assert(std::numeric_limits<double>::is_iec559 && sizeof(double) == 8, "doubles are taken apart");
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, &x, sizeof bits);
+  const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
+  const int biased = static_cast<int>((bits >> 52) & 0x7ff);
+  OILSKIN_ASSERT(biased != 0x7ff);
+  if (biased == 0) return {fraction, -1074};
+  return {fraction | (std::uint64_t{1} << 52), biased - 1075};
+}
+
+/// larger + smaller, by magnitude; returns the carry.
+Limb add(const Whole& larger, const Whole& smaller, Limb* out) {
+  WideLimb carry = 0;
+  for (int i = 0; i < smaller.size; ++i) {
+    carry += static_cast<WideLimb>(larger.limbs[i]) + smaller.limbs[i];
+    out[i] = static_cast<Limb>(carry);
+    carry >>= kLimbBits;
+  }
+  for (int i = smaller.size; i < larger.size; ++i) {
+    carry += larger.limbs[i];
+    out[i] = static_cast<Limb>(carry);
+    carry >>= kLimbBits;
+  }
+  return static_cast<Limb>(carry);
+}
+
+/// larger − smaller, by magnitude.
+void subtract(const Whole& larger, const Whole& smaller, Limb* out) {
+  Limb borrow = 0;
+  for (int i = 0; i < larger.size; ++i) {
+    const WideLimb taken = static_cast<WideLimb>(i < smaller.size ? smaller.limbs[i] : 0) + borrow;
+    const WideLimb have = larger.limbs[i];
+    borrow = have < taken ? 1 : 0;
+    out[i] = static_cast<Limb>(have - taken);
+  }
+  OILSKIN_ASSERT(borrow == 0);
+}
+
+}  // namespace
+
+int compare_magnitudes(const Whole& a, const Whole& b) {
+  if (a.size != b.size) return a.size < b.size ? -1 : 1;
+  for (int i = a.size - 1; i >= 0; --i) {
+    if (a.limbs[i] != b.limbs[i]) return a.limbs[i] < b.limbs[i] ? -1 : 1;
+  }
+  return 0;
+}
+
+Scaled approximation(const Whole& a) {
+  if (a.sign == 0) return {};
+  // The leading of three limbs may be as small as 1: what is cut off is below 2⁻⁶⁴ of the whole. Five
+  // roundings.
+  constexpr double kBase = 2.0 * (Limb{1} << (kLimbBits - 1));
+  double leading = 0;
+  for (int i = 1; i <= 3; ++i) {
+    leading = leading * kBase + (i <= a.size ? static_cast<double>(a.limbs[a.size - i]) : 0.0);
+  }
+  Scaled result;
+  result.mantissa = a.sign * std::frexp(leading, &result.exponent);
+  result.exponent += kLimbBits * (a.size - 3);
+  return result;
+}
+
+int lowest_exponent(double x) {
+  const Decomposed parts = decompose(x);
+  OILSKIN_ASSERT(parts.mantissa != 0);
+  const std::uint64_t last_bit = parts.mantissa & (~parts.mantissa + 1);
+  return parts.exponent + std::ilogb(static_cast<double>(last_bit));
+}
+
+Limb* Workspace::reserve(int size) {
+  OILSKIN_ASSERT(size > 0);
+  if (exhausted_ || used_ + static_cast<std::size_t>(size) > kCapacity) {
+    exhausted_ = true;
+    return nullptr;
+  }
+  return memory_ + used_;
+}
+
+Whole Workspace::keep(Limb* limbs, int size, int sign) {
+  while (size > 0 && limbs[size - 1] == 0) --size;
+  OILSKIN_ASSERT(size == 0 || sign != 0);
+  used_ += static_cast<std::size_t>(size);
+  most_used_ = std::max(most_used_, used_);
+  return {limbs, size, size == 0 ? 0 : sign};
+}
+
+Whole Workspace::small(int value) {
+  Limb* out = reserve(1);
+  if (out == nullptr) return {};
+  out[0] = static_cast<Limb>(std::abs(value));
+  return keep(out, 1, value < 0 ? -1 : 1);
+}
+
+Whole Workspace::from_double(double x, int exponent) {
+  if (x == 0) return {};
+  OILSKIN_ASSERT(exponent <= lowest_exponent(x));
+  const Decomposed parts = decompose(x);
+  std::uint64_t bits = parts.mantissa;
+  int shift = parts.exponent - exponent;
+  for (; shift < 0; ++shift) bits >>= 1;  // zeros
+  const int whole_limbs = shift / kLimbBits, size = whole_limbs + 1 + 64 / kLimbBits;
+  Limb* out = reserve(size);
+  if (out == nullptr) return {};
+  std::fill(out, out + size, Limb{0});
+  // Limb by limb, so that nothing is shifted by a limb's whole length.
+  WideLimb carry = 0;
+  for (int i = whole_limbs; i < size; ++i) {
+    carry += static_cast<WideLimb>(static_cast<Limb>(bits)) << (shift % kLimbBits);
+    out[i] = static_cast<Limb>(carry);
+    carry >>= kLimbBits;
+    bits = kLimbBits == 64 ? 0 : bits >> (kLimbBits % 64);
+  }
+  return keep(out, size, x < 0 ? -1 : 1);
+}
+
+Whole Workspace::sum(const Whole& a, const Whole& b) {
+  if (a.sign == 0) return b;
+  if (b.sign == 0) return a;
+  const int order = compare_magnitudes(a, b);
+  const Whole &larger = order < 0 ? b : a, &smaller = order < 0 ? a : b;
+  if (order == 0 && a.sign != b.sign) return {};
+  Limb* out = reserve(larger.size + 1);
+  if (out == nullptr) return {};
+  out[larger.size] = 0;
+  if (a.sign == b.sign) {
+    out[larger.size] = add(larger, smaller, out);
+  } else {
+    subtract(larger, smaller, out);
+  }
+  return keep(out, larger.size + 1, larger.sign);
+}
+
+Whole Workspace::product(const Whole& a, const Whole& b) {
+  if (a.sign == 0 || b.sign == 0) return {};
+  const int size = a.size + b.size;
+  Limb* out = reserve(size);
+  if (out == nullptr) return {};
+  WideLimb carry = 0;
+  for (int j = 0; j < b.size; ++j) {
+    carry += static_cast<WideLimb>(a.limbs[0]) * b.limbs[j];
+    out[j] = static_cast<Limb>(carry);
+    carry >>= kLimbBits;
+  }
+  out[b.size] = static_cast<Limb>(carry);
+  for (int i = 1; i < a.size; ++i) {
+    const WideLimb factor = a.limbs[i];
+    carry = 0;
+    if (factor != 0) {  // numbers of very different sizes leave long gaps
+      for (int j = 0; j < b.size; ++j) {
+        carry += factor * b.limbs[j] + out[i + j];
+        out[i + j] = static_cast<Limb>(carry);
+        carry >>= kLimbBits;
+      }
+    }
+    out[i + b.size] = static_cast<Limb>(carry);
+  }
+  return keep(out, size, a.sign * b.sign);
+}
+
+}  // namespace oilskin::ccd::detail

@@ -1,0 +1,94 @@
+/// Whole numbers of any length in a block of memory of fixed size: exact arithmetic without allocation.
+/// Internal to the room.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace oilskin::ccd::detail {
+
+#ifdef __SIZEOF_INT128__
+using Limb = std::uint64_t;
+__extension__ using WideLimb = unsigned __int128;
+#else
+using Limb = std::uint32_t;
+using WideLimb = std::uint64_t;
+#endif
+constexpr int kLimbBits = 8 * sizeof(Limb);
+
+/// Sign and magnitude, least significant limb first, without leading zeros. The limbs lie in a Workspace.
+struct Whole {
+  const Limb* limbs = nullptr;
+  int size = 0;
+  int sign = 0;
+};
+
+inline Whole negated(const Whole& a) {
+  return {a.limbs, a.size, -a.sign};
+}
+
+/// −1, 0 or 1 as |a| is less than, equal to or greater than |b|.
+int compare_magnitudes(const Whole& a, const Whole& b);
+
+/// The number m 2^exponent with 0.5 ≤ |m| < 1 (or 0), within 2⁻⁵⁰ relative.
+struct Scaled {
+  double mantissa = 0;
+  int exponent = 0;
+};
+Scaled approximation(const Whole& a);
+
+/// Exponent of the last bit of a finite number that is not zero.
+int lowest_exponent(double x);
+
+/// Where results are put, one behind the other. When the block is full, results are zero from then on and
+/// `exhausted` says so: whoever asks for a sign must ask that too.
+class Workspace {
+ public:
+  /// Everything made while a scope lives is given back with it.
+  class Scope {
+   public:
+    explicit Scope(Workspace* workspace) : workspace_(workspace), used_(workspace->used_) {
+      ++workspace_->scopes_;
+    }
+    ~Scope() {
+      workspace_->used_ = used_;
+      --workspace_->scopes_;
+    }
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+   private:
+    Workspace* workspace_;
+    std::size_t used_;
+  };
+
+  Workspace() {}  // NOLINT: the block stays uninitialised, which costs nothing
+  Workspace(const Workspace&) = delete;
+  Workspace& operator=(const Workspace&) = delete;
+
+  bool exhausted() const { return exhausted_; }
+  bool in_scope() const { return scopes_ > 0; }
+  std::size_t most_used() const { return most_used_; }  ///< limbs
+
+  Whole small(int value);
+  /// x / 2^exponent, for x finite and exponent at most `lowest_exponent(x)`.
+  Whole from_double(double x, int exponent);
+  Whole sum(const Whole& a, const Whole& b);
+  Whole difference(const Whole& a, const Whole& b) { return sum(a, negated(b)); }
+  Whole product(const Whole& a, const Whole& b);
+
+ private:
+  /// Enough for the exact test of coordinates of any finite size; coordinates of similar size need 1,000.
+  static constexpr std::size_t kCapacity = (std::size_t{24576} * 64) / kLimbBits;
+
+  Limb* reserve(int size);
+  Whole keep(Limb* limbs, int size, int sign);
+
+  std::size_t used_ = 0;
+  std::size_t most_used_ = 0;
+  int scopes_ = 0;
+  bool exhausted_ = false;
+  Limb memory_[kCapacity];
+};
+
+}  // namespace oilskin::ccd::detail

@@ -1,0 +1,115 @@
+// The library's exact arithmetic, held against the oracle's.
+#include "ccd/whole_numbers.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "ccd/queries.h"
+#include "ccd/whole_polynomials.h"
+#include "support/exact.h"
+
+namespace oilskin::test {
+namespace {
+
+using ccd::detail::Algebra;
+using ccd::detail::Polynomial;
+using ccd::detail::Surd;
+using ccd::detail::Whole;
+using ccd::detail::Workspace;
+using exact::Integer;
+
+Integer to_integer(const Whole& a) {
+  Integer x;
+  for (int i = a.size - 1; i >= 0; --i) {
+    for (int shift = ccd::detail::kLimbBits - 16; shift >= 0; shift -= 16) {
+      x = (x << 16) + Integer(static_cast<std::int64_t>((a.limbs[i] >> shift) & 0xffff));
+    }
+  }
+  return a.sign < 0 ? -x : x;
+}
+
+/// Whole numbers up to 2^600, sparse and dense.
+double whole_double(Random& random) {
+  const double mantissa =
+      random.integer(0, 3) == 0 ? random.integer(-3, 3) : std::floor(random.uniform(-0x1p53, 0x1p53));
+  return std::ldexp(mantissa, random.integer(0, 547));
+}
+
+TEST(WholeNumbers, AgreeWithTheOraclesIntegers) {
+  const auto workspace = std::make_unique<Workspace>();
+  Random random(31);
+  for (int i = 0; i < 20000; ++i) {
+    const Workspace::Scope scope(workspace.get());
+    const double x = whole_double(random), y = whole_double(random), z = whole_double(random);
+    const Whole a = workspace->from_double(x, 0), b = workspace->from_double(y, 0),
+                c = workspace->from_double(z, 0);
+    const Integer p = Integer::from_double(x, 0), q = Integer::from_double(y, 0),
+                  r = Integer::from_double(z, 0);
+    ASSERT_TRUE(to_integer(a) == p);
+    ASSERT_TRUE(to_integer(workspace->sum(workspace->product(a, b), c)) == p * q + r);
+    const Whole difference = workspace->difference(workspace->product(a, b), workspace->product(b, c));
+    ASSERT_TRUE(to_integer(difference) == p * q - q * r);
+    ASSERT_EQ(difference.sign, (p * q - q * r).sign());
+    const ccd::detail::Scaled rounded = approximation(a);
+    ASSERT_NEAR(std::ldexp(rounded.mantissa, rounded.exponent) / (x == 0 ? 1 : x), x == 0 ? 0 : 1, 0x1p-50);
+  }
+  EXPECT_FALSE(workspace->exhausted());
+}
+
+TEST(WholeNumbers, HoldEveryFiniteDouble) {
+  const auto workspace = std::make_unique<Workspace>();
+  const Whole most = workspace->from_double(std::numeric_limits<double>::max(), -1074),
+              least = workspace->from_double(-0x1p-1074, -1074);
+  EXPECT_TRUE(to_integer(most) == Integer::from_double(std::numeric_limits<double>::max(), 1074));
+  EXPECT_TRUE(to_integer(least) == Integer(-1));
+  EXPECT_EQ(ccd::detail::lowest_exponent(-12), 2);
+  EXPECT_EQ(ccd::detail::lowest_exponent(0x1p-1074), -1074);
+}
+
+TEST(WholeNumbers, AFullBlockIsReported) {
+  const auto workspace = std::make_unique<Workspace>();
+  Whole a = workspace->from_double(0x1p1000, 0);
+  for (int i = 0; i < 20; ++i) a = workspace->product(a, a);
+  EXPECT_TRUE(workspace->exhausted());
+  EXPECT_EQ(a.sign, 0);
+}
+
+Polynomial polynomial(Workspace* workspace, const std::array<int, 4>& c) {
+  Polynomial f;
+  for (int i = 0; i < 4; ++i) {
+    f.c[i] = workspace->small(c[i]);
+    if (c[i] != 0) f.degree = i;
+  }
+  return f;
+}
+
+/// (2 t − 1)(t² + t − 1): roots ½ and the inverse of the golden ratio, which its own quadratic must know.
+TEST(WholeNumbers, SignsAtSurdsAreExact) {
+  const auto workspace = std::make_unique<Workspace>();
+  Algebra algebra(workspace.get());
+  const Polynomial golden = polynomial(workspace.get(), {-1, 1, 1, 0}),
+                   cubic = polynomial(workspace.get(), {1, -3, 1, 2});
+  const auto roots = algebra.roots_of(golden);
+  ASSERT_EQ(roots.count, 2);
+  const double ratio = 0.61803398874989484820;
+  EXPECT_NEAR(algebra.estimate(roots.at[1]), ratio, 0x1p-47);
+  EXPECT_EQ(algebra.sign_at(golden, roots.at[1]), 0);
+  EXPECT_EQ(algebra.sign_at(cubic, roots.at[1]), 0);
+  const Surd half = algebra.fraction(workspace->small(-3), workspace->small(-6));
+  EXPECT_EQ(algebra.sign_at(cubic, half), 0);
+  EXPECT_EQ(algebra.sign_at(golden, half), -1);
+  EXPECT_EQ(algebra.compare_with_fraction(roots.at[1], half), 1);
+  EXPECT_EQ(algebra.compare_with_fraction(roots.at[0], half), -1);
+  EXPECT_EQ(algebra.compare_with_fraction(half, half), 0);
+  // The convergents of the golden ratio lie on either side, ever closer.
+  for (int a = 1, b = 1, side = 1; b < 1000000000; std::swap(a, b), b += a, side = -side) {
+    const Surd t = algebra.fraction(workspace->small(a), workspace->small(b));
+    EXPECT_EQ(algebra.sign_at(golden, t), side);
+    EXPECT_EQ(algebra.compare_with_fraction(roots.at[1], t), -side);
+  }
+}
+
+}  // namespace
+}  // namespace oilskin::test
