@@ -6,9 +6,18 @@
 add_library(oilskin_flags INTERFACE)
 target_compile_options(oilskin_flags INTERFACE
   $<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-ffp-contract=off -fno-fast-math -Wall -Wextra -Wshadow -Wno-psabi>)
+if(OILSKIN_ASSERTS)
+  target_compile_definitions(oilskin_flags INTERFACE OILSKIN_ASSERTS)
+endif()
 if(OILSKIN_SANITIZE)
   target_compile_options(oilskin_flags INTERFACE -fsanitize=${OILSKIN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(oilskin_flags INTERFACE -fsanitize=${OILSKIN_SANITIZE})
+endif()
+if(OILSKIN_FUZZERS)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "Oilskin: OILSKIN_FUZZERS needs Clang; use the preset `fuzz`, or -DCMAKE_CXX_COMPILER=clang++")
+  endif()
+  target_compile_options(oilskin_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
 # The alignment trap. Debian's libfcl is compiled without -march flags, so Eigen aligned its fixed-size types to

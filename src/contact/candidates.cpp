@@ -1,9 +1,11 @@
 #include "contact/candidates.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "contact/slip.h"
+#include "core/assert.h"
 
 namespace oilskin::contact {
 
@@ -27,6 +29,7 @@ double CandidateSet::slack(const ParticleMotion& particles) {
 
 void CandidateSet::collect(Context& context) {
   const std::size_t n = context.particle_count();
+  OILSKIN_ASSERT(context.caches.size() == context.surfaces.size());
   surfaces_.resize(context.surfaces.size());
   std::vector<std::uint32_t> all(n);
   std::iota(all.begin(), all.end(), 0u);
@@ -56,6 +59,8 @@ void CandidateSet::query(Context& context, std::uint32_t surface,
     set.box[p] = boxes_[k];
   });
   context.caches[surface]->tree.query(boxes_, *context.workers, set.scratch);
+  OILSKIN_ASSERT(reach > 2 * motion.delta && std::isfinite(reach));
+  OILSKIN_ASSERT(set.pool.size() + set.scratch.triangle.size() <= std::numeric_limits<std::uint32_t>::max());
   const auto base = static_cast<std::uint32_t>(set.pool.size());
   set.pool.resize(base + set.scratch.triangle.size());
   context.workers->for_each(particles.size(), chunk, [&](std::size_t k) {
@@ -63,11 +68,13 @@ void CandidateSet::query(Context& context, std::uint32_t surface,
     std::uint32_t at = base + set.scratch.begin[k];
     set.begin[particles[k]] = at;
     set.count[particles[k]] = static_cast<std::uint32_t>(found.size());
+    OILSKIN_ASSERT(found.empty() || found[found.size() - 1] < motion.triangles.size());
     for (std::uint32_t t : found) set.pool[at++] = {t, 0, std::numeric_limits<double>::infinity()};
   });
 }
 
 std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin) {
+  OILSKIN_ASSERT(surfaces_.size() == context.surfaces.size() && margin >= 0);
   std::vector<std::uint32_t> stale, queried;
   for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
     Surface& set = surfaces_[s];
@@ -94,6 +101,8 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
     if (!stale.empty()) query(context, s, stale);
     queried.insert(queried.end(), stale.begin(), stale.end());
   }
+  OILSKIN_ASSERT(std::all_of(queried.begin(), queried.end(),
+                             [&](std::uint32_t p) { return context.out_of_play[p] == 0; }));
   std::sort(queried.begin(), queried.end());
   queried.erase(std::unique(queried.begin(), queried.end()), queried.end());
   return queried;

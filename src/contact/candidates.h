@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact/context.h"
+#include "core/assert.h"
 
 namespace oilskin::contact {
 
@@ -26,11 +27,15 @@ class CandidateSet {
   static double slack(const ParticleMotion& particles);
 
   Span<CandidatePair> of(std::uint32_t surface, std::uint32_t particle) {
+    OILSKIN_ASSERT(surface < surfaces_.size());
     Surface& s = surfaces_[surface];
+    OILSKIN_ASSERT(particle < s.count.size() && s.begin[particle] + s.count[particle] <= s.pool.size());
     return {s.pool.data() + s.begin[particle], s.count[particle]};
   }
   Span<const CandidatePair> of(std::uint32_t surface, std::uint32_t particle) const {
+    OILSKIN_ASSERT(surface < surfaces_.size());
     const Surface& s = surfaces_[surface];
+    OILSKIN_ASSERT(particle < s.count.size());
     return {s.pool.data() + s.begin[particle], s.count[particle]};
   }
   std::uint64_t size() const;

@@ -21,6 +21,10 @@ void ContactLoop::begin(double dt, const ContactSettings& settings, ParticleMoti
   context_.report = &report;
   context_.seconds = &seconds;
   context_.epoch = 1;
+  OILSKIN_ASSERT(particles.x_t0.size() == particles.id.size() &&
+                 particles.x_t1.size() == particles.id.size());
+  OILSKIN_ASSERT(particles.velocity.size() == particles.id.size());
+  OILSKIN_ASSERT(particles.removed.size() == particles.id.size() && particles.spacing > 0);
   context_.particle_stamp.assign(particles.id.size(), 0);
   context_.out_of_play.assign(particles.id.size(), 0);
   prepare_surfaces();
@@ -37,6 +41,8 @@ void ContactLoop::prepare_surfaces() {
     SurfaceMotion& s = *context_.surfaces[k];
     const std::size_t nodes = s.x_t0.size();
     OILSKIN_ASSERT(s.id != 0 && s.delta > 0);
+    OILSKIN_ASSERT(s.thickness >= 4 * s.delta);
+    OILSKIN_ASSERT(s.holdable.empty() || s.holdable.size() == nodes);
     OILSKIN_ASSERT(s.x_t1.size() == nodes && s.velocity.size() == nodes && s.inverse_mass.size() == nodes);
     SurfaceCache& cache = caches_[s.id];
     if (cache.id != s.id) {
@@ -57,6 +63,7 @@ const std::vector<ContactRecord>& ContactLoop::select_records() {
 }
 
 void ContactLoop::run() {
+  OILSKIN_ASSERT(context_.settings != nullptr && context_.dt > 0);  // begin() comes first
   const ContactSettings& settings = *context_.settings;
   {
     StageTimer timer(context_.seconds->proximity);
@@ -74,6 +81,7 @@ void ContactLoop::run() {
     rows.reserve(active_.size());
     for (const ContactRecord& r : active_) rows.push_back(row_of_record(context_, r));
     share_wall_area(context_, rows);
+    share_gaps(context_, rows);
     solve_rows(context_, rows);
     context_.report->contacts = active_.size();
     for (const ContactRecord& r : active_)
@@ -92,6 +100,7 @@ void ContactLoop::run() {
     ++context_.report->rounds;
     context_.report->meetings += bad.size();
     std::vector<Row> rows = rows_of_bad_pairs(context_, bad, round);
+    OILSKIN_ASSERT(rows.size() == bad.size());
     solve_rows(context_, rows);
   }
   if (settings.zones && !certified) run_zones(context_, candidates_);
@@ -115,9 +124,11 @@ void ContactLoop::book_impulses() {
   ContactReport& report = *context_.report;
   for (std::uint32_t k = 0; k < context_.surfaces.size(); ++k) {
     const SurfaceMotion& s = *context_.surfaces[k];
+    OILSKIN_ASSERT(s.impulse.size() == s.inverse_mass.size());
     for (std::size_t i = 0; i < s.impulse.size(); ++i)
       (s.inverse_mass[i] > 0 ? report.impulse_on_free_nodes : report.impulse_on_prescribed) += s.impulse[i];
   }
+  OILSKIN_ASSERT(report.impulse_on_free_nodes.allFinite() && report.impulse_on_prescribed.allFinite());
   report.least_distance = std::min(report.least_distance, candidates_.least_end_distance(context_));
 }
 

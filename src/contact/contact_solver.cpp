@@ -1,9 +1,11 @@
 #include "oilskin/contact.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
 #include "contact/contact_loop.h"
+#include "core/assert.h"
 
 namespace oilskin {
 
@@ -110,6 +112,8 @@ Status ContactSolver::resolve(double dt, ParticleMotion& particles, Span<Surface
   std::fill(particles.removed.begin(), particles.removed.end(), std::uint8_t{0});
   impl_->loop.begin(dt, impl_->settings, particles, surfaces, report, seconds);
   impl_->loop.run();
+  OILSKIN_ASSERT(static_cast<std::uint64_t>(
+                     std::count(particles.removed.begin(), particles.removed.end(), 1)) == report.removed);
   if (impl_->settings.verify) {
     contact::StageTimer timer(seconds.verify);
     report.crossings_found_by_verify = count_crossings(particles, surfaces, &report.verified_pairs);

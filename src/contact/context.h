@@ -5,6 +5,7 @@
 
 #include "contact/predicates.h"
 #include "contact/topology.h"
+#include "core/assert.h"
 #include "core/parallel.h"
 #include "oilskin/contact.h"
 #include "proximity/surface_tree.h"
@@ -42,22 +43,28 @@ struct Context {
   std::size_t particle_count() const { return particles->id.size(); }
   Quad start(std::uint32_t p, std::uint32_t surface, std::uint32_t triangle) const {
     const SurfaceMotion& s = *surfaces[surface];
+    OILSKIN_ASSERT(p < particles->x_t0.size() && triangle < s.triangles.size());
     const Triangle& t = s.triangles[triangle];
     return {particles->x_t0[p], s.x_t0[t[0]], s.x_t0[t[1]], s.x_t0[t[2]]};
   }
   Quad end(std::uint32_t p, std::uint32_t surface, std::uint32_t triangle) const {
     const SurfaceMotion& s = *surfaces[surface];
+    OILSKIN_ASSERT(p < particles->x_t1.size() && triangle < s.triangles.size());
     const Triangle& t = s.triangles[triangle];
     return {particles->x_t1[p], s.x_t1[t[0]], s.x_t1[t[1]], s.x_t1[t[2]]};
   }
   /// Positions change through these two only, so that no stamp is forgotten.
   void set_particle_end(std::uint32_t p, const Vec3& x) {
+    OILSKIN_ASSERT(p < particles->x_t1.size() && !out_of_play[p]);
+    OILSKIN_ASSERT(x.allFinite());
     particles->x_t1[p] = x;
     particle_stamp[p] = epoch;
   }
   void set_node_end(std::uint32_t surface, std::uint32_t node, const Vec3& x) {
     SurfaceMotion& s = *surfaces[surface];
+    OILSKIN_ASSERT(node < s.x_t1.size());
     const Vec3 rounded = stored(x, s.storage);
+    OILSKIN_ASSERT(rounded.allFinite());
     if (rounded == s.x_t1[node]) return;
     s.x_t1[node] = rounded;
     s.moved[node] = 1;

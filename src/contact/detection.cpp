@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "core/assert.h"
+
 namespace oilskin::contact {
 
 namespace {
@@ -45,6 +47,7 @@ bool test_pair(const Context& context, const SurfaceMotion& s, const Quad& x0, c
   if (context.settings->ccd && !swept_boxes_apart(x0, x1)) {
     const ccd::Meeting m = meets(x0, x1);
     bad.meets = m.hit;
+    OILSKIN_ASSERT(!m.hit || (m.time >= 0 && m.time <= 1));
     if (m.hit) bad.time = m.time;
   }
   return bad.near || bad.meets;
@@ -67,6 +70,7 @@ void detect_for_particle(const Context& context, CandidateSet& candidates, std::
       BadPair bad;
       bad.particle = p;
       bad.surface = s;
+      OILSKIN_ASSERT(pair.triangle < motion.triangles.size() && pair.tested <= context.epoch);
       bad.triangle = pair.triangle;
       const bool is_bad = test_pair(context, motion, context.start(p, s, pair.triangle),
                                     context.end(p, s, pair.triangle), pair, least, bad);
@@ -94,6 +98,8 @@ std::vector<BadPair> detect(Context& context, CandidateSet& candidates) {
     return std::make_tuple(a.time, id[a.particle], a.surface, a.triangle) <
            std::make_tuple(b.time, id[b.particle], b.surface, b.triangle);
   });
+  OILSKIN_ASSERT(std::none_of(bad.begin(), bad.end(),
+                              [&](const BadPair& b) { return context.out_of_play[b.particle] != 0; }));
   ++context.epoch;
   return bad;
 }

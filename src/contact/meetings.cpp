@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contact/records.h"
+#include "core/assert.h"
 
 namespace oilskin::contact {
 
@@ -14,6 +15,7 @@ double length_scale(const Quad& q) {
 }
 
 double landing_gap(const SurfaceMotion& s, double start_distance, int round) {
+  OILSKIN_ASSERT(start_distance >= 0 && round >= 0);
   const double h = s.thickness;
   double gap = start_distance >= h ? h : start_distance + 0.1 * (h - start_distance);
   gap = std::ldexp(gap, -round);
@@ -23,6 +25,7 @@ double landing_gap(const SurfaceMotion& s, double start_distance, int round) {
 }  // namespace
 
 StrikeGeometry strike_geometry(const Quad& x0, const Quad& x1, double time, double delta) {
+  OILSKIN_ASSERT(time >= 0 && time <= 1 && delta > 0);
   StrikeGeometry g;
   const ClosestPoint start = closest_point(x0.p, x0.a, x0.b, x0.c);
   g.start_distance = start.distance;
@@ -79,7 +82,9 @@ std::vector<Row> rows_of_bad_pairs(Context& context, const std::vector<BadPair>&
     r.back = g.normal.dot((at.b - at.a).cross(at.c - at.a)) < 0;
     Row row = row_of_record(context, r);
     row.stops = row.slips = true;
+    OILSKIN_ASSERT(std::abs(g.normal.squaredNorm() - 1) < 1e-9);
     row.target_gap = landing_gap(s, g.start_distance, round);
+    OILSKIN_ASSERT(row.target_gap >= 2 * s.delta);
     rows.push_back(row);
     if (b.meets) landed.push_back(static_cast<std::uint32_t>(rows.size() - 1));
   }

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/assert.h"
+
 namespace oilskin::contact {
 
 namespace {
@@ -22,11 +24,13 @@ double lower_bound(const Vec3& n, const Vec3& p, const Vec3& corner) {
 }  // namespace
 
 EndDistance end_distance(const Quad& q, double delta) {
+  OILSKIN_ASSERT(delta > 0);
   const ClosestPoint c = closest_point(q.p, q.a, q.b, q.c);
   if (!(c.distance >= delta)) return {true, c.distance};
   // All corners lie on the far side of the plane through the closest point, so the least of the three
   // projections is a lower bound of the distance for any n, and equal to it for the exact one.
   const Vec3 n = c.offset / c.distance;
+  OILSKIN_ASSERT(std::isfinite(c.distance));
   const double bound =
       std::min({lower_bound(n, q.p, q.a), lower_bound(n, q.p, q.b), lower_bound(n, q.p, q.c)}) *
       (1 - 0x1p-50);
@@ -34,6 +38,7 @@ EndDistance end_distance(const Quad& q, double delta) {
 }
 
 Quad interpolate(const Quad& x0, const Quad& x1, double t) {
+  OILSKIN_ASSERT(t >= 0 && t <= 1);
   return {x0.p + t * (x1.p - x0.p), x0.a + t * (x1.a - x0.a), x0.b + t * (x1.b - x0.b),
           x0.c + t * (x1.c - x0.c)};
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contact/slip.h"
+#include "core/assert.h"
 
 namespace oilskin::contact {
 
@@ -25,6 +26,9 @@ ContactRecord make_record(const Context& context, std::uint32_t p, std::uint32_t
   const Topology& topology = context.caches[surface]->topology;
   r.feature = topology.feature_key(triangle, r.nodes, c.feature);
   const Facing f = facing(topology, motion.triangles, motion.x_t0, triangle, c.feature, r.normal);
+  OILSKIN_ASSERT(std::abs(r.weights[0] + r.weights[1] + r.weights[2] - 1) < 1e-12);
+  OILSKIN_ASSERT(std::abs(r.normal.squaredNorm() - 1) < 1e-9);
+  OILSKIN_ASSERT(f.share >= 0 && f.share < 1 + 1e-9);
   r.back = f.back;
   r.facing = f.share;
   return r;
@@ -46,24 +50,32 @@ void find_for_particle(const Context& context, const CandidateSet& candidates,
                        const std::vector<double>& longest, std::uint32_t p, std::vector<ContactRecord>& out) {
   const ParticleMotion& particles = *context.particles;
   const double way = (particles.x_t1[p] - particles.x_t0[p]).norm() + 2 * CandidateSet::slack(particles);
+  std::vector<std::uint64_t>
+      vertices;  // of the surface, each judged once: thousands of triangles may share it
   for (std::uint32_t s = 0; s < context.surfaces.size(); ++s) {
     const SurfaceMotion& motion = *context.surfaces[s];
     // Beyond h + dx no record acts, and none whose gap the ways of both sides cannot bring below h.
     const double acts = motion.thickness + std::min(particles.spacing, way + longest[s]);
     const double reach = std::max(acts, wall_layer(particles, motion));
     const std::size_t first = out.size();
+    vertices.clear();
     for (const CandidatePair& pair : candidates.of(s, p)) {
       const Quad q = context.start(p, s, pair.triangle);
       if (squared_distance_to_box(q) >= reach * reach) continue;
       const ClosestPoint c = closest_point(q.p, q.a, q.b, q.c);
       if (c.distance >= reach) continue;
       const Topology& topology = context.caches[s]->topology;
-      if (!topology.is_local_minimum(motion.triangles, motion.x_t0, motion.triangles[pair.triangle], c))
-        continue;
-      ContactRecord r = make_record(context, p, s, pair.triangle, q, c);
+      const std::uint64_t feature =
+          topology.feature_key(pair.triangle, motion.triangles[pair.triangle], c.feature);
+      const bool is_vertex = (c.feature & (c.feature - 1)) == 0;
+      if (is_vertex) {
+        if (std::find(vertices.begin(), vertices.end(), feature) != vertices.end()) continue;
+        vertices.push_back(feature);
+      }
+      if (!topology.is_local_minimum(motion.triangles, motion.x_t0, pair.triangle, c)) continue;
       const bool duplicate = std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
-                                         [&](const ContactRecord& o) { return o.feature == r.feature; });
-      if (!duplicate) out.push_back(r);
+                                         [&](const ContactRecord& o) { return o.feature == feature; });
+      if (!duplicate) out.push_back(make_record(context, p, s, pair.triangle, q, c));
     }
   }
 }
@@ -97,6 +109,9 @@ void RecordSet::find(const Context& context, const CandidateSet& candidates) {
   });
   near_.clear();
   for (const auto& records : part) near_.insert(near_.end(), records.begin(), records.end());
+  OILSKIN_ASSERT(
+      std::is_sorted(near_.begin(), near_.end(),
+                     [](const ContactRecord& a, const ContactRecord& b) { return a.particle < b.particle; }));
 }
 
 void RecordSet::update(const Context& context, const CandidateSet& candidates,
@@ -106,6 +121,7 @@ void RecordSet::update(const Context& context, const CandidateSet& candidates,
   std::vector<ContactRecord> fresh;
   for (std::uint32_t p : particles)
     if (!context.out_of_play[p]) find_for_particle(context, candidates, longest, p, fresh);
+  OILSKIN_ASSERT(std::is_sorted(particles.begin(), particles.end()));
   std::vector<ContactRecord> merged;
   merged.reserve(near_.size() + fresh.size());
   const auto is_stale = [&](const ContactRecord& r) {
@@ -114,20 +130,66 @@ void RecordSet::update(const Context& context, const CandidateSet& candidates,
   near_.erase(std::remove_if(near_.begin(), near_.end(), is_stale), near_.end());
   std::merge(near_.begin(), near_.end(), fresh.begin(), fresh.end(), std::back_inserter(merged),
              [](const ContactRecord& a, const ContactRecord& b) { return a.particle < b.particle; });
+  OILSKIN_ASSERT(merged.size() == near_.size() + fresh.size());
   near_.swap(merged);
 }
 
 double end_gap(const Context& context, const ContactRecord& r) {
+  OILSKIN_ASSERT(r.surface < context.surfaces.size() && r.particle < context.particle_count());
   const SurfaceMotion& s = *context.surfaces[r.surface];
   Vec3 foot = Vec3::Zero();
   for (int k = 0; k < 3; ++k) foot += r.weights[k] * s.x_t1[r.nodes[k]];
   return r.normal.dot(context.particles->x_t1[r.particle] - foot);
 }
 
+namespace {
+
+// Does the way from a point come nearer than h to the triangle? The distance from a convex set is convex
+// along a line.
+bool comes_within(const Vec3& from, const Vec3& way, const Vec3& a, const Vec3& b, const Vec3& c, double h) {
+  double low = 0, high = 1;
+  for (int k = 0; k < 40; ++k) {
+    const double s = low + (high - low) / 3, t = high - (high - low) / 3;
+    const double at_s = closest_point(from + s * way, a, b, c).distance;
+    const double at_t = closest_point(from + t * way, a, b, c).distance;
+    if (std::min(at_s, at_t) < h) return true;
+    (at_s < at_t ? high : low) = at_s < at_t ? t : s;
+  }
+  return false;
+}
+
+// At a border, and outside a fold, the plane through the foot is no sheet: what passes beside the triangles
+// that share the feature is not stopped.
+bool passes_beside(const Context& context, const ContactRecord& r, double h) {
+  constexpr double flat = 0.999;
+  if (r.facing > flat) return false;
+  const SurfaceMotion& s = *context.surfaces[r.surface];
+  const ParticleMotion& particles = *context.particles;
+  Vec3 way = particles.x_t1[r.particle] - particles.x_t0[r.particle];
+  std::uint32_t u = UINT32_MAX, v = UINT32_MAX;  // of the feature
+  for (int k = 0; k < 3; ++k) {
+    if (r.weights[k] == 0) continue;
+    way -= r.weights[k] * (s.x_t1[r.nodes[k]] - s.x_t0[r.nodes[k]]);
+    (u == UINT32_MAX ? u : v) = r.nodes[k];
+  }
+  if (v == UINT32_MAX) v = u;
+  for (std::uint32_t t : context.caches[r.surface]->topology.triangles_of(u)) {
+    const Triangle& nodes = s.triangles[t];
+    if (std::find(nodes.begin(), nodes.end(), v) == nodes.end()) continue;
+    if (comes_within(particles.x_t0[r.particle], way, s.x_t0[nodes[0]], s.x_t0[nodes[1]], s.x_t0[nodes[2]],
+                     h))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 bool undercuts_thickness(const Context& context, const ContactRecord& r) {
   // d0 + n·(D_p − Σ w_i D_i) is the end gap along n, because d0 = n·(x0_p − Σ w_i x0_i).
   const double h = context.surfaces[r.surface]->thickness;
-  return r.distance < h || (context.settings->ccd && end_gap(context, r) < h);
+  if (r.distance < h) return true;
+  return context.settings->ccd && end_gap(context, r) < h && !passes_beside(context, r, h);
 }
 
 bool may_slip(const Context& context, const ContactRecord& r) {

@@ -22,8 +22,8 @@ class RecordSet {
   std::vector<ContactRecord> near_;
 };
 
-/// d0 < h, or the gap along n falls below h by the end (records exist for d0 < h + dx only): stop and
-/// repulsion act.
+/// d0 < h, or the gap along n falls below h by the end (records exist for d0 < h + dx only) and the way does
+/// not pass farther than h beside a border or a fold: stop and repulsion act.
 bool undercuts_thickness(const Context& context, const ContactRecord& record);
 
 /// Is the particle in the first layer of a side that is not free slip: d0 ≤ h + 0.1 dx, or z < dx of a

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/assert.h"
+
 namespace oilskin::contact {
 
 namespace {
@@ -10,6 +12,7 @@ namespace {
 /// Where the water begins in front of a surface: half a spacing before the layer that rests at the thickness,
 /// at the sheet itself if that is nearer.
 double wall_offset(const ParticleMotion& particles, const SurfaceMotion& surface) {
+  OILSKIN_ASSERT(particles.spacing > 0 && surface.thickness > 0);
   return std::max(0.0, surface.thickness - 0.5 * particles.spacing);
 }
 
@@ -45,6 +48,7 @@ double wall_layer(const ParticleMotion& particles, const SurfaceMotion& surface)
 Facing facing(const Topology& topology, Span<const Triangle> triangles, Span<const Vec3> x,
               std::uint32_t triangle, std::uint8_t feature, const Vec3& normal) {
   Facing f;
+  OILSKIN_ASSERT(triangle < triangles.size() && feature >= 1 && feature <= 7);
   const Triangle& own = triangles[triangle];
   if (feature == 7) {
     f.back = normal.dot((x[own[1]] - x[own[0]]).cross(x[own[2]] - x[own[0]])) < 0;
@@ -89,12 +93,14 @@ void share_wall_area(const Context& context, std::vector<Row>& rows) {
         const bool nearer = other.distance < c.distance || (other.distance == c.distance && o < k);
         if (nearer) share *= 1 - std::clamp(c.normal.dot(other.normal), 0.0, 1.0);
       }
+      OILSKIN_ASSERT(share >= 0 && share < 1 + 1e-9);
       rows[k].wall_area = share * area;
     }
   }
 }
 
 Vec3 slip_impulse(const Context& context, const Row& row, const Vec3& vt) {
+  OILSKIN_ASSERT(row.k > 0 && vt.allFinite());
   const SurfaceMotion& surface = *context.surfaces[row.contact.surface];
   const SlipSettings& slip = surface.slip_on(row.contact.back);
   const Vec3 sticking = row.slip_impulse - vt / row.k;

@@ -33,6 +33,7 @@ Topology::Topology(Span<const Triangle> triangles, std::size_t nodes)
     }
   std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
   triangle_.resize(begin_.back());
+  OILSKIN_ASSERT(begin_.back() == 3 * triangles.size());
   std::vector<std::uint32_t> fill(begin_.begin(), begin_.end() - 1);
   for (std::uint32_t i = 0; i < triangles.size(); ++i)
     for (std::uint32_t v : triangles[i]) triangle_[fill[v]++] = i;
@@ -41,6 +42,7 @@ Topology::Topology(Span<const Triangle> triangles, std::size_t nodes)
 std::uint64_t Topology::feature_key(std::uint32_t triangle, const Triangle& nodes,
                                     std::uint8_t feature) const {
   // Two bits of kind, then the nodes (31 bits each are plenty) or the face.
+  OILSKIN_ASSERT(triangle < canonical_.size() && feature >= 1 && feature <= 7);
   constexpr std::uint64_t edge_kind = 1ull << 62, face_kind = 2ull << 62;
   std::uint32_t on[3];
   int count = 0;
@@ -54,18 +56,25 @@ std::uint64_t Topology::feature_key(std::uint32_t triangle, const Triangle& node
   return on[0];
 }
 
-bool Topology::is_local_minimum(Span<const Triangle> triangles, Span<const Vec3> x, const Triangle& nodes,
+bool Topology::is_local_minimum(Span<const Triangle> triangles, Span<const Vec3> x, std::uint32_t triangle,
                                 const ClosestPoint& c) const {
   if (c.feature == 7) return true;
+  OILSKIN_ASSERT(triangles.size() == canonical_.size() && triangle < triangles.size());
+  OILSKIN_ASSERT(x.size() + 1 == begin_.size());
+  const Triangle& nodes = triangles[triangle];
   const int first = c.feature & 1 ? 0 : (c.feature & 2 ? 1 : 2);
   const bool is_edge = (c.feature & (c.feature - 1)) != 0;
   const int second = !is_edge ? first : (c.feature & 4 ? 2 : 1);
-  const std::uint32_t u = nodes[first], v = nodes[second];
+  std::uint32_t u = nodes[first], v = nodes[second];
+  if (triangles_of(v).size() < triangles_of(u).size()) std::swap(u, v);  // at a hub thousands
   const Vec3 along = x[v] - x[u];
   const double along2 = along.squaredNorm();
   // Going from the closest point into a triangle that has this feature, by a direction d at a right angle to
   // it, shortens the distance when offset·d > 0. The tolerance keeps both records where rounding decides.
   for (std::uint32_t t : triangles_of(u)) {
+    // The triangle itself has said what is nearest of it. Asked again, a sliver whose face has no closest
+    // point would send both of its long sides away.
+    if (canonical_[t] == canonical_[triangle]) continue;
     bool has_v = false;
     for (std::uint32_t w : triangles[t]) has_v |= w == v;
     if (!has_v) continue;

@@ -17,8 +17,8 @@ class Topology {
 
   /// Is the closest point of `triangle` a local minimum of the distance over the mesh? Not if it lies on an
   /// edge or a vertex from which another triangle comes nearer: such a record would brake what slides over
-  /// inner edges.
-  bool is_local_minimum(Span<const Triangle> triangles, Span<const Vec3> x, const Triangle& nodes,
+  /// inner edges. All triangles of a vertex give the same answer for it.
+  bool is_local_minimum(Span<const Triangle> triangles, Span<const Vec3> x, std::uint32_t triangle,
                         const ClosestPoint& c) const;
 
   Span<const std::uint32_t> triangles_of(std::uint32_t node) const {

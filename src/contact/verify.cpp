@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/assert.h"
+
 #include "oilskin/contact.h"
 
 namespace oilskin {
@@ -32,79 +34,120 @@ double distance_to_triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
   return inside ? std::min(edges, std::abs(a.dot(n)) / nn) : edges;
 }
 
-// The offset of the origin from the closest point of abc, by the same cases as above: a direction to look
-// along.
-Vec3 direction_from_triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 n = (b - a).cross(c - a);
-  const double nn = n.squaredNorm();
-  if (nn > 0 && (b - a).cross(n).dot(a) >= 0 && (c - b).cross(n).dot(b) >= 0 && (a - c).cross(n).dot(c) >= 0)
-    return -n * (a.dot(n) / nn);
-  Vec3 best = Vec3::Constant(std::numeric_limits<double>::infinity());
-  const Vec3* corner[4] = {&a, &b, &c, &a};
+// --- Exactness where it matters: what passes a border at the last bit must be told from what touches it, so
+// the halving below works with more bits than the differences of doubles have.
+#if defined(__SIZEOF_FLOAT128__)
+using Real = __float128;
+constexpr double real_roundoff = 0x1p-113;
+#else
+using Real = long double;
+constexpr double real_roundoff = 0.5 * static_cast<double>(std::numeric_limits<long double>::epsilon());
+#endif
+
+struct Vec {
+  Real x, y, z;
+};
+Vec operator+(const Vec& a, const Vec& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+Vec operator-(const Vec& a, const Vec& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+Vec operator*(Real s, const Vec& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+Real dot(const Vec& a, const Vec& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+Vec cross(const Vec& a, const Vec& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+Real sum_of_magnitudes(const Vec& a) {  // at least the length
+  const auto magnitude = [](Real r) { return r < 0 ? -r : r; };
+  return magnitude(a.x) + magnitude(a.y) + magnitude(a.z);
+}
+Vec exactly(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+// The corners relative to the particle.
+struct Corners {
+  Vec at[3];
+};
+
+Corners between(const Corners& t0, const Corners& t1, Real t) {
+  Corners c;
+  for (int k = 0; k < 3; ++k) c.at[k] = (1 - t) * t0.at[k] + t * t1.at[k];
+  return c;
+}
+
+// The offset of the origin from the closest point of the triangle, by the same cases as the distance: a
+// direction to look along.
+Vec direction_from_triangle(const Corners& corners) {
+  const Vec &a = corners.at[0], &b = corners.at[1], &c = corners.at[2];
+  const Vec n = cross(b - a, c - a);
+  const Real nn = dot(n, n);
+  if (nn > 0 && dot(cross(b - a, n), a) >= 0 && dot(cross(c - b, n), b) >= 0 && dot(cross(a - c, n), c) >= 0)
+    return (-dot(a, n) / nn) * n;
+  Vec best{};
+  Real least = -1;
+  const Vec* corner[4] = {&a, &b, &c, &a};
   for (int k = 0; k < 3; ++k) {
-    const Vec3 d = *corner[k + 1] - *corner[k];
-    const double dd = d.dot(d);
-    const double t = dd > 0 ? std::min(1.0, std::max(0.0, -corner[k]->dot(d) / dd)) : 0.0;
-    const Vec3 offset = -(*corner[k] + t * d);
-    if (offset.squaredNorm() < best.squaredNorm()) best = offset;
+    const Vec d = *corner[k + 1] - *corner[k];
+    const Real dd = dot(d, d), along = -dot(*corner[k], d);
+    const Real t = !(dd > 0) || along < 0 ? Real(0) : (along > dd ? Real(1) : along / dd);
+    const Vec offset = Real(-1) * (*corner[k] + t * d);
+    const Real square = dot(offset, offset);
+    if (least >= 0 && square >= least) continue;
+    least = square;
+    best = offset;
   }
   return best;
 }
 
-using Long = Eigen::Matrix<long double, 3, 1>;
-
-struct Corners {
-  Long at[3];
-};
-
-Corners corners_at(const Vec3 t0[3], const Vec3 t1[3], long double t) {
-  Corners c;
-  for (int k = 0; k < 3; ++k) c.at[k] = (1 - t) * t0[k].cast<long double>() + t * t1[k].cast<long double>();
-  return c;
-}
-
 // One direction keeps all three corners strictly on one side at both ends: since they move on straight lines,
 // also in between.
-bool separated_along(const Long& n, const Corners& begin, const Corners& end) {
-  if (!(n.squaredNorm() > 0)) return false;
+bool separated_along(const Vec& n, const Corners& begin, const Corners& end) {
+  const Real error = 16 * Real(real_roundoff) * sum_of_magnitudes(n);
   for (const Corners* c : {&begin, &end})
-    for (const Long& x : c->at)
-      if (!(-n.dot(x) > 1e-18L * n.norm() * x.norm())) return false;
+    for (const Vec& x : c->at)
+      if (!(-dot(n, x) > error * sum_of_magnitudes(x))) return false;
   return true;
 }
 
 // The four Bernstein coefficients of the signed volume between two moments have one sign, clearly: the
 // particle never reaches the triangle's plane.
 bool plane_never_reached(const Corners& begin, const Corners& end) {
-  const auto det = [](const Long& x, const Long& y, const Long& z) { return x.dot(y.cross(z)); };
-  const Long &a0 = begin.at[0], &b0 = begin.at[1], &c0 = begin.at[2];
-  const Long &a1 = end.at[0], &b1 = end.at[1], &c1 = end.at[2];
-  const long double k[4] = {det(a0, b0, c0), (det(a1, b0, c0) + det(a0, b1, c0) + det(a0, b0, c1)) / 3,
-                            (det(a1, b1, c0) + det(a1, b0, c1) + det(a0, b1, c1)) / 3, det(a1, b1, c1)};
-  const long double size =
-      std::max(a0.norm(), a1.norm()) * std::max(b0.norm(), b1.norm()) * std::max(c0.norm(), c1.norm());
-  const long double error = 1e-17L * size;
+  const auto det = [](const Vec& x, const Vec& y, const Vec& z) { return dot(x, cross(y, z)); };
+  const Vec &a0 = begin.at[0], &b0 = begin.at[1], &c0 = begin.at[2];
+  const Vec &a1 = end.at[0], &b1 = end.at[1], &c1 = end.at[2];
+  const Real k[4] = {det(a0, b0, c0), (det(a1, b0, c0) + det(a0, b1, c0) + det(a0, b0, c1)) / 3,
+                     (det(a1, b1, c0) + det(a1, b0, c1) + det(a0, b1, c1)) / 3, det(a1, b1, c1)};
+  const auto larger = [](const Vec& x, const Vec& y) {
+    return std::max(sum_of_magnitudes(x), sum_of_magnitudes(y));
+  };
+  const Real error = 64 * Real(real_roundoff) * larger(a0, a1) * larger(b0, b1) * larger(c0, c1);
   return (k[0] > error && k[1] > error && k[2] > error && k[3] > error) ||
          (k[0] < -error && k[1] < -error && k[2] < -error && k[3] < -error);
 }
 
 // Where additive advancement creeps (sliding along a sheet at a distance far below the way), halve the time
 // until each part is free by a direction or by the triangle's plane.
-bool touches_by_halving(const Vec3 t0[3], const Vec3 t1[3]) {
+bool touches_by_halving(const Corners& t0, const Corners& t1) {
   struct Part {
-    double begin, end;
+    Real begin, end;
   };
+  constexpr int most_parts = 200000;
   std::vector<Part> parts{{0, 1}};
   for (int count = 0; !parts.empty(); ++count) {
-    if (count > 20000) return true;
+    if (count > most_parts) return true;
     const Part part = parts.back();
     parts.pop_back();
-    const double mid = 0.5 * (part.begin + part.end);
-    const Corners begin = corners_at(t0, t1, part.begin), end = corners_at(t0, t1, part.end);
-    const Corners middle = corners_at(t0, t1, mid);
-    const Vec3 n = direction_from_triangle(middle.at[0].cast<double>(), middle.at[1].cast<double>(),
-                                           middle.at[2].cast<double>());
-    if (separated_along(n.cast<long double>(), begin, end) || plane_never_reached(begin, end)) continue;
+    const Real mid = (part.begin + part.end) / 2;
+    const Corners begin = between(t0, t1, part.begin), end = between(t0, t1, part.end);
+    if (separated_along(direction_from_triangle(between(t0, t1, mid)), begin, end) ||
+        plane_never_reached(begin, end))
+      continue;
     if (mid <= part.begin || mid >= part.end) return true;
     parts.push_back({part.begin, mid});
     parts.push_back({mid, part.end});
@@ -112,21 +155,35 @@ bool touches_by_halving(const Vec3 t0[3], const Vec3 t1[3]) {
   return false;
 }
 
-// Corners relative to the particle at both ends. Distance is Lipschitz in time with the largest corner
-// displacement.
-bool path_touches(const Vec3 t0[3], const Vec3 t1[3]) {
-  double lipschitz = 0;
-  for (int k = 0; k < 3; ++k) lipschitz = std::max(lipschitz, (t1[k] - t0[k]).norm());
+// A particle and a triangle at both ends.
+struct Paths {
+  Vec3 p_t0, p_t1, t0[3], t1[3];
+};
+
+// Distance is Lipschitz in time with the largest displacement of a corner relative to the particle.
+bool path_touches(const Paths& paths) {
+  Vec3 t0[3], t1[3];
+  Corners exact_t0, exact_t1;
+  double lipschitz = 0, size = 0;
+  for (int k = 0; k < 3; ++k) {
+    t0[k] = paths.t0[k] - paths.p_t0;
+    t1[k] = paths.t1[k] - paths.p_t1;
+    exact_t0.at[k] = exactly(paths.t0[k]) - exactly(paths.p_t0);
+    exact_t1.at[k] = exactly(paths.t1[k]) - exactly(paths.p_t1);
+    lipschitz = std::max(lipschitz, (t1[k] - t0[k]).norm());
+    size = std::max({size, t0[k].norm(), t1[k].norm()});
+  }
   double t = 0, d = distance_to_triangle(t0[0], t0[1], t0[2]);
   constexpr int most_steps = 64;
   for (int step = 0; step < most_steps; ++step) {
     if (lipschitz == 0) return d <= 0;
+    if (d < 1e-9 * size) break;  // doubles cannot tell
     t += 0.9 * d / lipschitz;
     if (t >= 1) return false;
     d = distance_to_triangle((1 - t) * t0[0] + t * t1[0], (1 - t) * t0[1] + t * t1[1],
                              (1 - t) * t0[2] + t * t1[2]);
   }
-  return touches_by_halving(t0, t1);
+  return touches_by_halving(exact_t0, exact_t1);
 }
 
 struct Interval1 {
@@ -136,6 +193,7 @@ struct Interval1 {
 
 void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s,
                        std::vector<std::uint8_t>& bad, std::uint64_t& pairs) {
+  OILSKIN_ASSERT(s.delta >= 0 && s.x_t0.size() == s.x_t1.size());
   std::vector<Box> particle_box(particles.id.size()), triangle_box(s.triangles.size());
   Box all;
   for (std::size_t p = 0; p < particle_box.size(); ++p) {
@@ -167,13 +225,17 @@ void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s,
     if (!particle_box[p].overlaps(triangle_box[t])) return;
     ++pairs;
     if (bad[p]) return;
-    Vec3 t0[3], t1[3];
+    Paths paths;
+    paths.p_t0 = particles.x_t0[p];
+    paths.p_t1 = particles.x_t1[p];
+    Vec3 end[3];
     for (int k = 0; k < 3; ++k) {
-      t0[k] = s.x_t0[s.triangles[t][k]] - particles.x_t0[p];
-      t1[k] = s.x_t1[s.triangles[t][k]] - particles.x_t1[p];
+      paths.t0[k] = s.x_t0[s.triangles[t][k]];
+      paths.t1[k] = s.x_t1[s.triangles[t][k]];
+      end[k] = paths.t1[k] - paths.p_t1;
     }
-    const bool too_near = distance_to_triangle(t1[0], t1[1], t1[2]) < s.delta * (1 - 1e-9);
-    if (too_near || path_touches(t0, t1)) bad[p] = 1;
+    const bool too_near = distance_to_triangle(end[0], end[1], end[2]) < s.delta * (1 - 1e-9);
+    if (too_near || path_touches(paths)) bad[p] = 1;
   };
   // Sweep: merge both lists by their lower ends; each newcomer meets the active members of the other list.
   std::vector<Interval1> active_p, active_t;
@@ -203,6 +265,8 @@ void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s,
 std::uint64_t ContactSolver::count_crossings(const ParticleMotion& particles,
                                              Span<SurfaceMotion* const> surfaces,
                                              std::uint64_t* pairs_tested) {
+  OILSKIN_ASSERT(particles.x_t0.size() == particles.id.size() &&
+                 particles.x_t1.size() == particles.id.size());
   std::vector<std::uint8_t> bad(particles.id.size(), 0);
   std::uint64_t pairs = 0;
   for (const SurfaceMotion* s : surfaces) count_for_surface(particles, *s, bad, pairs);

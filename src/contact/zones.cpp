@@ -26,10 +26,12 @@ class Zones {
 
  private:
   std::uint32_t node_point(std::uint32_t surface, std::uint32_t node) const {
+    OILSKIN_ASSERT(surface < offset_.size() && offset_[surface] + node < total_);
     return offset_[surface] + node;
   }
   bool is_particle(std::uint32_t point) const { return point < offset_.front(); }
   std::uint32_t surface_of(std::uint32_t point) const {
+    OILSKIN_ASSERT(!is_particle(point) && point < total_);
     return static_cast<std::uint32_t>(std::upper_bound(offset_.begin(), offset_.end(), point) -
                                       offset_.begin() - 1);
   }
@@ -92,9 +94,11 @@ Zones::Zones(Context& context, CandidateSet& candidates) : context_(context), ca
   for (std::size_t p = 0; p < n; ++p) d0_.push_back(context.particles->x_t1[p] - context.particles->x_t0[p]);
   for (const SurfaceMotion* s : context.surfaces)
     for (std::size_t i = 0; i < s->x_t0.size(); ++i) d0_.push_back(s->x_t1[i] - s->x_t0[i]);
+  OILSKIN_ASSERT(d0_.size() == total_);
 }
 
 std::uint32_t Zones::find(std::uint32_t point) {
+  OILSKIN_ASSERT(point < total_);
   while (parent_[point] != point) point = parent_[point] = parent_[parent_[point]];
   return point;
 }
@@ -104,6 +108,7 @@ void Zones::unite(std::uint32_t a, std::uint32_t b) {
   b = find(b);
   if (a == b) return;
   if (b < a) std::swap(a, b);
+  OILSKIN_ASSERT(parent_[a] == a && parent_[b] == b);  // roots
   parent_[b] = a;
   level_[a] = std::max(level_[a], level_[b]);
 }
@@ -143,6 +148,7 @@ void Zones::add_momentum(std::uint32_t point, const Vec3& new_velocity) {
   const std::uint32_t s = surface_of(point);
   SurfaceMotion& motion = *context_.surfaces[s];
   const std::uint32_t node = point - offset_[s];
+  OILSKIN_ASSERT(motion.inverse_mass[node] > 0);  // what is prescribed keeps its velocity
   motion.impulse[node] += (new_velocity - motion.velocity[node]) / motion.inverse_mass[node];
   motion.velocity[node] = new_velocity;
 }
@@ -183,6 +189,7 @@ void Zones::treat(const Case& c) {
     const double d = end_distance(x1, s.delta).distance;
     nudge_[b.particle] += std::max(2 * s.delta - d, 0.5 * s.delta) * g.normal;
     ++nudges_[b.particle];
+    OILSKIN_ASSERT(nudges_[b.particle] <= max_nudges && nudge_[b.particle].allFinite());
     ++context_.report->nudged;
   } else {
     level_[find(c.roots[0])] = Level::hold;
@@ -192,8 +199,9 @@ void Zones::treat(const Case& c) {
 // First an affine follow of the triangle, certified like any end; if that is bad too, by policy.
 void Zones::give_up(const BadPair& b) {
   const std::uint32_t p = b.particle;
+  OILSKIN_ASSERT(p < followed_in_.size() && (b.meets || b.near));
   if (context_.out_of_play[p] || followed_in_[p] == round_) return;
-  if (followed_in_[p] < 0) {
+  if (followed_in_[p] < 0 && inverse_mass(p) > 0) {  // one of infinite mass goes where it is told
     followed_in_[p] = round_;
     const SurfaceMotion& s = *context_.surfaces[b.surface];
     const Quad x0 = context_.start(p, b.surface, b.triangle);
@@ -224,6 +232,7 @@ void Zones::follow_free(const std::vector<std::uint32_t>& members) {
     moment += w * d0_[m];
     momentum += w * velocity(m);
   }
+  OILSKIN_ASSERT(members.size() > 1 && mass > 0);
   const Vec3 displacement = moment / mass, v = momentum / mass;
   for (std::uint32_t m : members) {
     set_end(m, start(m) + displacement + (is_particle(m) ? nudge_[m] : Vec3::Zero()));
@@ -232,6 +241,7 @@ void Zones::follow_free(const std::vector<std::uint32_t>& members) {
 }
 
 void Zones::follow_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement) {
+  OILSKIN_ASSERT(displacement.allFinite() && context_.dt > 0);
   const Vec3 v = displacement / context_.dt;
   Vec3 reaction = Vec3::Zero();
   std::vector<std::uint32_t> supports;
@@ -244,6 +254,7 @@ void Zones::follow_prescribed(const std::vector<std::uint32_t>& members, const V
     reaction -= (v - velocity(m)) / inverse_mass(m);
     add_momentum(m, v);
   }
+  if (supports.empty()) context_.report->impulse_on_prescribed += reaction;  // particles of infinite mass
   for (std::uint32_t m : supports) {
     const std::uint32_t s = surface_of(m);
     context_.surfaces[s]->impulse[m - offset_[s]] += reaction / static_cast<double>(supports.size());
@@ -272,6 +283,7 @@ void Zones::hold(const std::vector<std::uint32_t>& members, bool hold_prescribed
 
 void Zones::apply_zone(const std::vector<std::uint32_t>& members, Level level,
                        const std::vector<BadPair>& bad, std::vector<std::uint8_t>& needs_giving_up) {
+  OILSKIN_ASSERT(!members.empty() && needs_giving_up.size() == bad.size());
   bool any_prescribed = false, equal = true, all_holdable = true;
   Vec3 displacement = Vec3::Zero();
   for (std::uint32_t m : members) {
@@ -326,6 +338,7 @@ void Zones::apply_zones(const std::vector<BadPair>& bad) {
 }
 
 void Zones::count_members() {
+  OILSKIN_ASSERT(context_.report->zone_rounds > 0);
   ContactReport& report = *context_.report;
   std::vector<std::uint32_t> size(total_, 0);
   for (std::uint32_t i = 0; i < total_; ++i) ++size[find(i)];
@@ -343,6 +356,7 @@ void Zones::run(std::vector<BadPair> bad) {
   for (round_ = 0; !bad.empty(); ++round_) {
     {
       StageTimer timer(context_.seconds->zones);
+      OILSKIN_ASSERT(round_ <= give_up_after + 4);  // work is bounded
       ++context_.report->zone_rounds;
       std::vector<Case> cases;
       cases.reserve(bad.size());

@@ -2,12 +2,15 @@
 
 #include <cmath>
 
+#include "core/assert.h"
+
 namespace oilskin {
 
 namespace {
 
 // All corners are relative to the point: the query is the origin.
 ClosestPoint from_weights(const Vec3& a, const Vec3& b, const Vec3& c, double wa, double wb, double wc) {
+  OILSKIN_ASSERT(std::abs(wa + wb + wc - 1) < 1e-12 || std::isnan(wa + wb + wc));  // NaN in, NaN out
   ClosestPoint r;
   r.weights = {wa, wb, wc};
   r.offset = -(wa * a + wb * b + wc * c);

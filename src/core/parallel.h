@@ -8,6 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include "core/assert.h"
+
 namespace oilskin {
 
 class Workers {
@@ -23,6 +25,7 @@ class Workers {
   /// f(begin, end, chunk) for every chunk of [0, n); chunks may run at the same time, in any order.
   template <class F>
   void for_chunks(std::size_t n, std::size_t chunk_size, const F& f) const {
+    OILSKIN_ASSERT(chunk_size > 0);
     if (n == 0) return;
     const std::size_t chunks = (n + chunk_size - 1) / chunk_size;
     auto run = [&](std::size_t c) { f(c * chunk_size, std::min(n, (c + 1) * chunk_size), c); };
@@ -46,6 +49,7 @@ class Workers {
   /// Σ f(begin, end) over chunks, added in the order of the chunks. T needs += and a zero.
   template <class T, class F>
   T ordered_sum(std::size_t n, std::size_t chunk_size, T zero, const F& f) const {
+    OILSKIN_ASSERT(chunk_size > 0);
     std::vector<T> partial((n + chunk_size - 1) / chunk_size, zero);
     for_chunks(n, chunk_size,
                [&](std::size_t begin, std::size_t end, std::size_t c) { partial[c] = f(begin, end); });

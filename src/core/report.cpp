@@ -1,6 +1,9 @@
 #include "oilskin/report.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "core/assert.h"
 
 namespace oilskin {
 
@@ -21,6 +24,7 @@ StageSeconds& StageSeconds::operator+=(const StageSeconds& o) {
 }
 
 void ContactReport::add(const ContactReport& o) {
+  OILSKIN_ASSERT(&o != this && !std::isnan(o.least_distance));
   candidates += o.candidates;
   contacts += o.contacts;
   meetings += o.meetings;

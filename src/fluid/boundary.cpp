@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/assert.h"
 #include "core/closest_point.h"
 #include "fluid/lattice.h"
 #include "fluid/occlusion.h"
@@ -85,6 +86,7 @@ void Boundary::clear() {
 
 void Boundary::find(double dt, double particle_mass, Span<const Vec3> x, const Neighbours& neighbours,
                     double support_radius, Span<SurfaceMotion* const> surfaces, const Workers& workers) {
+  OILSKIN_ASSERT(dt > 0 && particle_mass > 0 && support_radius > 0 && neighbours.size() == x.size());
   clear();
   support_radius_ = support_radius;
   mass_ = particle_mass;
@@ -157,6 +159,7 @@ void Boundary::make_points(Span<const Vec3> x, Span<SurfaceMotion* const> surfac
     begin[i + 1] += begin[i];
   }
   std::vector<Near> near(begin.back());
+  OILSKIN_ASSERT(points_.size() <= x.size());
   std::vector<std::uint32_t> at(begin.begin(), begin.end() - 1);
   for (const auto& part : found)
     for (const Near& n : part) near[at[n.particle]++] = n;
@@ -186,6 +189,7 @@ void Boundary::make_points(Span<const Vec3> x, Span<SurfaceMotion* const> surfac
 // Nodes of walls are surface and node for now; number_nodes() makes them indices.
 void Boundary::integrate(const Vec3& x, Span<SurfaceMotion* const> surfaces, Span<const Near> near,
                          Point& point, std::vector<Wall>& walls) const {
+  OILSKIN_ASSERT(!near.empty() && point.begin == walls.size());
   std::size_t nearest = 0;
   for (std::size_t k = 1; k < near.size(); ++k)
     if (near[k].closest.distance < near[nearest].closest.distance) nearest = k;
@@ -197,6 +201,7 @@ void Boundary::integrate(const Vec3& x, Span<SurfaceMotion* const> surfaces, Spa
     wall.weight = {static_cast<float>(n.closest.weights[0]), static_cast<float>(n.closest.weights[1])};
     wall.gamma = image_way_ * image_mass_ * view.share * plane_integral_slope(image) * view.normal;
     wall.lambda = image_mass_ * view.share * plane_integral(image);
+    OILSKIN_ASSERT(wall.lambda >= 0 && wall.gamma.allFinite());
     walls.push_back(wall);
     point.lambda += wall.lambda;
     point.gamma += wall.gamma;
@@ -330,6 +335,7 @@ void Boundary::number_nodes(double dt, Span<SurfaceMotion* const> surfaces) {
   for (const Wall& wall : walls_)
     for (std::uint32_t n : wall.node) ++corners_begin_[n + 1];
   for (std::size_t n = 0; n < nodes_.size(); ++n) corners_begin_[n + 1] += corners_begin_[n];
+  OILSKIN_ASSERT(corners_begin_.back() == 3 * walls_.size());
   corners_.resize(corners_begin_.back());
   std::vector<std::uint32_t> at(corners_begin_.begin(), corners_begin_.end() - 1);
   for (std::uint32_t w = 0; w < walls_.size(); ++w)
@@ -367,6 +373,7 @@ void Boundary::find_yielding(const Workers& workers) {
 }
 
 void Boundary::respond(const std::vector<float>& theta, const Workers& workers) {
+  OILSKIN_ASSERT(theta.size() == points_.size() && wall_velocity_.size() == nodes_.size());
   if (!yields_) return;
   const auto mass = static_cast<float>(mass_);
   workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
@@ -391,6 +398,7 @@ void Boundary::respond(const std::vector<float>& theta, const Workers& workers) 
 }
 
 void Boundary::push(const std::vector<double>& theta, std::vector<Vec3>& dv, const Workers& workers) {
+  OILSKIN_ASSERT(theta.size() == points_.size() && point_of_.size() == dv.size());
   workers.for_each(points_.size(), point_chunk, [&](std::size_t k) {
     Vec3 sum = Vec3::Zero();
     for (std::uint32_t w = points_[k].begin; w < points_[k].end; ++w) sum += walls_[w].gamma.cast<double>();
@@ -433,6 +441,16 @@ void Boundary::note_loads(double dt, Span<SurfaceMotion* const> surfaces) {
       m.load += fresh * (s->impulse[i] / dt - m.load);
     }
   }
+}
+
+// What follows from the triangles is found again.
+void Boundary::visit(Archive& archive) {
+  std::vector<std::uint64_t> ids;
+  for (const auto& [id, memory] : memory_) ids.push_back(id);
+  archive.value(ids);
+  for (std::uint64_t id : ids)
+    archive.list(memory_[id].nodes, sizeof(NodeMemory),
+                 [&](NodeMemory& m) { archive.values(m.velocity_left, m.load, m.answer); });
 }
 
 }  // namespace oilskin::fluid

@@ -18,6 +18,7 @@
 
 #include <map>
 
+#include "core/archive.h"
 #include "core/parallel.h"
 #include "fluid/neighbours.h"
 #include "oilskin/surface_motion.h"
@@ -66,6 +67,9 @@ class Boundary {
   void note_answers(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
   void note_loads(double dt, Span<SurfaceMotion* const> surfaces);
   void forget(std::uint64_t surface_id) { memory_.erase(surface_id); }
+
+  /// What is kept from step to step: the nodes' memory.
+  void visit(Archive& archive);
 
  private:
   /// One triangle, or a plane sheet around its closest triangle, in reach of a particle.

@@ -8,6 +8,7 @@
 /// pass: the order of the two makes a difference of second order in dt.
 #include <limits>
 
+#include "core/assert.h"
 #include "fluid/incompressible.h"
 
 namespace oilskin::fluid {
@@ -18,8 +19,10 @@ namespace {
 /// 2015, Sec. 3.3].
 constexpr float least_neighbours = 20;
 
-/// Denominators of α that are smaller, relative to that of the lattice, belong to isolated particles.
-constexpr float least_response = 1e-6f;
+/// Denominators of α that are smaller, relative to that of the lattice, belong to isolated particles, or to
+/// particles that all but coincide: no pressure parts those, and α of their own would make it 1e12 Pa, which
+/// throws whatever else is near.
+constexpr float least_response = 0.1f;
 
 /// Of the ultraspherical polynomials, see Dfsph::correct().
 constexpr float polynomial_order = 2.5;
@@ -43,6 +46,10 @@ class Dfsph : public IncompressibleModel {
 
   void explicit_terms(StepState& state) override;
   void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) override;
+  void visit(Archive& archive) override {
+    IncompressibleModel::visit(archive);
+    pace_.visit(archive);
+  }
 
  private:
   struct Sums;
@@ -112,6 +119,7 @@ void Dfsph::explicit_terms(StepState& state) {
 
 void Dfsph::pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) {
   begin(state);
+  OILSKIN_ASSERT(pressure.size() == state.size() && gradient_.size() == state.size());
   resize(state);
   set_steps(state);
   solve_divergence(state, report);
@@ -147,7 +155,8 @@ void Dfsph::set_steps(const StepState& state) {
   const float least = least_response / static_cast<float>(2 * stiffness_);
   state.for_each([&](std::size_t i) {
     const float compressed = std::max(1.0f, state.relative_density[i]);
-    step_[i] = 0.5f / (std::max(response(state, i), least) * compressed);
+    OILSKIN_ASSERT(compressed < std::numeric_limits<float>::infinity());
+    step_[i] = 0.5f / (std::max(response(state, i), least * compressed) * compressed);
   });
 }
 

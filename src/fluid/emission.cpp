@@ -68,6 +68,33 @@ struct Source {
   }
 };
 
+void visit(Archive& archive, RainEmitter& emitter) {
+  auto& [corner, edge_u, edge_v, drops_per_second, drop_radius, velocity, start, stop, seed] = emitter;
+  archive.values(corner, edge_u, edge_v, drops_per_second, drop_radius, velocity, start, stop, seed);
+}
+
+void visit(Archive& archive, Source& source) {
+  auto& [kind, sites, velocity, start, stop, period, rain, begun, next, waiting] = source;
+  archive.values(kind, sites, velocity, start, stop, period);
+  visit(archive, rain);
+  archive.values(begun, next, waiting);
+}
+
+/// What add() guarantees of a source, and how far it is at `time`: one that lags would make up for it at
+/// once, with no end of particles.
+bool is_sound(const Source& s, double time) {
+  if (!s.velocity.allFinite() || !std::isfinite(s.start) || std::isnan(s.stop)) return false;
+  if (!std::all_of(s.sites.begin(), s.sites.end(), [](const Vec3& x) { return x.allFinite(); })) return false;
+  if (s.kind == Source::Kind::volume) return s.waiting.empty();
+  if (s.kind != Source::Kind::nozzle && s.kind != Source::Kind::rain) return false;
+  if (s.waiting.size() != (s.kind == Source::Kind::nozzle ? s.sites.size() : 0)) return false;
+  if (!s.rain.corner.allFinite() || !s.rain.edge_u.allFinite() || !s.rain.edge_v.allFinite()) return false;
+  if (!(s.start >= 0 && s.stop > s.start && s.period >= least_period && std::isfinite(s.period)))
+    return false;
+  const double due = (std::min(time, s.stop) - s.start) / s.period;
+  return due < 0x1p53 && (!s.begun || static_cast<double>(s.next) >= due - 2);
+}
+
 /// The square lattice through the axis, within the radius.
 std::vector<Vec3> disc_sites(const DiscEmitter& e, double spacing) {
   const Vec3 axis = e.direction.normalized();
@@ -236,6 +263,7 @@ Status Emission::add(const RainEmitter& e) {
 }
 
 const std::vector<Start>& Emission::due(double time, double dt) {
+  OILSKIN_ASSERT(dt > 0);
   impl_->starts.clear();
   impl_->origins.clear();
   for (std::size_t s = 0; s < impl_->sources.size(); ++s) impl_->emit_waiting(s, dt);
@@ -260,12 +288,14 @@ double Emission::fastest_due(double time, double dt) const {
 
 void Emission::Impl::emit_waiting(std::size_t source, double dt) {
   const std::vector<std::uint8_t>& waiting = sources[source].waiting;
+  OILSKIN_ASSERT(waiting.empty() || waiting.size() == sources[source].sites.size());
   for (std::size_t k = 0; k < waiting.size(); ++k)
     if (waiting[k]) emit(source, k, sources[source].sites[k], dt);
 }
 
 void Emission::Impl::emit_series(std::size_t index, double time, double dt) {
   Source& s = sources[index];
+  OILSKIN_ASSERT(s.period >= least_period);
   if (!s.begun) {  // what would have come before the first call is not made up for
     s.begun = true;
     if (time > s.start) s.next = static_cast<std::uint64_t>((time - s.start) / s.period);
@@ -306,6 +336,14 @@ std::uint64_t Emission::settle(Span<const std::uint8_t> blocked) {
     if (s.kind == Source::Kind::nozzle) s.waiting[impl_->origins[i].site] = 1;
   }
   return count;
+}
+
+void Emission::visit(Archive& archive, double time) {
+  constexpr std::size_t least_bytes = 200;  // of a source without sites
+  archive.list(impl_->sources, least_bytes, [&](Source& s) {
+    fluid::visit(archive, s);
+    archive.require(is_sound(s, time), "an emitter");
+  });
 }
 
 }  // namespace oilskin::fluid

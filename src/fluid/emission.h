@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "core/archive.h"
 #include "oilskin/emitter.h"
 
 namespace oilskin::fluid {
@@ -36,6 +37,9 @@ class Emission {
   /// waiting are lost, and so are blocked points of volumes that are filled once. Returns how many were
   /// blocked.
   std::uint64_t settle(Span<const std::uint8_t> blocked);
+
+  /// Emitters with their phases and waiting starts, as they are between two steps at `time` [s].
+  void visit(Archive& archive, double time);
 
  private:
   struct Impl;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "core/assert.h"
 #include "fluid/occlusion.h"
@@ -92,6 +93,7 @@ void FluidSolver::meet_surfaces(double dt, const Particles& particles, Span<Surf
                                 StageSeconds& seconds) {
   StepState& state = impl_->state;
   const FluidSettings& settings = impl_->settings;
+  OILSKIN_ASSERT(dt > 0 && particles.size() == state.size());
   if (surfaces.empty() || particles.size() == 0) return;
   if (settings.occlusion) {
     const StageTimer timer(seconds.occlusion);
@@ -140,7 +142,16 @@ void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
   }
   const StageTimer timer(seconds.other_fluid);
   impl_->finish(particles);
+  OILSKIN_ASSERT(particles.pressure.size() == state.size());
   state.previous_dt = dt;
+}
+
+void FluidSolver::visit(Archive& archive) {
+  StepState& state = impl_->state;
+  archive.value(state.previous_dt);
+  archive.require(std::isfinite(state.previous_dt) && state.previous_dt >= 0, "the length of the last step");
+  impl_->model->visit(archive);
+  state.boundary.visit(archive);
 }
 
 void FluidSolver::Impl::load(const Particles& particles) {
@@ -152,6 +163,7 @@ void FluidSolver::Impl::load(const Particles& particles) {
   state.for_each([&](std::size_t i) {
     const Eigen::Vector3f v = particles.velocity[i].cast<float>();
     state.velocity[i] = {v[0], v[1], v[2], 0};
+    OILSKIN_ASSERT(v.allFinite());
     state.dv[i] = state.dt * state.gravity;
   });
 }

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "core/archive.h"
 #include "core/parallel.h"
 #include "fluid/particles.h"
 #include "oilskin/report.h"
@@ -53,6 +54,9 @@ class FluidSolver {
   /// `contacts` sorted by particle.
   void propose(double dt, const Vec3& gravity, Particles& particles, Span<const PredictionContact> contacts,
                FluidReport& report, StageSeconds& seconds);
+
+  /// What is kept from step to step besides the particles.
+  void visit(Archive& archive);
 
  private:
   struct Impl;

@@ -1,5 +1,6 @@
 #include "fluid/incompressible.h"
 
+#include "core/assert.h"
 #include "fluid/lattice.h"
 
 namespace oilskin::fluid {
@@ -44,7 +45,19 @@ IncompressibleModel::IncompressibleModel(const FluidSettings& s)
   self_density_ = density_scale_ * static_cast<float>(Kernel::w(0.0));
   stiffness_ = scale * pcisph_stiffness<Kernel>(ratio) / (ratio * ratio);
   relaxation_ = pcisph_relaxation<Kernel>(ratio);
+  OILSKIN_ASSERT(volume_ > 0 && stiffness_ > 0 && relaxation_ > 0 && relaxation_ <= 1);
   push_scale_ = 1 / density_scale_;
+}
+
+void IncompressibleModel::visit(Archive& archive) {
+  const double largest = relaxation_;  // of a model that has not run; it only falls
+  archive.value(relaxation_);
+  archive.require(relaxation_ > 0 && relaxation_ <= largest, "the relaxation of the pressure");
+}
+
+void IncompressibleModel::Pace::visit(Archive& archive) {
+  archive.values(iterations, calm);
+  archive.require(iterations >= 0 && calm >= 0, "the number of iterations");
 }
 
 IncompressibleSums IncompressibleModel::sums(double dt) const {
@@ -78,6 +91,7 @@ void IncompressibleModel::begin(StepState& state) {
   const float remaining = static_cast<float>(std::exp(-state.dt / recovery_time));
   const float left =
       static_cast<float>(std::max(0.0, 1 - state.dt / (least_correction_time * settings_.spacing)));
+  OILSKIN_ASSERT(state.relative_density.size() == state.size() && state.dv.size() == state.size());
   theta_.assign(state.boundary.points().size(), 0);
   wall_density_.assign(state.boundary.points().size(), 0);
   drift_.resize(state.size());
@@ -93,6 +107,7 @@ void IncompressibleModel::begin(StepState& state) {
 /// half makes the slow modes of a column at rest grow from step to step. After a longer step the pressure is
 /// kept, not the displacement: within a millionth of the time that would throw water apart.
 double IncompressibleModel::warm_start(const StepState& state) const {
+  OILSKIN_ASSERT(state.previous_dt >= 0 && state.dt > 0);
   const double ratio = std::min(1.0, state.previous_dt / state.dt);
   return 0.5 * ratio * ratio * phi_per_pascal(state.dt);
 }

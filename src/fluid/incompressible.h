@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "core/assert.h"
 #include "fluid/lattice.h"
 #include "fluid/pair_sums.h"
 #include "fluid/pressure_model.h"
@@ -57,6 +58,7 @@ class IncompressibleModel : public PressureModel {
   static constexpr double least_relaxation = 1.0 / 256;
 
   double particle_volume() const override { return volume_; }
+  void visit(Archive& archive) override;
 
  protected:
   explicit IncompressibleModel(const FluidSettings& settings);
@@ -73,6 +75,8 @@ class IncompressibleModel : public PressureModel {
   struct Pace {
     int iterations = 0;  // of the last step; 0 = fall at once
     int calm = 0;        // steps in a row for which fewer would have done
+
+    void visit(Archive& archive);
   };
   /// A pressure loop: correct() finds the errors under the pressures of now, then changes the pressures.
   struct Loop {
@@ -134,6 +138,7 @@ class IncompressibleModel : public PressureModel {
 
 template <class Correct, class Restart>
 void IncompressibleModel::iterate(Loop& loop, const Correct& correct, const Restart& restart) {
+  OILSKIN_ASSERT(loop.min_iterations >= 1 && loop.min_iterations <= settings_.max_iterations);
   last_mean_ = 0;
   growing_ = 0;
   for (loop.iterations = 1;; ++loop.iterations) {
@@ -179,6 +184,7 @@ void IncompressibleModel::predict(StepState& state, const Phi& phi, const Push& 
   const float way = static_cast<float>(state.dt / support_radius_);
   state.workers.for_chunks(
       state.size(), Neighbours::chunk_size, [&](std::size_t begin, std::size_t end, std::size_t) {
+        OILSKIN_ASSERT(end <= drift_.size());
         const PredictionContact* contact =
             std::lower_bound(state.contacts.begin(), state.contacts.end(), begin,
                              [](const PredictionContact& c, std::size_t i) { return c.particle < i; });

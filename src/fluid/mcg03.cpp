@@ -1,6 +1,7 @@
 /// Müller, Charypar, Gross 2003: poly6 density, spiky pressure gradient, viscosity Laplacian, state equation.
 #include <cmath>
 
+#include "core/assert.h"
 #include "fluid/lattice.h"
 #include "fluid/pair_sums.h"
 #include "fluid/pressure_model.h"
@@ -50,11 +51,16 @@ class Mcg03 : public PressureModel {
 /// p = k (ρ − ρ0), not below 0: tension would clump free surfaces. Of the symmetric forms of the pair force,
 /// a_i = −Σ m (p_i/ρ_i² + p_j/ρ_j²) ∇W conserves momentum exactly and needs one number per particle.
 void Mcg03::pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) {
+  OILSKIN_ASSERT(pressure.size() == state.size() && state.relative_density.size() == state.size());
   const double rest_density = settings_.rest_density, mass = volume_ * rest_density;
   const double scale = state.dt * mass * Spiky::norm / std::pow(support_radius_, 4);  // of w'/q Δ in m ∇W dt
+  // In a step that sound outruns, the state equation would add energy without end: the fluid is softer then.
+  const double fastest_sound = 0.4 * support_radius_ / state.dt;
+  const double stiffness = std::min(settings_.stiffness, fastest_sound * fastest_sound);
   state.for_each([&](std::size_t i) {
     const double density = rest_density * static_cast<double>(state.relative_density[i]);
-    pressure[i] = std::max(0.0, settings_.stiffness * (density - rest_density));
+    OILSKIN_ASSERT(density > 0);  // its own share at least
+    pressure[i] = std::max(0.0, stiffness * (density - rest_density));
     state.position()[i].w = static_cast<float>(scale * pressure[i] / (density * density));
   });
   apply_pressure(state, 1);

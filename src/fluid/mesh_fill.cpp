@@ -3,6 +3,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "core/assert.h"
 #include "fluid/emission.h"
 #include "fluid/kernels.h"
 
@@ -87,7 +88,10 @@ class RowCrossings {
     for_all(mesh, lattice, [&](std::size_t row, const Crossing& c) { crossings_[next[row]++] = c; });
   }
 
-  Span<Crossing> row(std::size_t r) { return {crossings_.data() + begin_[r], begin_[r + 1] - begin_[r]}; }
+  Span<Crossing> row(std::size_t r) {
+    OILSKIN_ASSERT(r + 1 < begin_.size());
+    return {crossings_.data() + begin_[r], begin_[r + 1] - begin_[r]};
+  }
 
  private:
   template <class F>

@@ -41,6 +41,7 @@ int bits_for(std::uint64_t values) {
 const std::vector<std::uint32_t>& Neighbours::cell_order(Span<const Vec3> positions, double support_radius,
                                                          const Workers& workers) {
   OILSKIN_ASSERT(positions.size() < UINT32_MAX);
+  OILSKIN_ASSERT(support_radius > 0);
   support_radius_ = support_radius;
   inverse_radius_ = 1 / support_radius;
   make_keys(positions, workers);
@@ -88,6 +89,7 @@ void Neighbours::sort_keys(const Workers& workers) {
   const std::size_t n = keys_.size(), chunks = (n + sort_chunk - 1) / sort_chunk;
   keys_scratch_.resize(n);
   const int key_bits = bits_[0] + bits_[1] + bits_[2];
+  OILSKIN_ASSERT(key_bits <= 64);
   for (int shift = 0; shift < key_bits; shift += digit_bits) {
     auto digit = [&](const Key& k) { return (k.cell >> shift) & (digits - 1); };
     histogram_.assign(chunks * digits, 0);
@@ -162,6 +164,8 @@ void Neighbours::find_cells() {
   }
   cell_begin_.push_back(static_cast<std::uint32_t>(keys_.size()));
   row_begin_.push_back(static_cast<std::uint32_t>(cell_key_.size()));
+  OILSKIN_ASSERT(std::is_sorted(cell_key_.begin(), cell_key_.end()));
+  OILSKIN_ASSERT(cell_begin_.size() == cell_key_.size() + 1 && row_begin_.size() == row_key_.size() + 1);
 }
 
 void Neighbours::find_runs(const Workers& workers) {
@@ -197,6 +201,8 @@ std::size_t Neighbours::first_row(std::uint64_t row_key) const {
 }
 
 void Neighbours::remove(Span<const std::pair<std::uint32_t, std::uint32_t>> pairs, const Workers& workers) {
+  OILSKIN_ASSERT(std::is_sorted(pairs.begin(), pairs.end()));
+  OILSKIN_ASSERT(pairs.empty() || pairs[pairs.size() - 1].first < size());
   std::vector<std::size_t> first_of;  // the pairs of one particle lie together
   for (std::size_t k = 0; k < pairs.size(); ++k)
     if (k == 0 || pairs[k].first != pairs[k - 1].first) first_of.push_back(k);
@@ -212,6 +218,7 @@ void Neighbours::remove(Span<const std::pair<std::uint32_t, std::uint32_t>> pair
     std::uint32_t kept = 0;
     for (std::uint32_t k = 0; k < count_[i]; ++k)
       if (!is_removed(list[k])) list[kept++] = list[k];
+    OILSKIN_ASSERT(kept < count_[i]);  // it was a neighbour
     count_[i] = kept;
     for (; kept < padded; ++kept) list[kept] = static_cast<std::uint32_t>(count_.size());
   });
@@ -273,6 +280,7 @@ void Neighbours::list_neighbours(std::size_t i, std::size_t own, Candidates& c, 
   };
   for (std::size_t k = 0; k < own; ++k) keep(k);
   for (std::size_t k = own + 1; k < n; ++k) keep(k);
+  OILSKIN_ASSERT(own < n && particle[own] == i && near[own] == 1);
   begin_[i] = begin;
   count_[i] = static_cast<std::uint32_t>(found);
   while (found % 4 != 0) out[found++] = static_cast<std::uint32_t>(count_.size());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/assert.h"
+
 namespace oilskin::fluid {
 
 namespace {
@@ -86,6 +88,7 @@ NearTriangles find_dividing_triangles(Span<const Vec3> x, Span<SurfaceMotion* co
     near.triangle.push_back(all[k].triangle);
   }
   near.begin.push_back(static_cast<std::uint32_t>(all.size()));
+  OILSKIN_ASSERT(near.begin.size() == near.particle.size() + 1);
   return near;
 }
 
@@ -116,6 +119,7 @@ void find_hidden_neighbours(std::uint32_t i, Span<const TriangleRef> triangles, 
 }  // namespace
 
 SightTest::SightTest(const SurfaceMotion& surface, std::uint32_t triangle) {
+  OILSKIN_ASSERT(triangle < surface.triangles.size());
   const Triangle& node = surface.triangles[triangle];
   for (std::size_t k = 0; k < 3; ++k) corner_[k] = surface.x_t0[node[k]];
   for (std::size_t k = 0; k < 3; ++k) {
@@ -165,6 +169,7 @@ bool SightTest::blocks_in_plane(const Vec3& p, const Vec3& q) const {
 std::uint64_t remove_hidden_neighbours(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,
                                        double support_radius, Neighbours& neighbours,
                                        const Workers& workers) {
+  OILSKIN_ASSERT(support_radius > 0 && neighbours.size() == x.size());
   const NearTriangles near = find_dividing_triangles(x, surfaces, support_radius, neighbours, workers);
   std::vector<std::vector<Pair>> hidden((near.particle.size() + particle_chunk - 1) / particle_chunk);
   workers.for_chunks(near.particle.size(), particle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
@@ -177,6 +182,7 @@ std::uint64_t remove_hidden_neighbours(Span<const Vec3> x, Span<SurfaceMotion* c
   for (const auto& part : hidden) pairs.insert(pairs.end(), part.begin(), part.end());
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  OILSKIN_ASSERT(pairs.size() % 2 == 0);  // each from both sides
   neighbours.remove(pairs, workers);
   return pairs.size() / 2;
 }

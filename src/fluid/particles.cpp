@@ -24,6 +24,7 @@ void permute_array(std::vector<T>& values, Span<const std::uint32_t> order, std:
 }  // namespace
 
 void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density) {
+  OILSKIN_ASSERT(new_id != 0 && rest_density > 0);
   id.push_back(new_id);
   position.push_back(x);
   velocity.push_back(v);
@@ -38,6 +39,7 @@ void Particles::compress(Span<const std::uint8_t> keep) {
   compress_array(density, keep);
   compress_array(pressure, keep);
   compress_array(id, keep);
+  OILSKIN_ASSERT(position.size() == size() && velocity.size() == size() && pressure.size() == size());
 }
 
 void Particles::permute(Span<const std::uint32_t> order) {
@@ -50,6 +52,13 @@ void Particles::permute(Span<const std::uint32_t> order) {
   permute_array(density, order, scalars);
   permute_array(pressure, order, scalars);
   permute_array(id, order, ids);
+}
+
+void Particles::visit(Archive& archive) {
+  archive.values(id, position, velocity, density, pressure);
+  const std::size_t n = id.size();
+  archive.require(position.size() == n && velocity.size() == n && density.size() == n && pressure.size() == n,
+                  "the number of particles");
 }
 
 }  // namespace oilskin::fluid

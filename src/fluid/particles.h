@@ -1,6 +1,7 @@
 /// The particles of a fluid: arrays by field. Ids are stable; the storage order may change every step.
 #pragma once
 
+#include "core/archive.h"
 #include "oilskin/types.h"
 
 namespace oilskin::fluid {
@@ -18,6 +19,8 @@ struct Particles {
   void compress(Span<const std::uint8_t> keep);
   /// New storage order: the i-th is the one that was at order[i].
   void permute(Span<const std::uint32_t> order);
+  /// Everything, in storage order: sums over neighbours depend on it.
+  void visit(Archive& archive);
 };
 
 }  // namespace oilskin::fluid

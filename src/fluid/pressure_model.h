@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "core/archive.h"
 #include "fluid/step_state.h"
 #include "oilskin/report.h"
 
@@ -21,6 +22,9 @@ class PressureModel {
   /// Reads densities, slopes, dv and the pressures of the last step; adds pressure to dv, writes the
   /// pressures [Pa].
   virtual void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) = 0;
+
+  /// What the model keeps from step to step: here, nothing.
+  virtual void visit(Archive&) {}
 };
 
 std::unique_ptr<PressureModel> make_mcg03(const FluidSettings& settings);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/assert.h"
 #include "fluid/kernels.h"
 
 namespace oilskin::fluid {
@@ -63,6 +64,7 @@ WallView view_of_wall(const std::array<Eigen::Vector3f, 3>& x) {
     const float edge = edge_integral(z, mass_at_z, std::abs(d), u.dot(along), v.dot(along));
     sum += d > 0 ? edge : -edge;
   }
+  OILSKIN_ASSERT(mass_at_z > 0);
   view.distance = z;
   view.share = std::clamp(sum / (static_cast<float>(2 * pi) * mass_at_z), 0.0f, 1.0f);
   view.normal = offset > 0 ? Eigen::Vector3f(-normal) : normal;

@@ -60,9 +60,15 @@ class ContactSolver {
   Status set_settings(const ContactSettings& settings);
 
   /// One interval of length dt [s] > 0. Refuses non-finite or mismatched input, naming the array and the
-  /// index. `surfaces` need id, δ and thickness set; x_t0 and x_t1 must be stored numbers.
+  /// index. `surfaces` need id, δ and thickness set; x_t0 and x_t1 must be stored numbers. Ends, velocities
+  /// and impulses are in `particles` and `surfaces` afterwards; the caller goes on from there.
   Status resolve(double dt, ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
                  ContactReport& report, StageSeconds& seconds);
+  Status resolve(double dt, ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
+                 ContactReport& report) {
+    StageSeconds seconds;
+    return resolve(dt, particles, surfaces, report, seconds);
+  }
 
   /// The records at the start positions alone, ordered by particle, surface and feature, using x_t1 as the
   /// predicted sweep. Valid until the next call.

@@ -64,9 +64,10 @@ struct ContactReport {
       0;  ///< particles whose path touches a surface, or that end nearer than δ
   std::uint64_t verified_pairs = 0;
   Vec3 impulse_on_free_nodes = Vec3::Zero();  ///< [N s]
-  Vec3 impulse_on_prescribed = Vec3::Zero();  ///< reactions of pins, static and kinematic nodes [N s]
-  Vec3 momentum_removed = Vec3::Zero();       ///< carried away by particles given up [N s]
-  double kinetic_energy_change = 0;           ///< of particles and free nodes, by impulses [J]
+  /// Reactions of pins, static and kinematic nodes, and of particles of infinite mass [N s].
+  Vec3 impulse_on_prescribed = Vec3::Zero();
+  Vec3 momentum_removed = Vec3::Zero();  ///< carried away by particles given up [N s]
+  double kinetic_energy_change = 0;      ///< of particles and free nodes, by impulses [J]
 
   void add(const ContactReport& o);
 };

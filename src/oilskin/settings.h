@@ -29,8 +29,9 @@ struct FluidSettings {
   double tolerance = 1e-3;  ///< PCISPH, DFSPH: mean positive density error, relative, at which it stops, ≥ 0
   double divergence_tolerance = 1e-3;  ///< DFSPH: mean compression beyond ρ0 per step, relative, ≥ 0
   int min_iterations = 3;              ///< PCISPH, DFSPH, ≥ 1
-  int max_iterations = 50;    ///< PCISPH, DFSPH, ≥ min_iterations; a step that ends here is counted
-  double stiffness = 4;       ///< MCG03: k [m²/s²], > 0; speed of sound √k, so dt ≤ 0.4 H/(√k + v)
+  int max_iterations = 50;  ///< PCISPH, DFSPH, ≥ min_iterations; a step that ends here is counted
+  double stiffness =
+      4;  ///< MCG03: k [m²/s²], > 0; sound √k, so dt ≤ 0.4 H/(√k + v); longer steps lower it to (0.4 H/dt)²
   double viscosity = 1e-6;    ///< kinematic ν [m²/s], ≥ 0; 0 = none. Explicit: dt ≤ 0.035 H²/ν
   double xsph_rate = 10;      ///< XSPH smoothing ν_x [1/s], ≥ 0; per step 1 − exp(−ν_x dt); 0 = none
   bool contact_aware = true;  ///< PCISPH, DFSPH predict no position behind a sheet in contact (method of A.3)

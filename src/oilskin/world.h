@@ -92,8 +92,26 @@ class World {
   const std::vector<ContactRecord>& contacts() const;
 
   /// 64 bits over id, position and velocity bits of every particle in order of id, then node positions and
-  /// velocities of every surface in order of id. Equal for any number of threads.
+  /// velocities of every surface in order of attachment. Equal for any number of threads.
   std::uint64_t state_hash() const;
+
+  // --- save and restore, between steps
+  /// Writes everything that decides how this world goes on: settings, particles in their order, emitters with
+  /// their phases and waiting starts, surfaces as contact left them, what the pressure solver and the
+  /// boundary terms remember. Hosts are their owner's to save. `out` is replaced.
+  Status save(std::vector<std::uint8_t>* out) const;
+  /// Makes this world the saved one: it goes on bit for bit as that one would have, in the same build, if its
+  /// hosts are restored, too.
+  ///
+  /// Before the call the hosts of the saved world must be attached here, in the same order and with the same
+  /// meshes (numbers of nodes, triangles, precision of positions); their SurfaceIds stay those of this world.
+  /// Where a host's nodes stand at the next step counts as their motion from where the saved world left them.
+  /// Settings become the saved ones, but for WorldSettings::threads. report() and contacts() are empty until
+  /// the next step; spans that were taken before are invalid.
+  ///
+  /// Bytes that are damaged, cut off, of another version or byte order, and surfaces that do not match are
+  /// refused; the world then stays as it was.
+  Status restore(Span<const std::uint8_t> saved);
 
   void set_observer(IntervalObserver* observer);  ///< not owned; null = none
 

@@ -104,6 +104,7 @@ void SurfaceTree::Impl::build(Span<const Triangle> tris, Span<const Vec3> x_t1) 
 }
 
 void SurfaceTree::Impl::refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1) {
+  OILSKIN_ASSERT(model && x_t1.size() == nodes && x_t0.size() == nodes);
   check(model->beginUpdateModel(), "begin the update of");
   for (const Vec3& x : x_t1) check(model->updateVertex(x), "update");
   // FCL would sweep from the positions of its last update. Contact has corrected those since: the motion
@@ -127,6 +128,7 @@ void SurfaceTree::Impl::read_leaves(double* leaf_size, double* tree_size) {
     *tree_size += s;
     if (!node.isLeaf()) continue;
     *leaf_size += s;
+    OILSKIN_ASSERT(static_cast<std::size_t>(node.primitiveId()) < boxes.size());
     boxes[static_cast<std::size_t>(node.primitiveId())] = {node.bv.min_, node.bv.max_};
   }
 }
@@ -156,6 +158,7 @@ bool SurfaceTree::Impl::reach(const Box& box, std::size_t limit, Scratch& scratc
 
 void SurfaceTree::Impl::query_block(Span<const Box> block, Scratch& scratch, std::uint32_t* counts,
                                     std::vector<std::uint32_t>& out) const {
+  OILSKIN_ASSERT(block.size() <= block_size);
   Box all;
   for (const Box& b : block)
     if (!is_empty(b)) all.add(b);
@@ -241,6 +244,7 @@ void SurfaceTree::query(Span<const Box> boxes, const Workers& workers, Candidate
   if (total > std::numeric_limits<std::uint32_t>::max())
     throw std::length_error("oilskin: more than 2^32 candidate pairs; lower dt");
   for (std::size_t i = 0; i < n; ++i) candidates.begin[i + 1] += candidates.begin[i];
+  OILSKIN_ASSERT(candidates.begin[n] == total);
   candidates.triangle.resize(total);
   workers.for_chunks(n, chunk_size, [&](std::size_t begin, std::size_t, std::size_t chunk) {
     std::copy(found[chunk].begin(), found[chunk].end(),

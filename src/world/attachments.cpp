@@ -75,7 +75,8 @@ bool meets(const FluidSettings& fluid, const SurfaceSettings& surface) {
 
 Status Attachments::attach(SurfaceHost& host, const SurfaceSettings& settings, const WorldSettings& world,
                            std::uint64_t* handle) {
-  if (Status s = settings.validate(); !s.ok()) return s;
+  // Of a thickness of zero the host's storage decides what would do: set_delta() says so.
+  if (Status s = settings.validate(); !s.ok() && settings.thickness != 0) return s;
   auto a = std::make_unique<Attachment>();
   a->host = &host;
   a->settings = settings;
@@ -93,6 +94,8 @@ Status Attachments::attach(SurfaceHost& host, const SurfaceSettings& settings, c
   a->motion.id = next_id_++;
   a->motion.x_t0 = a->motion.x_t1;
   a->handle = next_handle_++;
+  OILSKIN_ASSERT(list_.empty() || list_.back()->handle < a->handle);
+  OILSKIN_ASSERT(a->motion.delta > 0 && a->motion.thickness >= 4 * a->motion.delta);
   if (handle) *handle = a->handle;
   list_.push_back(std::move(a));
   return {};
@@ -122,7 +125,7 @@ void Attachments::gather(double dt, const WorldSettings& world, const FluidSetti
                          std::vector<std::uint64_t>& stale) {
   active.clear();
   for (auto& a : list_) {
-    if (a->refused) {
+    if (a->refused && !a->teleported) {
       report.flags |= flag_surface_refused;
       continue;
     }
@@ -134,8 +137,9 @@ void Attachments::gather(double dt, const WorldSettings& world, const FluidSetti
     if (status.ok() && is_new) status = check_mesh(m);
     if (status.ok()) status = check_state(m);
     if (status.ok() && is_new) status = set_delta(m, a->settings, largest_coordinate(world.kill_box));
-    if (!status.ok()) {
-      a->refused = true;
+    a->refused = !status.ok();
+    if (a->refused) {
+      a->teleported = false;
       report.flags |= flag_surface_refused;
       report.messages.push_back("surface " + std::to_string(a->handle) + " is left out: " + status.message);
       continue;
@@ -147,6 +151,7 @@ void Attachments::gather(double dt, const WorldSettings& world, const FluidSetti
       a->fresh = true;
       a->teleported = false;
     }
+    OILSKIN_ASSERT(m.id != 0 && m.delta > 0 && m.x_t0.size() == m.x_t1.size());
     m.slip = a->settings.slip;
     m.slip_back = a->settings.slip_back;
     // Where prescribed nodes stand costs nothing: they are not rounded again (a floor may be larger than the
@@ -164,8 +169,10 @@ void Attachments::scatter(Span<SurfaceMotion* const> active, StepReport& report)
   for (auto& a : list_) {
     SurfaceMotion& m = a->motion;
     if (std::find(active.begin(), active.end(), &m) == active.end()) continue;
+    OILSKIN_ASSERT(m.impulse.size() == m.x_t1.size() && m.moved.size() == m.x_t1.size());
     a->certified = m.x_t1;
     a->host->scatter(m);
+    OILSKIN_ASSERT(m.x_t1.size() == a->certified.size());
     if (m.x_t1 != a->certified) {
       // The certificate is about numbers that the host does not keep: what it does keep is a new beginning.
       report.flags |= flag_scatter_mismatch;
@@ -176,6 +183,7 @@ void Attachments::scatter(Span<SurfaceMotion* const> active, StepReport& report)
 
 void Attachments::reseed(Span<SurfaceMotion* const> active, fluid::Particles& particles, double particle_mass,
                          std::uint64_t& next_id, const Workers& workers, StepReport& report) {
+  OILSKIN_ASSERT(particle_mass > 0);
   std::vector<SurfaceMotion*> fresh;
   for (auto& a : list_) {
     if (!a->fresh || std::find(active.begin(), active.end(), &a->motion) == active.end()) continue;
@@ -236,6 +244,7 @@ void Attachments::reseed(Span<SurfaceMotion* const> active, fluid::Particles& pa
 void ClearanceTest::run(Span<const Vec3> points, std::vector<std::uint8_t>& blocked) const {
   blocked.assign(points.size(), 0);
   for (const SurfaceMotion* s : surfaces_) {
+    OILSKIN_ASSERT(s->delta > 0 && !s->triangles.empty());
     const double reach = 2 * s->delta;
     Box bounds;
     for (const Vec3& x : s->x_t0) bounds.add(x);
@@ -252,6 +261,7 @@ void ClearanceTest::run(Span<const Vec3> points, std::vector<std::uint8_t>& bloc
     tree.update(s->triangles, s->x_t0, s->x_t0);
     proximity::Candidates candidates;
     tree.query(boxes, workers_, candidates);
+    OILSKIN_ASSERT(candidates.begin.size() == boxes.size() + 1);
     for (std::size_t k = 0; k < boxes.size(); ++k)
       for (std::uint32_t t : candidates.of(k)) {
         const Triangle& nodes = s->triangles[t];

@@ -1,6 +1,7 @@
 /// The attached surfaces: gather, scatter, and what happens when a surface is new.
 #pragma once
 
+#include "core/archive.h"
 #include "core/parallel.h"
 #include "fluid/particles.h"
 #include "oilskin/report.h"
@@ -17,7 +18,7 @@ struct Attachment {
   std::vector<Vec3> certified;  ///< x_t1 as certified, to compare with what the host read back
   bool fresh = true;            ///< new id: particles near it are re-seeded before the next step
   bool teleported = false;      ///< reset_motion was called
-  bool refused = false;
+  bool refused = false;         ///< left out, until a gather after reset_motion is accepted
 };
 
 /// Do the collision groups and masks of a fluid and a surface let them meet?
@@ -43,6 +44,12 @@ class Attachments {
   /// would not be certain. Counted in report.contact.reseeded.
   void reseed(Span<SurfaceMotion* const> active, fluid::Particles& particles, double particle_mass,
               std::uint64_t& next_id, const Workers& workers, StepReport& report);
+
+  /// Everything but hosts and handles; when reading, into attachments without hosts.
+  void visit(Archive& archive);
+  /// Takes over hosts and handles of `from`, whose surfaces must be as many and have the same meshes in the
+  /// same order. A refusal changes nothing.
+  Status take_hosts(Attachments& from);
 
  private:
   std::vector<std::unique_ptr<Attachment>> list_;  // in order of handle

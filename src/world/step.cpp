@@ -2,12 +2,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/assert.h"
 #include "world/intake.h"
 #include "world/world_impl.h"
 
 namespace oilskin {
 
+namespace {
+
+[[maybe_unused]] bool all_finite(Span<const Vec3> values) {
+  return std::all_of(values.begin(), values.end(), [](const Vec3& x) { return x.allFinite(); });
+}
+
+}  // namespace
+
 void World::Impl::run_step(double dt) {
+  OILSKIN_ASSERT(dt > 0 && fluid && emission && contact);
   gather(dt);  // surfaces: x_t0 → proposed x_t1
   quarantine_input();
   cut(dt);  // how many sub-steps
@@ -17,6 +27,8 @@ void World::Impl::run_step(double dt) {
     run_interval(part);
   }
   scatter();
+  OILSKIN_ASSERT(all_finite(particles.position) && all_finite(particles.velocity));
+  OILSKIN_ASSERT(report.alive == particles.size());
   time = begin + dt;
   last_dt = dt;
   ++step_count;
@@ -62,11 +74,13 @@ void World::Impl::quarantine_input() {
     report.mass_removed += fluid->particle_mass();
   }
   if (any) particles.compress(keep);
+  OILSKIN_ASSERT(all_finite(particles.position) && all_finite(particles.velocity));
 }
 
 void World::Impl::emit(double dt) {
   contact::StageTimer timer(report.seconds.other_fluid);
   const std::size_t live = particles.size();
+  OILSKIN_ASSERT(substep < report.substeps && dt > 0);
   const std::vector<fluid::Start>& starts = emission->due(time, dt);
   std::vector<Vec3> points;
   for (const fluid::Start& s : starts) points.push_back(s.position);
@@ -94,10 +108,12 @@ void World::Impl::emit(double dt) {
     now.x_t0[at] = starts[k].position;
     now.velocity[at] = starts[k].velocity;
     now.remaining[at] = starts[k].remaining;
+    OILSKIN_ASSERT(starts[k].remaining >= 0 && starts[k].remaining <= dt);
     report.momentum_emitted += mass * starts[k].velocity;
     report.momentum_gravity += mass * starts[k].remaining * settings.gravity;
     ++at;
   }
+  OILSKIN_ASSERT(at == now.id.size());
   report.blocked_starts += emission->settle(blocked);
   report.emitted += emitted;
   report.mass_emitted += static_cast<double>(emitted) * mass;
@@ -125,6 +141,7 @@ void World::Impl::predict_contacts(double dt) {
   if (!fluid_settings.contact_aware) return;
   for (const ContactRecord& r : contact->select_records()) {
     if (r.particle >= particles.size()) continue;  // emitted: not in the pair sums yet
+    OILSKIN_ASSERT(r.surface < surfaces.size() && r.distance >= 0);
     const SurfaceMotion& s = *surfaces[r.surface];
     Vec3 wall = Vec3::Zero();
     for (int k = 0; k < 3; ++k) wall += r.weights[k] * (s.x_t1[r.nodes[k]] - s.x_t0[r.nodes[k]]);
@@ -139,6 +156,7 @@ void World::Impl::propose_motion(double dt) {
   report.fluid = substep == 0 ? found : worst_of(report.fluid, found);
   contact::StageTimer timer(report.seconds.other_fluid);
   const std::size_t live = particles.size();
+  OILSKIN_ASSERT(live <= now.id.size() && now.x_t1.size() == now.id.size());
   double change = 0;  // squared
   for (std::size_t i = 0; i < now.id.size(); ++i) {
     const Vec3 before = now.velocity[i], ballistic = before + now.remaining[i] * settings.gravity;
@@ -153,6 +171,7 @@ void World::Impl::propose_motion(double dt) {
     now.removed[i] = 1;
     ++report.quarantined;
   }
+  OILSKIN_ASSERT(all_finite(now.x_t1) && all_finite(now.velocity));
   largest_acceleration = std::sqrt(change) / dt;
 }
 
@@ -187,6 +206,8 @@ void World::Impl::tell_observer(double dt) {
 void World::Impl::commit() {
   contact::StageTimer timer(report.seconds.other_fluid);
   const double mass = fluid->particle_mass();
+  OILSKIN_ASSERT(mass > 0 && now.removed.size() == now.id.size());
+  OILSKIN_ASSERT(all_finite(now.x_t1) && all_finite(now.velocity));
   for (std::size_t i = particles.size(); i < now.id.size(); ++i)
     particles.push_back(now.id[i], now.x_t0[i], now.velocity[i], fluid_settings.rest_density);
   std::vector<std::uint8_t> keep(particles.size(), 1);

@@ -3,15 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/assert.h"
+
 namespace oilskin::world {
 
 int substep_count(const Speeds& speeds, double dt, double way, int most) {
+  OILSKIN_ASSERT(dt > 0 && way > 0 && most >= 1);
   const double fluid = speeds.fluid + speeds.gravity * dt;
   const double parts = std::ceil(dt * std::max(fluid, speeds.surfaces) / way);
   return parts < most ? std::max(1, static_cast<int>(parts)) : most;
 }
 
 double longest_step(const Speeds& speeds, double way) {
+  OILSKIN_ASSERT(way > 0 && speeds.fluid >= 0 && speeds.gravity >= 0 && speeds.surfaces >= 0);
   // dt (v + g dt) = way, in the form that does not cancel.
   const double slope = speeds.fluid + std::sqrt(speeds.fluid * speeds.fluid + 4 * speeds.gravity * way);
   double longest = std::numeric_limits<double>::infinity();
@@ -21,6 +25,7 @@ double longest_step(const Speeds& speeds, double way) {
 }
 
 double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, double dt) {
+  OILSKIN_ASSERT(dt > 0);
   double longest = 0;  // squared
   for (const SurfaceMotion* s : surfaces)
     for (const Triangle& t : s->triangles) {
@@ -37,6 +42,7 @@ double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, doubl
 }
 
 void SurfacePaths::begin(Span<SurfaceMotion* const> surfaces, int parts, double length) {
+  OILSKIN_ASSERT(parts >= 1 && length > 0);
   paths_.clear();
   parts_ = left_ = parts;
   length_ = length;
@@ -46,6 +52,7 @@ void SurfacePaths::begin(Span<SurfaceMotion* const> surfaces, int parts, double 
 }
 
 void SurfacePaths::next() {
+  OILSKIN_ASSERT(left_ > 0);
   for (Path& path : paths_) {
     if (left_ < parts_) continue_from_certified(path);
     SurfaceMotion& m = *path.motion;
@@ -58,6 +65,7 @@ void SurfacePaths::next() {
 
 void SurfacePaths::continue_from_certified(Path& path) const {
   SurfaceMotion& m = *path.motion;
+  OILSKIN_ASSERT(m.impulse.size() == m.x_t1.size() && path.target.size() == m.x_t1.size());
   m.x_t0 = m.x_t1;
   for (std::size_t i = 0; i < m.x_t0.size(); ++i) {
     path.impulse[i] += m.impulse[i];
@@ -68,6 +76,7 @@ void SurfacePaths::continue_from_certified(Path& path) const {
 }
 
 void SurfacePaths::end() {
+  OILSKIN_ASSERT(left_ == 0);
   for (Path& path : paths_) {
     SurfaceMotion& m = *path.motion;
     m.x_t0 = path.start;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/assert.h"
 #include "world/intake.h"
 #include "world/world_impl.h"
 
@@ -29,6 +30,7 @@ void World::Impl::cut(double dt) {
   const double way = fluid_settings.cfl * fluid_settings.spacing;
   const int most = fluid_settings.max_substeps;
   report.substeps = most > 1 ? world::substep_count(speeds(surfaces, dt, dt), dt, way, most) : 1;
+  OILSKIN_ASSERT(report.substeps >= 1 && report.substeps <= most);
   paths.begin(surfaces, report.substeps, dt / report.substeps);
 }
 
@@ -47,6 +49,7 @@ double World::Impl::longest_dt(double largest) const {
   if (f.viscosity > 0) dt = std::min(dt, 0.035 * support * support / f.viscosity);
   if (f.solver == PressureSolver::mcg03)
     dt = std::min(dt, 0.4 * support / (std::sqrt(f.stiffness) + found.fluid));
+  OILSKIN_ASSERT(dt > 0);
   return dt;
 }
 

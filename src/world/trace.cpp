@@ -36,6 +36,7 @@ void TraceWriter::on_interval(const Interval& interval) {
   put_all(out_, interval.x_t1);
   put(out_, static_cast<std::uint64_t>(interval.surfaces.size()));
   for (const SurfaceMotion* s : interval.surfaces) {
+    OILSKIN_ASSERT(s->id != 0 && s->x_t0.size() == s->x_t1.size());
     put(out_, s->id);
     put(out_, static_cast<std::uint64_t>(s->x_t0.size()));
     put(out_, static_cast<std::uint64_t>(s->triangles.size()));

@@ -89,10 +89,8 @@ const SurfaceMotion* World::surface(SurfaceId id) const {
 }
 
 void World::reset_motion(SurfaceId id) {
-  if (world::Attachment* a = impl_->attachments.find(id.value)) {
-    a->teleported = true;
-    a->refused = false;
-  }
+  // One that was left out stays out until its next gather: what it holds now was found wrong.
+  if (world::Attachment* a = impl_->attachments.find(id.value)) a->teleported = true;
 }
 
 Status World::set_slip(SurfaceId id, const SlipSettings& slip) {
@@ -290,8 +288,9 @@ std::uint64_t World::state_hash() const {
     hash.add(p.position[i]);
     hash.add(p.velocity[i]);
   }
+  std::uint64_t number = 0;  // and not the handle: a restored world gives its own
   for (const auto& a : impl_->attachments.all()) {
-    hash.add(a->handle);
+    hash.add(++number);
     if (a->refused) continue;  // whatever it holds takes no part
     for (const Vec3& x : a->motion.x_t1) hash.add(x);
     for (const Vec3& v : a->motion.velocity) hash.add(v);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact/contact_loop.h"
+#include "core/archive.h"
 #include "fluid/emission.h"
 #include "fluid/fluid_solver.h"
 #include "oilskin/world.h"
@@ -73,6 +74,10 @@ struct World::Impl {
   void tell_observer(double dt);
   void commit();
   void scatter();
+
+  // Between steps (save.cpp)
+  void visit_state(Archive& archive);
+  Status restore(Span<const std::uint8_t> saved);
 
   // How long it may be (time_step.cpp)
   world::Speeds speeds(Span<SurfaceMotion* const> moved, double moved_for, double dt) const;

@@ -6,6 +6,7 @@
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <btBulletDynamicsCommon.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "bullet_adapter/convert.h"
@@ -19,16 +20,18 @@ inline btScalar bt(double x) {
   return static_cast<btScalar>(x);
 }
 
-/// Owns the world; soft bodies added with own() go with it.
-class SoftWorld {
+/// Owns a world of one of Bullet's soft-body kinds; soft bodies added with own() go with it.
+template <class DynamicsWorld, class ConstraintSolver>
+class BasicSoftWorld {
  public:
-  explicit SoftWorld(const btVector3& gravity = btVector3(0, 0, 0), btSoftBodySolver* soft_solver = nullptr)
+  explicit BasicSoftWorld(const btVector3& gravity = btVector3(0, 0, 0),
+                          btSoftBodySolver* soft_solver = nullptr)
       : dispatcher_(&configuration_),
         world(&dispatcher_, &broadphase_, &constraints_, &configuration_, soft_solver) {
     world.setGravity(gravity);
     world.getWorldInfo().m_gravity = gravity;
   }
-  ~SoftWorld() {
+  ~BasicSoftWorld() {
     for (auto& body : bodies_) world.removeSoftBody(body.get());
   }
 
@@ -51,6 +54,13 @@ class SoftWorld {
     return own(cloth);
   }
 
+  /// Takes a body out of the world and deletes it.
+  void destroy(btSoftBody* body) {
+    world.removeSoftBody(body);
+    bodies_.erase(std::find_if(bodies_.begin(), bodies_.end(),
+                               [body](const auto& owned) { return owned.get() == body; }));
+  }
+
   /// Exactly one sub-step.
   void step(double dt) { world.stepSimulation(bt(dt), 0); }
 
@@ -58,14 +68,16 @@ class SoftWorld {
   btSoftBodyRigidBodyCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;
   btDbvtBroadphase broadphase_;
-  btSequentialImpulseConstraintSolver constraints_;
+  ConstraintSolver constraints_;
 
  public:
-  btSoftRigidDynamicsWorld world;
+  DynamicsWorld world;
 
  private:
   std::vector<std::unique_ptr<btSoftBody>> bodies_;
 };
+
+using SoftWorld = BasicSoftWorld<btSoftRigidDynamicsWorld, btSequentialImpulseConstraintSolver>;
 
 inline Vec3 momentum(const btSoftBody& body) {
   Vec3 p = Vec3::Zero();

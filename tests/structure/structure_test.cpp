@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <regex>
 #include <set>
 #include <string>
 #include <vector>
@@ -34,7 +35,8 @@ const std::set<std::string> rooms = {"core",    "fluid",   "proximity", "ccd",
 
 /// Libraries and the only places that may include them.
 const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> fenced = {
-    {{"bullet/", "Bullet", "btBullet", "LinearMath/"}, {"bullet_adapter/", "demos/bullet_simulation.cpp"}},
+    {{"bullet/", "Bullet", "btBullet", "LinearMath/"},
+     {"bullet_adapter/", "demos/bullet_simulation.cpp", "demos/bullet_ccd_compare.cpp"}},
     {{"fcl/"}, {"src/proximity/surface_tree.cpp"}},
     {{"tbb/", "oneapi/"}, {"src/core/parallel.cpp"}},
     {{"nlohmann/", "CLI/", "vtk"}, {"demos/"}},
@@ -134,6 +136,44 @@ TEST(Structure, theTestItselfLetsForwardEdgesPass) {
   EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"contact/records.h\""), 0u);
   EXPECT_EQ(faults_with("src/world/a.cpp", "#include \"contact/records.h\""), 0u);
   EXPECT_EQ(faults_with("src/core/a.cpp", "// #include \"fluid/particles.h\""), 0u);
+}
+
+// --- docs/no_crossing.md names tests as proof: each must exist.
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// `Suite.test` in backticks, where Suite begins with a capital letter.
+std::vector<std::pair<std::string, std::string>> tests_named_in(const std::string& page) {
+  static const std::regex name("`([A-Z][A-Za-z]*)\\.([A-Za-z_0-9]+)`");
+  std::vector<std::pair<std::string, std::string>> found;
+  for (std::sregex_iterator it(page.begin(), page.end(), name), end; it != end; ++it)
+    found.emplace_back((*it)[1], (*it)[2]);
+  return found;
+}
+
+/// All test sources in one line each, without blanks, so that a definition may be broken over lines.
+std::string definitions(const fs::path& tests) {
+  std::string all;
+  for (const auto& entry : fs::recursive_directory_iterator(tests)) {
+    const std::string suffix = entry.path().extension().string();
+    if (suffix != ".cpp" && suffix != ".h") continue;
+    for (const char c : text_of(entry.path()))
+      if (!std::isspace(static_cast<unsigned char>(c))) all += c;
+  }
+  return all;
+}
+
+TEST(Structure, testsThatTheProofNamesExist) {
+  const fs::path root = OILSKIN_ROOT;
+  const std::string sources = definitions(root / "tests");
+  const auto named = tests_named_in(text_of(root / "docs/no_crossing.md"));
+  EXPECT_GT(named.size(), 10u);
+  for (const auto& [suite, test] : named)
+    EXPECT_NE(sources.find("(" + suite + "," + test + ")"), std::string::npos)
+        << "docs/no_crossing.md names " << suite << "." << test << ", which no test defines";
 }
 
 }  // namespace

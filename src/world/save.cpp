@@ -1,0 +1,265 @@
+#include "world/save.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/hash.h"
+#include "world/intake.h"
+#include "world/world_impl.h"
+
+// A structured binding names every member, so that a new one that is not saved does not compile.
+
+namespace oilskin {
+
+namespace {
+
+void visit(Archive& archive, WorldSettings& settings) {
+  auto& [gravity, kill_box, threads] = settings;
+  archive.values(gravity, kill_box);
+  static_cast<void>(threads);  // of the machine, not of the state
+}
+
+void visit(Archive& archive, FluidSettings& settings) {
+  auto& [spacing, rest_density, support_ratio, solver, tolerance, divergence_tolerance, min_iterations,
+         max_iterations, stiffness, viscosity, xsph_rate, contact_aware, occlusion, boundary, cfl,
+         max_substeps, collision_group, collision_mask] = settings;
+  archive.values(spacing, rest_density, support_ratio, solver, tolerance, divergence_tolerance,
+                 min_iterations, max_iterations, stiffness, viscosity, xsph_rate, contact_aware, occlusion,
+                 boundary, cfl, max_substeps, collision_group, collision_mask);
+}
+
+void visit(Archive& archive, ContactSettings& settings) {
+  auto& [repulsion, stiffness, ccd, zones, sweeps, rounds, infeasible, verify] = settings;
+  archive.values(repulsion, stiffness, ccd, zones, sweeps, rounds, infeasible, verify);
+}
+
+void visit(Archive& archive, SlipSettings& settings) {
+  auto& [model, friction, slip_length] = settings;
+  archive.values(model, friction, slip_length);
+}
+
+void visit(Archive& archive, std::optional<SlipSettings>& settings) {
+  bool has = settings.has_value();
+  archive.value(has);
+  if (has && !settings) settings.emplace();
+  if (has) visit(archive, *settings);
+}
+
+void visit(Archive& archive, SurfaceSettings& settings) {
+  auto& [thickness, slip, slip_back, collision_group, collision_mask] = settings;
+  archive.value(thickness);
+  visit(archive, slip);
+  visit(archive, slip_back);
+  archive.values(collision_group, collision_mask);
+}
+
+void visit(Archive& archive, SurfaceMotion& motion) {
+  auto& [id, triangles, storage, thickness, delta, slip, slip_back, nodes_movable, x_t0, x_t1, velocity,
+         inverse_mass, holdable, impulse, moved] = motion;
+  archive.values(id, triangles, storage, thickness, delta);
+  visit(archive, slip);
+  visit(archive, slip_back);
+  archive.values(nodes_movable, x_t0, x_t1, velocity, inverse_mass, holdable, impulse, moved);
+}
+
+/// What gather checks of a host; the meshes are compared with the host's own.
+bool is_sound(const SurfaceMotion& m) {
+  const std::size_t n = m.x_t1.size();
+  const auto has = [n](std::size_t size) { return size == n || size == 0; };
+  if (m.storage != Storage::float32 && m.storage != Storage::float64) return false;
+  if (m.x_t0.size() != n || m.velocity.size() != n || m.inverse_mass.size() != n) return false;
+  if (!has(m.holdable.size()) || !has(m.impulse.size()) || !has(m.moved.size())) return false;
+  if (!(m.delta > 0 && std::isfinite(m.delta) && m.thickness >= 4 * m.delta)) return false;
+  for (const Triangle& t : m.triangles)
+    if (t[0] >= n || t[1] >= n || t[2] >= n) return false;
+  for (std::size_t i = 0; i < n; ++i)
+    if (!world::is_sound(m.x_t0[i]) || !world::is_sound(m.x_t1[i]) || !world::is_sound(m.velocity[i]) ||
+        stored(m.x_t1[i], m.storage) != m.x_t1[i] || !(m.inverse_mass[i] >= 0))
+      return false;
+  return true;
+}
+
+/// Unique ids that a counter has given out, which now stands at `next`.
+bool are_given(std::vector<std::uint64_t> ids, std::uint64_t next) {
+  std::sort(ids.begin(), ids.end());
+  return ids.empty() ||
+         (ids.front() > 0 && ids.back() < next && std::adjacent_find(ids.begin(), ids.end()) == ids.end());
+}
+
+}  // namespace
+
+namespace world {
+
+namespace {
+
+constexpr char magic[8] = {'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'};
+constexpr std::uint32_t byte_order = 0x01020304, swapped_byte_order = 0x04030201;
+constexpr std::uint32_t version = 1;
+constexpr std::size_t frame_bytes = 32;
+
+std::uint64_t check_sum(Span<const std::uint8_t> bytes) {
+  Hash64 hash;
+  hash.add(static_cast<std::uint64_t>(bytes.size()));
+  for (std::size_t at = 0; at < bytes.size(); at += 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes.data() + at, std::min<std::size_t>(8, bytes.size() - at));
+    hash.add(word);
+  }
+  return hash.value();
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> framed(Span<const std::uint8_t> content) {
+  std::vector<std::uint8_t> saved(magic, magic + sizeof magic);
+  saved.reserve(frame_bytes + content.size());
+  std::uint32_t order = byte_order, number = version;
+  std::uint64_t length = content.size(), sum = check_sum(content);
+  Archive(saved).values(order, number, length, sum);
+  saved.insert(saved.end(), content.begin(), content.end());
+  return saved;
+}
+
+Status unframe(Span<const std::uint8_t> saved, Span<const std::uint8_t>* content) {
+  if (saved.size() < frame_bytes || std::memcmp(saved.data(), magic, sizeof magic) != 0)
+    return Status::refused("these bytes are no saved world");
+  std::uint32_t order = 0, number = 0;
+  std::uint64_t length = 0, sum = 0;
+  Archive in(Span<const std::uint8_t>(saved.data() + sizeof magic, frame_bytes - sizeof magic));
+  in.values(order, number, length, sum);
+  if (order == swapped_byte_order)
+    return Status::refused("the saved world comes from a machine with the other byte order");
+  if (order != byte_order) return Status::refused("the saved world is damaged: it names no byte order");
+  if (number != version)
+    return Status::refused("the saved world has version " + std::to_string(number) +
+                           "; this library reads version " + std::to_string(version));
+  *content = {saved.data() + frame_bytes, saved.size() - frame_bytes};
+  if (length != content->size())
+    return Status::refused("the saved world has " + std::to_string(content->size()) + " bytes of " +
+                           std::to_string(length));
+  if (sum != check_sum(*content))
+    return Status::refused("the saved world is damaged: its check sum is wrong");
+  return {};
+}
+
+void Attachments::visit(Archive& archive) {
+  constexpr std::size_t least_bytes = 200;  // of a surface without nodes
+  archive.value(next_id_);
+  archive.list(list_, least_bytes, [&](std::unique_ptr<Attachment>& a) {
+    if (!a) a = std::make_unique<Attachment>();
+    archive.values(a->fresh, a->teleported, a->refused);
+    oilskin::visit(archive, a->settings);
+    if (archive.ok()) archive.require(a->settings.validate().ok(), "the settings of a surface");
+    // What a refused surface holds is of no use: where it comes back, it is a new one.
+    if (a->refused) return archive.value(a->motion.id);
+    oilskin::visit(archive, a->motion);
+    if (archive.ok()) archive.require(oilskin::is_sound(a->motion), "the state of a surface");
+  });
+  if (!archive.reading()) return;
+  std::vector<std::uint64_t> ids;
+  for (const auto& a : list_) ids.push_back(a->motion.id);
+  archive.require(are_given(ids, next_id_), "the ids of the surfaces");
+}
+
+namespace {
+
+Status compare_meshes(const SurfaceMotion& saved, const SurfaceMotion& here, std::size_t number) {
+  const auto refuse = [&](const std::string& what, const std::string& there, const std::string& ours) {
+    return Status::refused("surface " + std::to_string(number + 1) + " of the saved world has " + there +
+                           " " + what + ", the one attached here " + ours +
+                           "; attach the same hosts in the same order");
+  };
+  const auto precision = [](const SurfaceMotion& m) {
+    return m.storage == Storage::float32 ? "single" : "double";
+  };
+  if (saved.x_t1.size() != here.x_t1.size())
+    return refuse("nodes", std::to_string(saved.x_t1.size()), std::to_string(here.x_t1.size()));
+  if (saved.triangles.size() != here.triangles.size())
+    return refuse("triangles", std::to_string(saved.triangles.size()), std::to_string(here.triangles.size()));
+  if (saved.triangles != here.triangles) return refuse("triangles", "other", "has its own");
+  if (saved.storage != here.storage) return refuse("precision", precision(saved), precision(here));
+  return {};
+}
+
+}  // namespace
+
+Status Attachments::take_hosts(Attachments& from) {
+  if (list_.size() != from.list_.size())
+    return Status::refused("the saved world has " + std::to_string(list_.size()) + " surfaces, this one " +
+                           std::to_string(from.list_.size()) + "; attach the same hosts in the same order");
+  for (std::size_t k = 0; k < list_.size(); ++k) {
+    if (list_[k]->refused) continue;
+    if (Status s = compare_meshes(list_[k]->motion, from.list_[k]->motion, k); !s.ok()) return s;
+  }
+  for (std::size_t k = 0; k < list_.size(); ++k) {
+    Attachment &mine = *list_[k], &other = *from.list_[k];
+    mine.handle = other.handle;
+    mine.host = other.host;
+    if (!mine.refused) continue;
+    const std::uint64_t id = mine.motion.id;
+    mine.motion = other.motion;
+    mine.motion.id = id;
+  }
+  next_handle_ = from.next_handle_;
+  return {};
+}
+
+}  // namespace world
+
+/// Counters first: what follows is checked against them.
+void World::Impl::visit_state(Archive& archive) {
+  archive.values(next_particle_id, step_count, interval_count, time, last_dt, largest_acceleration);
+  archive.require(time >= 0 && std::isfinite(time) && last_dt >= 0 && std::isfinite(last_dt), "the time");
+  particles.visit(archive);
+  if (archive.reading())
+    archive.require(are_given(particles.id, next_particle_id), "the ids of the particles");
+  emission->visit(archive, time);
+  fluid->visit(archive);
+  attachments.visit(archive);
+}
+
+Status World::Impl::restore(Span<const std::uint8_t> saved) {
+  Span<const std::uint8_t> content;
+  if (Status s = world::unframe(saved, &content); !s.ok()) return s;
+  const auto refuse = [](const Status& s) { return Status::refused("the saved world: " + s.message); };
+  Archive archive(content);
+  WorldSettings world_settings;
+  FluidSettings of_fluid;
+  ContactSettings of_contact;
+  visit(archive, world_settings);
+  visit(archive, of_fluid);
+  visit(archive, of_contact);
+  if (!archive.ok()) return refuse(archive.status());
+  world_settings.threads = settings.threads;
+
+  Impl restored(world_settings, of_fluid, of_contact);
+  if (!restored.status.ok()) return refuse(restored.status);
+  restored.visit_state(archive);
+  if (archive.ok() && archive.left() > 0) archive.refuse("there are more bytes than there is state");
+  if (!archive.ok()) return refuse(archive.status());
+  if (Status s = restored.attachments.take_hosts(attachments); !s.ok()) return s;
+  restored.observer = observer;
+  restored.report.step = restored.step_count;
+  restored.report.time = restored.time;
+  restored.report.alive = restored.particles.size();
+  *this = std::move(restored);
+  return {};
+}
+
+Status World::save(std::vector<std::uint8_t>* out) const {
+  if (!impl_->status.ok()) return impl_->status;
+  std::vector<std::uint8_t> content;
+  Archive archive(content);
+  visit(archive, impl_->settings);
+  visit(archive, impl_->fluid_settings);
+  visit(archive, impl_->contact_settings);
+  impl_->visit_state(archive);
+  *out = world::framed(content);
+  return {};
+}
+
+Status World::restore(Span<const std::uint8_t> saved) {
+  return impl_->status.ok() ? impl_->restore(saved) : impl_->status;
+}
+
+}  // namespace oilskin

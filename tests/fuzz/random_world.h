@@ -1,0 +1,29 @@
+/// A world drawn from a seed: settings, surfaces, emitters, and what happens on the way. After every step it
+/// is judged by the outside auditor and by its own ledgers.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "oilskin/types.h"
+
+namespace oilskin::test {
+
+struct WorldVerdict {
+  std::string what;                   ///< the seed and what was drawn, in one line
+  std::vector<std::string> faults;    ///< empty: everything held
+  std::vector<std::uint64_t> hashes;  ///< of the state after each step
+  bool promised = true;               ///< contact's promise covers the run
+
+  // What the run had in it, over all steps
+  std::uint64_t steps = 0, particles = 0, pairs = 0, meetings = 0, zone_steps = 0, most_zone_rounds = 0;
+  std::uint64_t stalled = 0, followed = 0, removed = 0, allowed = 0, reseeded = 0, quarantined = 0,
+                blocked = 0;
+  std::uint64_t false_alarms = 0;  ///< steps in which verify found more than were allowed to pass
+  double worst_momentum = 0;       ///< residual over Σ|p|
+};
+
+/// `large` worlds have more particles than one task of a parallel loop takes.
+WorldVerdict run_random_world(std::uint64_t seed, bool large, int threads);
+
+}  // namespace oilskin::test

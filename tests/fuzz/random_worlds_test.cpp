@@ -1,0 +1,84 @@
+// Worlds drawn at random from fixed seeds. Whatever they do: every number stays finite, nobody crosses, mass
+// and momentum are booked, the work of a step is bounded, and threads do not matter. A world that fails
+// prints its seed; OILSKIN_WORLDS_FIRST=<seed> OILSKIN_WORLDS_COUNT=1 runs it again.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <iostream>
+
+#include "core/assert.h"
+#include "fuzz/random_world.h"
+
+namespace oilskin::test {
+namespace {
+
+/// Every so many worlds one is large, and run with one and with two threads.
+constexpr std::uint64_t large_every = 10;
+
+std::uint64_t from_environment(const char* name, std::uint64_t value) {
+  const char* text = std::getenv(name);
+  return text ? std::strtoull(text, nullptr, 10) : value;
+}
+
+std::uint64_t current_seed = 0;
+
+[[noreturn]] void name_the_world(const char* expression, const char* file, int line) {
+  std::cerr << "seed " << current_seed << ": assertion failed: " << expression << " (" << file << ":" << line
+            << ")\n";
+  std::abort();
+}
+
+TEST(RandomWorlds, keep_every_invariant) {
+  set_assert_handler(name_the_world);
+  const std::uint64_t first = from_environment("OILSKIN_WORLDS_FIRST", 1);
+  const std::uint64_t count = from_environment("OILSKIN_WORLDS_COUNT", 600);
+  WorldVerdict sum;
+  std::uint64_t promised = 0;
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    const bool large = seed % large_every == 0;
+    current_seed = seed;
+    const WorldVerdict v = run_random_world(seed, large, 1);
+    for (const std::string& fault : v.faults) ADD_FAILURE() << v.what << "\n  " << fault;
+    if (large) {
+      EXPECT_EQ(run_random_world(seed, large, 2).hashes, v.hashes) << v.what;
+    }
+    promised += v.promised;
+    sum.steps += v.steps;
+    sum.particles += v.particles;
+    sum.pairs += v.pairs;
+    sum.meetings += v.meetings;
+    sum.zone_steps += v.zone_steps;
+    sum.most_zone_rounds = std::max(sum.most_zone_rounds, v.most_zone_rounds);
+    sum.stalled += v.stalled;
+    sum.followed += v.followed;
+    sum.removed += v.removed;
+    sum.allowed += v.allowed;
+    sum.reseeded += v.reseeded;
+    sum.quarantined += v.quarantined;
+    sum.blocked += v.blocked;
+    sum.false_alarms += v.false_alarms;
+    sum.worst_momentum = std::max(sum.worst_momentum, v.worst_momentum);
+  }
+  std::cout << "  " << count << " worlds, " << promised << " with the promise, " << sum.steps << " steps of "
+            << sum.particles / std::max<std::uint64_t>(sum.steps, 1) << " particles; " << sum.pairs
+            << " pairs audited, " << sum.meetings << " meetings, " << sum.zone_steps
+            << " steps with zones, at most " << sum.most_zone_rounds << " rounds; stalled " << sum.stalled
+            << ", followed " << sum.followed << ", removed " << sum.removed << ", allowed " << sum.allowed
+            << ", reseeded " << sum.reseeded << ", quarantined " << sum.quarantined << ", blocked "
+            << sum.blocked << "; " << sum.false_alarms << " false alarms of verify; momentum to "
+            << sum.worst_momentum << "\n";
+  EXPECT_LE(sum.false_alarms, 1 + count / 1000) << "verify errs on the safe side, but hardly ever";
+  if (count < 500) return;
+  EXPECT_GT(sum.meetings, 0u);
+  EXPECT_GT(sum.zone_steps, 0u);
+  EXPECT_GT(sum.stalled, 0u);
+  EXPECT_GT(sum.followed, 0u);
+  EXPECT_GT(sum.removed, 0u);
+  EXPECT_GT(sum.allowed, 0u);
+  EXPECT_GT(sum.reseeded, 0u);
+  EXPECT_GT(sum.quarantined, 0u);
+  EXPECT_GT(sum.blocked, 0u);
+}
+
+}  // namespace
+}  // namespace oilskin::test

@@ -1,0 +1,27 @@
+# Installs into an empty prefix, builds SOURCE against it, runs PROGRAM, and lets CHECK judge `output`, `program` and
+# `symbols`.
+function(run)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE text ERROR_VARIABLE text)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "${ARGV}\nfailed with ${result}:\n${text}")
+  endif()
+  set(text "${text}" PARENT_SCOPE)
+endfunction()
+
+set(prefix ${SCRATCH}/prefix)
+file(REMOVE_RECURSE ${SCRATCH})
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix} --component development)
+set(flags)
+if(SANITIZE)
+  set(flags -DCMAKE_CXX_FLAGS=-fsanitize=${SANITIZE})
+endif()
+run(${CMAKE_COMMAND} -S ${SOURCE} -B ${SCRATCH}/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${prefix}
+    -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=${TYPE} -DADAPTER=${COMPONENTS} ${flags})
+run(${CMAKE_COMMAND} --build ${SCRATCH}/build)
+set(program ${SCRATCH}/build/${PROGRAM})
+run(${program})
+set(output "${text}")
+run(${NM} -C ${program})
+set(symbols "${text}")
+message("${output}")
+include(${CHECK})
