@@ -1,0 +1,69 @@
+/// The scalar field of the particles on the nodes of a block. Lengths in cells.
+#pragma once
+
+#include "oilskin/surface_mesh.h"
+#include "surface/lanes.h"
+#include "surface/particle_blocks.h"
+#include "surface/visibility.h"
+
+namespace oilskin::surface {
+
+struct FieldParameters {
+  SurfaceField kind = SurfaceField::density_decay;
+  float kernel_radius = 0;    ///< R
+  float particle_radius = 0;  ///< r
+  float share = 0;            ///< 315 / 64π (R/s)⁻³: what a particle of volume s³ adds to w for k = 1
+  float rest_count = 0;       ///< particles in a block that is full
+
+  bool needs_volumes() const { return kind == SurfaceField::density_decay || kind == SurfaceField::density; }
+  /// Value of nodes without a particle in reach.
+  float outside() const { return kernel_radius; }
+};
+
+FieldParameters field_parameters(const SurfaceOptions& options);
+
+/// Evaluates blocks, one at a time; a thread has its own.
+class FieldBlock {
+ public:
+  explicit FieldBlock(const FieldParameters& parameters) : p_(parameters) {}
+
+  /// Which of the 4³ nodes with even coordinates lie well inside the water: much of it, and on all sides.
+  std::uint64_t coarse_inside(const NearParticles& near);
+
+  /// 512 values. With a `sight`, only what a node can see counts.
+  void evaluate(const NearParticles& near, const BlockSight* sight, float* values);
+
+ private:
+  struct Row {  // of 8 nodes: Σ V k and Σ V k x
+    float weight[side], x[side], y[side], z[side];
+  };
+  static void add(const Lanes& weight, const std::array<float, 3>& q, Row& row);
+  void scatter(const NearParticles& near);
+  void scatter_coarse(const NearParticles& near);
+  bool block_may_hide(const BlockSight& sight, const std::array<float, 3>& q);
+  bool row_may_hide(const BlockSight& sight, int j, int k, const std::array<float, 3>& q);
+  void hide(const BlockSight& sight, int j, int k, const std::array<float, 3>& q, std::uint32_t& last,
+            float* weight) const;
+  void scatter_visible(const NearParticles& near, const BlockSight& sight);
+  void scatter_moments(const NearParticles& near, const BlockSight* sight);
+  float value_of(int node) const;
+  float eigenvalue_decay(int node, const Vec3& mean_offset) const;
+
+  struct Moments {  // Σ m y yᵀ and Σ m y, m = −k′/|y|, y = x_i − x
+    float xx[side], xy[side], xz[side], yy[side], yz[side], zz[side], x[side], y[side], z[side];
+  };
+  FieldParameters p_;
+  Row rows_[side * side];
+  std::vector<Moments> moments_;
+  Words row_front_, row_back_, block_front_, block_back_, front_, back_, open_;
+};
+
+/// V_i in s³: of a particle that is alone 1 / W(0), in the middle of the water 1. One value for each particle
+/// of the blocks of which `wanted` is set; 1 for the others.
+std::vector<float> particle_volumes(const ParticleBlocks& particles, const FieldParameters& parameters,
+                                    const std::vector<std::uint8_t>& wanted, const Workers& workers);
+
+/// The largest real eigenvalue of a 3×3 matrix.
+double largest_real_eigenvalue(const Eigen::Matrix3d& a);
+
+}  // namespace oilskin::surface

@@ -1,0 +1,143 @@
+#include "surface/smoothing.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "core/assert.h"
+#include "surface/repair.h"
+#include "surface/triangle_pairs.h"
+
+namespace oilskin::surface {
+
+namespace {
+
+constexpr double lambda = 0.5, mu = -0.53;
+constexpr std::size_t chunk = 1 << 12;
+
+using Float3 = std::array<float, 3>;
+
+/// Of each vertex the next one of each of its triangles: in a closed mesh each neighbour once.
+struct Neighbours {
+  std::vector<std::uint32_t> begin, next;
+
+  explicit Neighbours(const RawMesh& mesh)
+      : begin(mesh.positions.size() + 1, 0), next(3 * mesh.triangles.size()) {
+    for (const Triangle& t : mesh.triangles)
+      for (std::uint32_t v : t) ++begin[v + 1];
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) begin[v + 1] += begin[v];
+    std::vector<std::uint32_t> at(begin.begin(), begin.end() - 1);
+    for (const Triangle& t : mesh.triangles)
+      for (std::size_t k = 0; k < 3; ++k) next[at[t[k]]++] = t[(k + 1) % 3];
+  }
+};
+
+/// How far each vertex may move [m]: what the nearest of its triangles has to spare, and a cell at most, so
+/// that what is farther away does not matter.
+std::vector<float> budgets(const Obstacles& obstacles, double gap, double cell, const RawMesh& mesh,
+                           const Workers& workers) {
+  std::vector<float> spare(mesh.triangles.size(), static_cast<float>(cell));
+  for_near_pairs(mesh.positions, mesh.triangles, nullptr, obstacles, gap + 1.01 * cell, workers,
+                 [&](std::uint32_t t, Span<const std::uint32_t> candidates) {
+                   const Corners own = stored_corners(mesh.positions, mesh.triangles[t]);
+                   double least = cell;
+                   for (std::uint32_t c : candidates) {
+                     const Corners other = obstacles.corners(c);
+                     least = std::min(least, certified_distance(own, other) - gap - rounding_of(other));
+                   }
+                   spare[t] = static_cast<float>(std::max(0.0, least));
+                 });
+  std::vector<float> budget(mesh.positions.size(), static_cast<float>(cell));
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::uint32_t v : mesh.triangles[t]) budget[v] = std::min(budget[v], spare[t]);
+  for (std::size_t v = 0; v < budget.size(); ++v) {
+    float ulp = 0;
+    for (float x : mesh.positions[v]) ulp = std::max(ulp, std::abs(x) * 0x1p-22f);
+    budget[v] = std::max(0.0f, 0.999f * budget[v] - ulp);
+  }
+  return budget;
+}
+
+bool on_side(const Float3& p, const Box& clip, double margin) {
+  for (int a = 0; a < 3; ++a)
+    if (p[std::size_t(a)] < clip.min[a] + margin || p[std::size_t(a)] > clip.max[a] - margin) return true;
+  return false;
+}
+
+void move(double factor, const Neighbours& neighbours, const std::vector<Float3>& start,
+          const std::vector<float>* budget, const std::vector<Float3>& from, std::vector<Float3>& to,
+          const Workers& workers) {
+  workers.for_each(from.size(), chunk, [&](std::size_t v) {
+    Vec3 sum = Vec3::Zero();
+    const Vec3 x(from[v][0], from[v][1], from[v][2]);
+    const std::uint32_t begin = neighbours.begin[v], end = neighbours.begin[v + 1];
+    OILSKIN_ASSERT(begin < end);
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const Float3& n = from[neighbours.next[k]];
+      sum += Vec3(n[0], n[1], n[2]) - x;
+    }
+    const Vec3 origin(start[v][0], start[v][1], start[v][2]);
+    Vec3 way = x + factor / (end - begin) * sum - origin;
+    if (budget) {
+      const double length = way.norm(), most = (*budget)[v];
+      if (length > most) way *= most / length;
+    }
+    const Vec3 at = origin + way;
+    to[v] = {static_cast<float>(at.x()), static_cast<float>(at.y()), static_cast<float>(at.z())};
+  });
+}
+
+/// Puts back what does not pass; a vertex put back may spoil a neighbour's triangle, so until all pass.
+std::size_t put_back(const Obstacles& obstacles, double gap, const std::vector<Float3>& start, RawMesh& mesh,
+                     const Workers& workers) {
+  std::vector<std::uint8_t> held(mesh.positions.size(), 0);
+  for (;;) {
+    std::vector<std::uint8_t> failed(mesh.triangles.size(), 0);
+    for_near_pairs(mesh.positions, mesh.triangles, nullptr, obstacles, 1.01 * gap + 1e-30, workers,
+                   [&](std::uint32_t t, Span<const std::uint32_t> candidates) {
+                     const Corners own = stored_corners(mesh.positions, mesh.triangles[t]);
+                     for (std::uint32_t c : candidates) {
+                       const Corners other = obstacles.corners(c);
+                       if (!certified_apart(own, other, gap + rounding_of(other))) failed[t] = 1;
+                     }
+                   });
+    bool changed = false;
+    for (std::size_t t = 0; t < failed.size(); ++t) {
+      if (!failed[t]) continue;
+      for (std::uint32_t v : mesh.triangles[t]) {
+        changed |= !held[v];
+        held[v] = 1;
+        mesh.positions[v] = start[v];
+      }
+    }
+    if (!changed) break;
+  }
+  return static_cast<std::size_t>(std::count(held.begin(), held.end(), 1));
+}
+
+}  // namespace
+
+SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, double cell,
+                       const std::optional<Box>& clip, RawMesh& mesh, const Workers& workers) {
+  SmoothingReport report;
+  if (iterations == 0 || mesh.positions.empty()) return report;
+  const Neighbours neighbours(mesh);
+  const std::vector<Float3> start = mesh.positions;
+  std::vector<float> budget;
+  if (obstacles) budget = budgets(*obstacles, gap, cell, mesh, workers);
+  if (clip) {
+    if (budget.empty()) budget.assign(start.size(), static_cast<float>(cell));
+    for (std::size_t v = 0; v < start.size(); ++v)
+      if (on_side(start[v], *clip, 0.05 * cell)) budget[v] = 0;
+  }
+  const std::vector<float>* limit = budget.empty() ? nullptr : &budget;
+  std::vector<Float3> other(start.size());
+  for (int i = 0; i < iterations; ++i) {
+    move(lambda, neighbours, start, limit, mesh.positions, other, workers);
+    move(mu, neighbours, start, limit, other, mesh.positions, workers);
+  }
+  if (obstacles) report.held = put_back(*obstacles, gap, start, mesh, workers);
+  return report;
+}
+
+}  // namespace oilskin::surface
