@@ -113,6 +113,35 @@ void dam_break(const Scene& scene, const Measurements& m, std::vector<CheckResul
   if (check.height) checks->push_back(at_most("dam_height", found.height, *check.height));
 }
 
+/// A cloth without water inside, or one that was never looked at, keeps no promise.
+void inside_constant(const Measurements& m, std::vector<CheckResult>* checks) {
+  checks->push_back(at_least("inside", static_cast<double>(m.inside), 1));
+  checks->push_back(
+      at_most("inside_changed", m.inside_looks > 1 ? static_cast<double>(m.inside_changed) : never, 0));
+}
+
+void enclosed_volume(const Scene& scene, const Measurements& m, std::vector<CheckResult>* checks) {
+  const EnclosedVolumeCheck& check = *scene.acceptance.enclosed_volume;
+  const bool seen = m.largest_volume > 0;
+  checks->push_back(at_least("least_volume", seen ? m.least_volume : 0, check.at_least));
+  checks->push_back(at_most("largest_volume", seen ? m.largest_volume : never, check.at_most));
+}
+
+/// Windows that overlap or were never reached show no decay.
+CheckResult energy_decay(const Scene& scene, const Measurements& m) {
+  const EnergyDecayCheck& check = *scene.acceptance.energy_decay;
+  const bool apart = check.from + check.window <= scene.duration - check.window;
+  const bool seen = apart && m.energy_time[0] > 0 && m.energy_time[1] > 0 && m.energy_sum[0] > 0;
+  const auto mean = [&](int window) { return m.energy_sum[window] / m.energy_time[window]; };
+  return at_most("energy_decay", seen ? mean(1) / mean(0) : never, check.fraction);
+}
+
+CheckResult memory_growth(const Scene& scene, const Measurements& m) {
+  const double before = static_cast<double>(m.resident_at_fifth),
+               after = static_cast<double>(m.resident_at_end);
+  return at_most("memory_growth", before > 0 ? after / before - 1 : never, *scene.acceptance.memory_growth);
+}
+
 }  // namespace
 
 std::vector<CheckResult> check_acceptance(const Scene& scene, const Totals& totals,
@@ -139,7 +168,26 @@ std::vector<CheckResult> check_acceptance(const Scene& scene, const Totals& tota
   if (a.pool_calm) checks.push_back(pool_calm(scene, measured));
   at_rest(scene, measured, &checks);
   if (a.dam_break) dam_break(scene, measured, &checks);
+  if (a.inside_constant) inside_constant(measured, &checks);
+  if (a.enclosed_volume) enclosed_volume(scene, measured, &checks);
+  if (a.energy_decay) checks.push_back(energy_decay(scene, measured));
+  if (a.close_layers)
+    checks.push_back(
+        at_least("close_layers", static_cast<double>(measured.close_nodes), a.close_layers->at_least));
+  if (a.memory_growth) checks.push_back(memory_growth(scene, measured));
   return checks;
+}
+
+void check_surfaces(const Scene& scene, const SurfaceTotals& surfaces, std::vector<CheckResult>& checks) {
+  const auto none = [&](const char* name, std::uint64_t count) {
+    checks.push_back(at_most(name, static_cast<double>(count), 0));
+  };
+  none("surface_flaws", surfaces.flaws);
+  const SurfaceContact mode = scene.surface->mode;
+  if (mode == SurfaceContact::overlap) return;
+  none("surface_intersections", surfaces.intersecting_pairs);
+  none("surface_submerged", surfaces.submerged);
+  none("surface_below_gap", surfaces.near_pairs);
 }
 
 }  // namespace oilskin::demo

@@ -3,6 +3,7 @@
 
 #include "measurements.h"
 #include "totals.h"
+#include "water_surface.h"
 
 namespace oilskin::demo {
 
@@ -16,5 +17,9 @@ struct CheckResult {
 std::vector<CheckResult> check_acceptance(const Scene& scene, const Totals& totals,
                                           const Measurements& measured, Simulation& simulation,
                                           const SimulationOptions& options);
+
+/// Of every frame's surface: closed, apart from cloth and bodies by the gap. Modes that do not keep away fail
+/// where they cut.
+void check_surfaces(const Scene& scene, const SurfaceTotals& surfaces, std::vector<CheckResult>& checks);
 
 }  // namespace oilskin::demo

@@ -148,7 +148,10 @@ class BulletSimulation : public Simulation {
     btSoftBodyWorldInfo& info = bullet_.getWorldInfo();
     info.m_gravity = gravity;  // setGravity() does not reach soft bodies
     info.air_density = 0;
-    info.m_sparsesdf.setDefaultVoxelsz(btScalar(0.01));  // before the first contact; made for centimetres
+    // Before the first contact. Bullet's cells of 25 cm are made for furniture: in them a ball of 10 cm is a
+    // much smaller octahedron. The size is taken over by Reset() only.
+    info.m_sparsesdf.setDefaultVoxelsz(btScalar(0.01));
+    info.m_sparsesdf.Reset();
   }
 
   void add_cloth(std::size_t i) {
@@ -160,7 +163,7 @@ class BulletSimulation : public Simulation {
     std::vector<btScalar> m;
     for (std::size_t k = 0; k < model.rest.size(); ++k) {
       x.push_back(to_bullet(model.rest[k]));
-      m.push_back(btScalar(model.pin_group[k] == not_pinned ? model.mass[k] : 0));
+      m.push_back(btScalar(model.pinned_at_start(k) ? 0 : model.mass[k]));
     }
     auto cloth = std::make_unique<btSoftBody>(&bullet_.getWorldInfo(), int(x.size()), x.data(), m.data());
     for (const auto& link : model.links) cloth->appendLink(int(link[0]), int(link[1]));
@@ -174,6 +177,7 @@ class BulletSimulation : public Simulation {
     bullet_.addSoftBody(cloth.get());
     require(solver_.addCloth(cloth.get(), settings.surface), key);
     cloths_.push_back(std::move(cloth));
+    held_.emplace_back(model.groups.size(), false);
     released_.emplace_back(model.groups.size(), false);
   }
 
@@ -193,12 +197,29 @@ class BulletSimulation : public Simulation {
     bodies_.push_back(std::move(made));
   }
 
-  /// Puts the pins of a cloth where they belong at time t, and lets go of those whose time has come.
+  /// Pins the nodes of a group where they are now.
+  void hold(std::size_t i, std::size_t g) {
+    ClothModel& model = models_[i];
+    for (std::size_t k = 0; k < model.rest.size(); ++k) {
+      if (model.pin_group[k] != int(g)) continue;
+      btSoftBody::Node& node = cloths_[i]->m_nodes[int(k)];
+      node.m_im = 0;
+      node.m_v = node.m_vn = btVector3(0, 0, 0);
+      model.anchor[k] = Vec3(node.m_x.x(), node.m_x.y(), node.m_x.z());
+    }
+    cloths_[i]->updateLinkConstants();
+    held_[i][g] = true;
+  }
+
+  /// Puts the pins of a cloth where they belong at time t, takes hold of those and lets go of those whose
+  /// time has come.
   void prescribe(std::size_t i, double t) {
     const ClothModel& model = models_[i];
     btSoftBody& cloth = *cloths_[i];
     for (std::size_t g = 0; g < model.groups.size(); ++g) {
       const PinBox& group = model.groups[g];
+      if (t < group.hold) continue;
+      if (group.hold > 0 && !held_[i][g]) hold(i, g);
       const bool releases = t > group.release && !released_[i][g];
       if (released_[i][g] || (!releases && !group.motion.moves())) continue;
       for (std::size_t k = 0; k < model.rest.size(); ++k) {
@@ -207,9 +228,9 @@ class BulletSimulation : public Simulation {
         if (releases) {
           // Not setMass(): it makes the stretched shape the rest shape.
           node.m_im = btScalar(1 / model.mass[k]);
-          node.m_v = node.m_vn = to_bullet(velocity_at(group.motion, model.rest[k], group.release));
+          node.m_v = node.m_vn = to_bullet(velocity_at(group.motion, model.anchor[k], group.release));
         } else {
-          node.m_x = to_bullet(moved(group.motion, model.rest[k], t));
+          node.m_x = to_bullet(moved(group.motion, model.anchor[k], t));
           node.m_v = btVector3(0, 0, 0);  // Bullet would carry a pinned node on
         }
       }
@@ -239,7 +260,7 @@ class BulletSimulation : public Simulation {
   TimedSolver solver_;
   btSoftRigidDynamicsWorld bullet_;
   std::vector<std::unique_ptr<btSoftBody>> cloths_;
-  std::vector<std::vector<bool>> released_;  ///< per cloth and group of pins
+  std::vector<std::vector<bool>> held_, released_;  ///< per cloth and group of pins
   std::vector<BulletBody> bodies_;
   int substeps_;
   double host_seconds_ = 0;

@@ -146,6 +146,10 @@ Eigen::AngleAxisd spin(const Motion& motion, double seconds) {
 
 }  // namespace
 
+bool ClothModel::pinned_at_start(std::size_t node) const {
+  return pin_group[node] != not_pinned && groups[static_cast<std::size_t>(pin_group[node])].hold == 0;
+}
+
 double ClothModel::total_mass() const {
   double sum = 0;
   for (const double m : mass) sum += m;
@@ -163,6 +167,7 @@ ClothModel build_cloth(const Cloth& cloth, const std::string& key) {
   build_masses(cloth, model, key);
   build_links(cloth, model);
   build_pins(cloth, model, key);
+  model.anchor = model.rest;
   return model;
 }
 

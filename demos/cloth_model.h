@@ -15,7 +15,10 @@ struct ClothModel {
   std::vector<double> mass;    ///< [kg], by area; of pinned nodes too: they get it back when released
   std::vector<int> pin_group;  ///< not_pinned, or index into `groups`
   std::vector<PinBox> groups;
+  std::vector<Vec3>
+      anchor;  ///< where the motion of pins starts from: `rest`, or where a node was when it got held
 
+  bool pinned_at_start(std::size_t node) const;
   double total_mass() const;
 };
 

@@ -9,7 +9,6 @@
 #include <vtkTypeInt64Array.h>
 #include <vtkXMLPolyDataWriter.h>
 
-#include <cstdio>
 #include <fstream>
 
 #include "output_error.h"
@@ -32,13 +31,6 @@ void add_scalars(vtkPolyData* data, const char* name, Span<const double> values)
 }
 
 }  // namespace
-
-std::string frame_path(const std::string& directory, const std::string& name, int number,
-                       const char* suffix) {
-  char digits[16];
-  std::snprintf(digits, sizeof digits, "_%04d.", number);
-  return directory + "/" + name + digits + suffix;
-}
 
 void write_particles(const std::string& path, const FrameData& frame) {
   vtkNew<vtkPolyData> data;

@@ -4,12 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "frame_path.h"
 #include "frames.h"
 
 namespace oilskin::demo {
-
-/// DIR/NAME_NNNN.SUFFIX
-std::string frame_path(const std::string& directory, const std::string& name, int number, const char* suffix);
 
 void write_particles(const std::string& path, const FrameData& data);
 /// PLY, binary little endian, float32.

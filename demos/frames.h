@@ -16,12 +16,13 @@ struct FrameData {
   Span<const Vec3> position, velocity;
   Span<const double> density, pressure;
   std::vector<const SurfaceMotion*> cloth, bodies;  ///< drawn at x_t1; null = left out
+  const SurfaceMesh* surface = nullptr;             ///< the water's, if the scene wants one
   std::uint64_t crossings = 0;                      ///< found by verify so far
 };
 
 struct FrameOptions {
   std::string directory;
-  bool files = true;     ///< cloth_K_NNNN.ply, particles_NNNN.vtp, run.pvd
+  bool files = true;     ///< cloth_K_NNNN.ply, body_K_NNNN.ply, particles_NNNN.vtp, run.pvd
   bool pictures = true;  ///< frame_NNNN.png
   bool window = false;
 };

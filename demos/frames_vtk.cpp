@@ -28,11 +28,15 @@ class VtkFrames : public Frames {
  private:
   void write_files(int number, const FrameData& data) {
     write_particles(frame_path(options_.directory, "particles", number, "vtp"), data);
-    for (std::size_t k = 0; k < data.cloth.size(); ++k)
-      if (data.cloth[k] != nullptr)
-        write_mesh(frame_path(options_.directory, "cloth_" + std::to_string(k), number, "ply"),
-                   *data.cloth[k]);
+    write_meshes("cloth_", number, data.cloth);
+    write_meshes("body_", number, data.bodies);
     write_series(options_.directory, times_);
+  }
+
+  void write_meshes(const std::string& kind, int number, const std::vector<const SurfaceMotion*>& surfaces) {
+    for (std::size_t k = 0; k < surfaces.size(); ++k)
+      if (surfaces[k] != nullptr)
+        write_mesh(frame_path(options_.directory, kind + std::to_string(k), number, "ply"), *surfaces[k]);
   }
 
   FrameOptions options_;

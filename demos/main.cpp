@@ -1,4 +1,4 @@
-/// The program `oilskin`: list, run, ccd.
+/// The program `oilskin`: list, run, ccd, mesh.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +9,7 @@
 
 #include "ccd_command.h"
 #include "fields.h"
+#include "mesh_command.h"
 #include "options.h"
 #include "output_error.h"
 #include "runner.h"
@@ -56,13 +57,15 @@ StepRange parse_steps(const std::string& text) {
 
 struct CommandLine {
   CLI::App app{"Leak-free water for Bullet's cloth", "oilskin"};
-  CLI::App *list = nullptr, *run = nullptr, *ccd = nullptr;
+  CLI::App *list = nullptr, *run = nullptr, *ccd = nullptr, *mesh = nullptr;
   RunOptions options;
+  MeshOptions mesh_options;
   std::string trace_steps;
   bool render = false;
   std::vector<std::string> ccd_files;
 
   CommandLine();
+  void add_mesh();
 };
 
 CommandLine::CommandLine() {
@@ -90,6 +93,26 @@ CommandLine::CommandLine() {
       ->take_all();
   run->add_flag("--quiet", options.quiet, "print nothing but errors");
   run->add_option("--seed", options.seed, "of everything random");
+  add_mesh();
+}
+
+void CommandLine::add_mesh() {
+  MeshOptions& m = mesh_options;
+  mesh = app.add_subcommand("mesh", "the water's surface of the frames that a run stored in DIR");
+  mesh->add_option("DIR", m.directory,
+                   "with particles_NNNN.vtp, and cloth_K_NNNN.ply and body_K_NNNN.ply beside")
+      ->required();
+  mesh->add_option("--frames", m.frames, "A:B, only these frames, both included (default: all)");
+  mesh->add_option("--cell", m.cell, "edge of a grid cell [m] (default: the run's, or half a spacing)");
+  mesh->add_option("--gap", m.gap, "between water and obstacles [m] (default: the run's, or 0)");
+  mesh->add_option("--mode", m.mode,
+                   "at obstacles: gap, touch, overlap, reset or none (default: the run's, or gap)");
+  mesh->add_option("--smoothing", m.smoothing, "iterations (default: the run's, or 10)");
+  mesh->add_option("--spacing", m.spacing, "of the particles [m] (default: as DIR/report.json says)");
+  mesh->add_option("--out", m.out, "folder for surface_NNNN.ply (default: DIR)");
+  mesh->add_option("--threads", m.threads, "0 = all hardware threads")->check(CLI::Range(0, 1024));
+  mesh->add_flag("--overwrite", m.overwrite, "make surfaces that are there already again");
+  mesh->add_flag("--quiet", m.quiet, "print nothing but errors");
 }
 
 int dispatch(CommandLine& line, char** argv) {
@@ -98,6 +121,7 @@ int dispatch(CommandLine& line, char** argv) {
     return 0;
   }
   if (*line.ccd) return ccd_command(line.ccd_files, std::cout, std::cerr);
+  if (*line.mesh) return mesh_command(line.mesh_options);
   if (line.run->count("--render") > 0) line.options.render = line.render;
   if (!line.trace_steps.empty()) line.options.trace_steps = parse_steps(line.trace_steps);
   return run(line.options, argv);

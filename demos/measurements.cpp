@@ -1,7 +1,11 @@
 #include "measurements.h"
 
-#include <algorithm>
+#include <unistd.h>
 
+#include <algorithm>
+#include <fstream>
+
+#include "closed_surface.h"
 #include "nearest_surface.h"
 #include "pool.h"
 #include "shadow.h"
@@ -10,8 +14,17 @@ namespace oilskin::demo {
 namespace {
 
 constexpr std::uint64_t look_every = 10;  // steps, for what changes slowly
+constexpr double layer_distance = 10;     // nodes so many thicknesses apart at rest are not of one layer
 
+/// Of this process, now; 0 where the system does not tell [bytes].
+std::uint64_t resident_bytes() {
+  std::ifstream statm("/proc/self/statm");
+  std::uint64_t size = 0, resident = 0;
+  statm >> size >> resident;
+  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
+
+}  // namespace
 
 Vec3 Measurer::up() const {
   const Vec3& g = scene_.world.gravity;
@@ -27,12 +40,19 @@ void Measurer::after_step(Simulation& simulation, const StepReport& report) {
   if (a.pool_level && t > scene_.duration - a.pool_level->window) measure_pool_level(simulation, report.dt);
   if (a.pool_calm && t > scene_.duration - a.pool_calm->window) measure_pool_calm(simulation, report.dt);
   if (!a.at_rest.empty()) measure_rest(simulation, t);
+  if (result_.resident_at_fifth == 0 && t >= 0.2 * scene_.duration)
+    result_.resident_at_fifth = resident_bytes();
+  if (a.inside_constant && (simulation.time().steps() - 1) % std::uint64_t(a.inside_constant->every) == 0)
+    measure_inside(simulation);
   if (simulation.time().steps() % look_every != 0) return;
   if (a.max_stretch) measure_stretch(simulation);
   if (a.min_over_rim) measure_rim(simulation);
   if (a.dry_shadow) measure_shadow(simulation);
   if (a.slip_ratio) measure_slip(simulation, t);
   if (a.dam_break) measure_dam(simulation, t);
+  if (a.enclosed_volume && t > a.enclosed_volume->from) measure_volume(simulation);
+  if (a.energy_decay) measure_energy(simulation, t);
+  if (a.close_layers) measure_layers(simulation);
   since_look_ = 0;
 }
 
@@ -189,7 +209,90 @@ void Measurer::measure_dam(Simulation& simulation, double t) {
   result_.dam.push_back(look_at_dam(simulation.world().positions(), place, t));
 }
 
+void Measurer::measure_inside(Simulation& simulation) {
+  const SurfaceMotion* motion =
+      simulation.cloth(static_cast<std::size_t>(scene_.acceptance.inside_constant->cloth));
+  if (motion == nullptr) return;
+  const World& world = simulation.world();
+  const ClosedSurface surface(*motion);
+  const bool first = result_.inside_looks++ == 0;
+  if (first && !surface.closed()) result_.inside_changed = world.particle_count();  // it has no inside
+  std::uint64_t known = 0;
+  for (std::size_t i = 0; i < world.particle_count(); ++i) {
+    const int turns = surface.winding_number(world.positions()[i]);
+    if (first) {
+      winding_[world.ids()[i]] = turns;
+      result_.inside += turns != 0 ? 1 : 0;
+      continue;
+    }
+    const auto before = winding_.find(world.ids()[i]);
+    if (before == winding_.end() || before->second != turns) ++result_.inside_changed;
+    if (before != winding_.end()) ++known;
+  }
+  if (!first) result_.inside_changed += winding_.size() - known;  // those that are gone
+}
+
+void Measurer::measure_volume(Simulation& simulation) {
+  const SurfaceMotion* motion =
+      simulation.cloth(static_cast<std::size_t>(scene_.acceptance.enclosed_volume->cloth));
+  const double water = water_volume(simulation);
+  if (motion == nullptr || !(water > 0)) return;
+  const double ratio = ClosedSurface(*motion).volume() / water;
+  result_.least_volume = std::min(result_.least_volume, ratio);
+  result_.largest_volume = std::max(result_.largest_volume, ratio);
+}
+
+/// Of what can move: water and the free nodes of cloth.
+void Measurer::measure_energy(Simulation& simulation, double t) {
+  const EnergyDecayCheck& check = *scene_.acceptance.energy_decay;
+  const bool first = t > check.from && t <= check.from + check.window,
+             last = t > scene_.duration - check.window;
+  if (!first && !last) return;
+  const World& world = simulation.world();
+  double mass = world.particle_mass() * static_cast<double>(world.particle_count());
+  double energy = world.particle_mass() * kinetic_energy_per_mass(world.velocities());
+  for (std::size_t c = 0; c < scene_.cloth.size(); ++c) {
+    const SurfaceMotion* motion = simulation.cloth(c);
+    if (motion == nullptr) continue;
+    for (std::size_t i = 0; i < motion->velocity.size(); ++i) {
+      if (motion->inverse_mass[i] == 0) continue;
+      energy += 0.5 / motion->inverse_mass[i] * motion->velocity[i].squaredNorm();
+      mass += 1 / motion->inverse_mass[i];
+    }
+  }
+  const double specific = mass > 0 ? energy / mass : std::numeric_limits<double>::infinity();
+  for (const std::size_t window : {0, 1}) {
+    if (!(window == 0 ? first : last)) continue;
+    result_.energy_sum[window] += since_look_ * specific;
+    result_.energy_time[window] += since_look_;
+  }
+}
+
+/// Nodes that lie within the thickness of a node that is far from them in the cloth's rest shape.
+void Measurer::measure_layers(Simulation& simulation) {
+  const auto c = static_cast<std::size_t>(scene_.acceptance.close_layers->cloth);
+  const SurfaceMotion* motion = simulation.cloth(c);
+  if (motion == nullptr) return;
+  const std::vector<Vec3>&x = motion->x_t1, &rest = simulation.models()[c].rest;
+  const double h = motion->thickness;
+  std::vector<std::size_t> order(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return x[i].x() < x[j].x(); });
+  std::vector<std::uint8_t> close(x.size(), 0);
+  for (std::size_t a = 0; a < order.size(); ++a) {
+    for (std::size_t b = a + 1; b < order.size() && x[order[b]].x() - x[order[a]].x() < h; ++b) {
+      const std::size_t i = order[a], j = order[b];
+      if ((x[i] - x[j]).norm() < h && (rest[i] - rest[j]).norm() > layer_distance * h)
+        close[i] = close[j] = 1;
+    }
+  }
+  result_.close_nodes = std::max<std::uint64_t>(
+      result_.close_nodes, static_cast<std::uint64_t>(std::count(close.begin(), close.end(), 1)));
+}
+
 void Measurer::finish(Simulation& simulation) {
+  result_.resident_at_end = resident_bytes();
+  if (scene_.acceptance.inside_constant) measure_inside(simulation);
   auto count = [this](Span<const Vec3> values) {
     for (const Vec3& v : values) result_.not_finite += v.allFinite() ? 0 : 1;
   };

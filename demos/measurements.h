@@ -1,6 +1,7 @@
 /// What acceptance checks need to see while a scene runs. Only what the scene asks for is measured.
 #pragma once
 
+#include <unordered_map>
 #include <unordered_set>
 
 #include "dam_break.h"
@@ -22,8 +23,18 @@ struct Measurements {
   double above_pool_time = 0, pool_energy_time = 0;  ///< [s]
   std::vector<double> rest_speed;  ///< per check of rest, the largest seen [m/s]; < 0 before a look
   std::vector<DamMoment> dam;
-  std::uint64_t not_finite = 0;     ///< coordinates of particles and nodes
-  Vec3 centre_node = Vec3::Zero();  ///< of cloth 0, now [m]
+  std::uint64_t inside = 0;          ///< particles inside the closed cloth at the first look
+  std::uint64_t inside_changed = 0;  ///< that came, went or changed sides since, summed over looks
+  std::uint64_t inside_looks = 0;
+  double least_volume = never, largest_volume = 0;  ///< enclosed, over that of the water
+  std::array<double, 2>
+      energy_sum{};  ///< kinetic energy per mass × time in the first and last window [J s/kg]
+  std::array<double, 2> energy_time{};  ///< [s]
+  std::uint64_t close_nodes = 0;        ///< nodes next to another layer, the most seen at a time
+  std::uint64_t resident_at_fifth = 0,
+                resident_at_end = 0;  ///< memory after 20 % of the run, at its end [bytes]
+  std::uint64_t not_finite = 0;       ///< coordinates of particles and nodes
+  Vec3 centre_node = Vec3::Zero();    ///< of cloth 0, now [m]
 };
 
 class Measurer {
@@ -47,6 +58,10 @@ class Measurer {
   void measure_pool_calm(Simulation& simulation, double dt);
   void measure_rest(Simulation& simulation, double t);
   void measure_dam(Simulation& simulation, double t);
+  void measure_inside(Simulation& simulation);
+  void measure_volume(Simulation& simulation);
+  void measure_energy(Simulation& simulation, double t);
+  void measure_layers(Simulation& simulation);
   double water_volume(Simulation& simulation) const;
   Vec3 up() const;
 
@@ -54,6 +69,7 @@ class Measurer {
   Measurements result_;
   double since_look_ = 0;                           ///< at what changes slowly [s]
   std::vector<std::vector<Vec3>> velocity_before_;  ///< per cloth, as the last step left them
+  std::unordered_map<std::uint64_t, int> winding_;  ///< by id, at the first look
 };
 
 /// Index of the node in the middle of a cloth.

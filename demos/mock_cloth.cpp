@@ -11,22 +11,27 @@ MockCloth::MockCloth(const Cloth& settings, ClothModel model)
       iterations_(settings.iterations),
       x_(model_.rest) {
   v_.assign(x_.size(), Vec3::Zero());
+  held_.assign(model_.groups.size(), false);
   released_.assign(model_.groups.size(), false);
   for (std::size_t i = 0; i < x_.size(); ++i)
-    inverse_mass_.push_back(model_.pin_group[i] == not_pinned ? 1 / model_.mass[i] : 0);
+    inverse_mass_.push_back(model_.pinned_at_start(i) ? 0 : 1 / model_.mass[i]);
   for (const auto& link : model_.links) rest_length_.push_back((x_[link[1]] - x_[link[0]]).norm());
 }
 
 void MockCloth::prescribe(double t) {
   for (std::size_t g = 0; g < model_.groups.size(); ++g) {
     const PinBox& group = model_.groups[g];
-    if (released_[g]) continue;
+    if (released_[g] || t < group.hold) continue;
+    const bool holds = group.hold > 0 && !held_[g];
+    held_[g] = true;
     released_[g] = t > group.release;
     for (std::size_t i = 0; i < x_.size(); ++i) {
       if (model_.pin_group[i] != static_cast<int>(g)) continue;
+      if (holds) model_.anchor[i] = x_[i];
+      if (holds) inverse_mass_[i] = 0;
       if (released_[g]) inverse_mass_[i] = 1 / model_.mass[i];
-      v_[i] = velocity_at(group.motion, model_.rest[i], released_[g] ? group.release : t);
-      if (!released_[g]) x_[i] = moved(group.motion, model_.rest[i], t);
+      v_[i] = velocity_at(group.motion, model_.anchor[i], released_[g] ? group.release : t);
+      if (!released_[g]) x_[i] = moved(group.motion, model_.anchor[i], t);
     }
   }
 }

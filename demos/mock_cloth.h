@@ -27,7 +27,7 @@ class MockCloth : public SurfaceHost {
   int substeps_, iterations_;
   std::vector<Vec3> x_, v_;
   std::vector<double> inverse_mass_, rest_length_;
-  std::vector<bool> released_;  ///< per group of pins
+  std::vector<bool> held_, released_;  ///< per group of pins
   bool fresh_ = true;
 };
 

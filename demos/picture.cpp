@@ -20,6 +20,7 @@
 
 #include "output_error.h"
 #include "picture_parts.h"
+#include "picture_water.h"
 
 namespace oilskin::demo {
 namespace {
@@ -155,6 +156,8 @@ struct Picture::Impl {
   std::vector<Scale> scales;  // per colour
   double spacing;             // of the particles [m]
   DrawnWater water;
+  DrawnWaterSurface surface;
+  bool has_surface;
   std::vector<std::unique_ptr<DrawnSurface>> cloth, bodies;
   vtkNew<vtkRenderer> renderer;
   vtkSmartPointer<vtkSSAOPass> occlusion;
@@ -169,7 +172,9 @@ struct Picture::Impl {
   void add_props(int scale);
   void set_up(const View& view);
   Vec3 in_front(const View& view) const;
+  WaterLook look_of(const View& view) const;
   void open_window();
+  bool ends_colours(std::size_t view) const;
   vtkSmartPointer<vtkImageData> draw(std::size_t view);
 };
 
@@ -178,6 +183,7 @@ Picture::Impl::Impl(const Scene& scene, bool is_window)
       scales(scales_of(scene)),
       spacing(scene.fluid.spacing),
       water(scene.fluid.spacing),
+      has_surface(scene.surface.has_value()),
       name(scene.name),
       interactive(is_window) {
   for (std::size_t i = 0; i < scene.cloth.size(); ++i) cloth.push_back(std::make_unique<DrawnSurface>(true));
@@ -191,9 +197,15 @@ Picture::Impl::Impl(const Scene& scene, bool is_window)
   occlusion = occlusion_of((box.max - box.min).norm());
   const int scale = interactive ? 1 : supersampling;
   add_props(scale);
+  if (has_surface) {
+    add_sky(renderer, views.front().up);
+    renderer->UseDepthPeelingOn();  // clear water behind clear water
+    renderer->SetMaximumNumberOfPeels(8);
+  }
   window->AddRenderer(renderer);
   window->SetSize(view_width * scale, height * scale);
   window->SetMultiSamples(0);
+  window->SetAlphaBitPlanes(1);
   window->SetWindowName(("oilskin: " + name).c_str());
   look_from(renderer, views.front());
   interactive ? open_window() : window->OffScreenRenderingOn();
@@ -202,6 +214,8 @@ Picture::Impl::Impl(const Scene& scene, bool is_window)
 void Picture::Impl::add_props(int scale) {
   renderer->AddActor(water.balls());
   renderer->AddActor(water.film());
+  renderer->AddActor(surface.actor());
+  renderer->AddActor(surface.cut());
   for (auto& c : cloth) {
     renderer->AddActor(c->actor());
     renderer->AddActor(c->outline());
@@ -237,16 +251,30 @@ Vec3 Picture::Impl::in_front(const View& view) const {
   return n.dot(view.eye - view.slice->point) > 0 ? Vec3(way * n) : Vec3(-way * n);
 }
 
+WaterLook Picture::Impl::look_of(const View& view) const {
+  if (!has_surface) return WaterLook::balls;
+  return view.water == WaterLook::automatic ? WaterLook::surface : view.water;
+}
+
 /// What the view shows of the water and the surfaces, in its colours.
 void Picture::Impl::set_up(const View& view) {
   const Scale& scale = scales[static_cast<std::size_t>(view.colour)];
-  water.show(view.slice, view.colour, scale.colours);
+  const WaterLook look = look_of(view);
+  look == WaterLook::balls ? water.show(view.slice, view.colour, scale.colours) : water.hide();
   const Vec3 lift = in_front(view);
+  surface.show(look, view.slice, lift);
   for (auto& c : cloth) c->show(view.slice, lift);
   for (auto& b : bodies) b->show(view.slice, lift);
-  renderer->SetPass(view.slice ? nullptr : occlusion.Get());  // it would stain the lines of a cut
+  // It would stain the lines of a cut, and knows nothing of what shines through.
+  renderer->SetPass(view.slice || look == WaterLook::clear ? nullptr : occlusion.Get());
   legend->SetLookupTable(scale.colours);
   legend->SetTitle(scale.title);
+}
+
+/// The next view shows no balls, or other colours of them.
+bool Picture::Impl::ends_colours(std::size_t view) const {
+  return view + 1 == views.size() || look_of(views[view + 1]) != WaterLook::balls ||
+         views[view + 1].colour != views[view].colour;
 }
 
 /// One view, smoothed. The first carries the numbers, the last of each run of equal colours their legend.
@@ -258,7 +286,7 @@ vtkSmartPointer<vtkImageData> Picture::Impl::draw(std::size_t view) {
   // Seen from below a floor would hide everything: bodies let the view through there.
   for (auto& b : bodies) b->actor()->GetProperty()->SetOpacity(looks_up(views[view]) ? 0.15 : 1);
   status->SetVisibility(view == 0);
-  legend->SetVisibility(view + 1 == views.size() || views[view + 1].colour != views[view].colour);
+  legend->SetVisibility(look_of(views[view]) == WaterLook::balls && ends_colours(view));
   window->Render();
   vtkNew<vtkWindowToImageFilter> grab;
   grab->SetInput(window);
@@ -280,6 +308,7 @@ Picture::~Picture() = default;
 
 void Picture::show(const FrameData& data) {
   impl_->water.update(data);
+  impl_->surface.update(data.surface);
   for (std::size_t i = 0; i < impl_->cloth.size(); ++i) impl_->cloth[i]->update(data.cloth[i]);
   for (std::size_t i = 0; i < impl_->bodies.size(); ++i) impl_->bodies[i]->update(data.bodies[i]);
   char text[160];

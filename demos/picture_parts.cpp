@@ -16,6 +16,7 @@
 #include <map>
 
 #include "nearest_surface.h"
+#include "picture_cut.h"
 #include "vtk_convert.h"
 
 namespace oilskin::demo {
@@ -82,11 +83,6 @@ double value_of(const FrameData& frame, WaterColour colour, std::size_t i) {
       break;
   }
   return frame.velocity[i].norm();
-}
-
-/// Height over the middle plane of a cut [m].
-double height_over(const Slice& slice, const Vec3& x) {
-  return (x - slice.point).dot(slice.normal.normalized());
 }
 
 void shine(vtkActor* actor) {
@@ -179,6 +175,11 @@ void DrawnWater::update(const FrameData& frame) {
   }
 }
 
+void DrawnWater::hide() {
+  balls_.actor->VisibilityOff();
+  film_.actor->VisibilityOff();
+}
+
 void DrawnWater::show(const std::optional<Slice>& slice, WaterColour colour,
                       vtkColorTransferFunction* colours) {
   Points balls("radius", 1), film("half_axes", 3);
@@ -239,18 +240,6 @@ DrawnSurface::DrawnSurface(bool is_cloth) : is_cloth_(is_cloth) {
   cut_->GetProperty()->LightingOff();
 }
 
-namespace {
-
-/// Where the edge from a to b meets the middle plane; false when it does not.
-bool meets_plane(const Slice& slice, const Vec3& a, const Vec3& b, Vec3* point) {
-  const double ha = height_over(slice, a), hb = height_over(slice, b);
-  if ((ha < 0) == (hb < 0)) return false;
-  *point = a + (b - a) * (ha / (ha - hb));
-  return true;
-}
-
-}  // namespace
-
 void DrawnSurface::show(const std::optional<Slice>& slice, const Vec3& lift) {
   const bool there = motion_ != nullptr;
   actor_->SetVisibility(there && !slice);
@@ -258,20 +247,7 @@ void DrawnSurface::show(const std::optional<Slice>& slice, const Vec3& lift) {
   pins_->SetVisibility(there && !slice && is_cloth_);
   cut_->SetVisibility(there && slice.has_value());
   if (!there || !slice) return;
-  std::vector<Vec3> points;
-  auto lines = vtkSmartPointer<vtkCellArray>::New();
-  for (const Triangle& t : motion_->triangles) {
-    const std::size_t first = points.size();
-    Vec3 point;
-    for (int k = 0; k < 3; ++k)
-      if (meets_plane(*slice, motion_->x_t1[t[k]], motion_->x_t1[t[(k + 1) % 3]], &point))
-        points.push_back(point + lift);
-    if (points.size() == first + 2) lines->InsertNextCell({vtkIdType(first), vtkIdType(first + 1)});
-  }
-  cut_lines_->SetPoints(to_vtk(points, VTK_FLOAT));
-  cut_lines_->SetLines(lines);
-  cut_lines_->SetVerts(vertex_cells(points.size()));  // closes the seams between thick lines
-  cut_lines_->Modified();
+  draw_cut(*slice, motion_->x_t1, motion_->triangles, lift, cut_lines_);
 }
 
 void DrawnSurface::update(const SurfaceMotion* motion) {

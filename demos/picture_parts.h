@@ -27,6 +27,7 @@ class DrawnWater {
   void update(const FrameData& data);
   /// Shows what lies in the slab, or all without one; after update(), while its data lives.
   void show(const std::optional<Slice>& slice, WaterColour colour, vtkColorTransferFunction* colours);
+  void hide();
   vtkActor* balls() { return balls_.actor; }
   vtkActor* film() { return film_.actor; }
 

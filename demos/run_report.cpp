@@ -65,7 +65,7 @@ Json seconds(const RunSummary& s) {
           {"ccd", t.ccd},
           {"zones", t.zones},
           {"effects", t.effects},
-          {"surface", 0.0},
+          {"surface", s.surfaces.seconds},
           {"output", s.output_seconds},
           {"verify", t.verify}};
 }
@@ -98,6 +98,17 @@ Json contact(const RunSummary& s) {
           {"followed", c.followed},
           {"reseeded", c.reseeded},
           {"verified_pairs", c.verified_pairs}};
+}
+
+Json surface(const SurfaceTotals& s) {
+  return {{"frames", s.frames},
+          {"triangles", s.triangles},
+          {"intersecting_pairs", s.intersecting_pairs},
+          {"nearer_than_gap", s.near_pairs},
+          {"submerged", s.submerged},
+          {"flaws", s.flaws},
+          {"least_distance", s.least_distance},
+          {"seconds", s.seconds}};
 }
 
 Json momentum(const RunSummary& s) {
@@ -162,12 +173,15 @@ Json make_report(const RunSummary& s) {
                          {"absorbed", 0},
                          {"blocked_starts", t.blocked_starts}};
   report["contact"] = contact(s);
+  if (s.scene.surface) report["surface"] = surface(s.surfaces);
   report["density_error"] = {{"mean", t.density_error_sum / steps}, {"max", t.density_error_max}};
   report["pressure_iterations"] = static_cast<double>(t.pressure_iterations) / steps;
   report["momentum"] = momentum(s);
   report["mass"] = mass(s);
   report["state_hash"] = hexadecimal(s.simulation.world().state_hash());
   report["peak_memory_bytes"] = peak_memory_bytes();
+  report["resident_memory_bytes"] = {{"after_a_fifth", s.measured.resident_at_fifth},
+                                     {"at_end", s.measured.resident_at_end}};
   report["acceptance"] = acceptance(s);
   report["flags"] = flag_texts(t.flags);
   report["messages"] = t.messages;

@@ -5,14 +5,17 @@
 
 #include "acceptance.h"
 #include "fields.h"
+#include "water_surface.h"
 
 namespace oilskin::demo {
 
 struct RunSummary {
   const Scene& scene;
   const Totals& totals;
+  const Measurements& measured;
   const std::vector<CheckResult>& acceptance;
   Simulation& simulation;
+  const SurfaceTotals& surfaces;
   int threads = 0;
   double wall_seconds = 0;
   double output_seconds = 0;

@@ -8,13 +8,16 @@
 
 #include "acceptance.h"
 #include "fields.h"
+#include "frame_path.h"
 #include "frames.h"
 #include "output_error.h"
 #include "progress.h"
 #include "run_report.h"
 #include "signals.h"
 #include "step_plan.h"
+#include "surface_file.h"
 #include "trace_output.h"
+#include "water_surface.h"
 
 namespace oilskin::demo {
 namespace {
@@ -28,7 +31,8 @@ double seconds_since(Clock::time_point start) {
 /// Frames of an earlier run beside those of this one would tell a wrong story.
 void remove_old_frames(const std::string& directory) {
   static const std::regex ours(
-      "(frame|particles)_[0-9]{4,}\\.(png|vtp)|cloth_[0-9]+_[0-9]{4,}\\.ply|run\\.pvd");
+      "(frame|particles)_[0-9]{4,}\\.(png|vtp)|(cloth|body)_[0-9]+_[0-9]{4,}\\.ply|surface_[0-9]{4,}\\.ply|"
+      "run\\.pvd");
   std::vector<std::filesystem::path> old;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(directory, error))
@@ -117,8 +121,10 @@ class Run {
   }
 
   void write_frame() {
-    if (!frames_) return;
+    const bool files = scene_.pictures.frames_per_second > 0;
+    if (!frames_ && !(scene_.surface && files)) return;
     const Clock::time_point start = Clock::now();
+    const double surface_before = surfaces_.seconds;
     const World& world = simulation_->world();
     FrameData data;
     data.t = totals_.simulated;
@@ -130,8 +136,27 @@ class Run {
     for (std::size_t i = 0; i < scene_.cloth.size(); ++i) data.cloth.push_back(simulation_->cloth(i));
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) data.bodies.push_back(simulation_->body(i));
     data.crossings = totals_.contact.crossings_found_by_verify;
-    frames_->write(frame_number_++, data);
-    output_seconds_ += seconds_since(start);
+    std::optional<MadeSurface> surface;
+    if (scene_.surface) surface = make_water_surface(data);
+    if (surface) data.surface = &surface->mesh;
+    if (frames_) frames_->write(frame_number_, data);
+    ++frame_number_;
+    output_seconds_ += seconds_since(start) - (surfaces_.seconds - surface_before);
+  }
+
+  MadeSurface make_water_surface(const FrameData& data) {
+    SurfaceInput input;
+    input.positions = data.position;
+    input.velocities = data.velocity;
+    for (const auto* list : {&data.cloth, &data.bodies})
+      for (const SurfaceMotion* s : *list)
+        if (s != nullptr) input.obstacles.push_back({s->x_t1, s->triangles});
+    MadeSurface made =
+        make_surface(input, surface_options(*scene_.surface, scene_.fluid.spacing, options_.threads));
+    if (scene_.pictures.frames_per_second > 0)
+      write_surface(frame_path(directory_, "surface", frame_number_, "ply"), made.mesh);
+    surfaces_.add(made);
+    return made;
   }
 
   int finish() {
@@ -140,8 +165,9 @@ class Run {
     std::vector<CheckResult> checks;
     if (caught_signal() == 0)
       checks = check_acceptance(scene_, totals_, measurer_.result(), *simulation_, simulation_options_);
-    RunSummary summary{scene_,           totals_, checks,          *simulation_,
-                       options_.threads, wall,    output_seconds_, caught_signal()};
+    if (caught_signal() == 0 && surfaces_.frames > 0) check_surfaces(scene_, surfaces_, checks);
+    RunSummary summary{scene_,           totals_, measurer_.result(), checks,         *simulation_, surfaces_,
+                       options_.threads, wall,    output_seconds_,    caught_signal()};
     write_report(make_report(summary), directory_);
     tell(checks, wall);
     if (caught_signal() != 0) return static_cast<int>(ExitCode::signalled) + caught_signal();
@@ -178,6 +204,7 @@ class Run {
   Measurer measurer_;
   StepPlan plan_;
   Clock::time_point start_;
+  SurfaceTotals surfaces_;
   double output_seconds_ = 0;
   int frame_number_ = 0;
 };

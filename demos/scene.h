@@ -9,6 +9,7 @@
 
 #include "oilskin/emitter.h"
 #include "oilskin/settings.h"
+#include "oilskin/surface_mesh.h"
 
 namespace oilskin::demo {
 
@@ -45,6 +46,7 @@ struct Motion {
 /// Pinned nodes inside a box of the start positions.
 struct PinBox {
   Box within;
+  double hold = 0;         ///< [s]; from then on they are pinned, where they are then
   double release = never;  ///< [s]
   Motion motion;
 };
@@ -151,6 +153,32 @@ struct DamBreakCheck {
   std::optional<double> height;  ///< largest relative difference of the column's height at the wall
 };
 
+/// The water inside a closed cloth stays inside, and the rest outside.
+struct InsideConstantCheck {
+  int cloth = 0;
+  int every = 10;  ///< steps from look to look
+};
+
+/// The volume that a closed cloth encloses over the volume of the water.
+struct EnclosedVolumeCheck {
+  int cloth = 0;
+  double at_least = 0.95, at_most = never;  ///< at every look
+  double from = 0;                          ///< [s]
+};
+
+/// What moved comes to rest: kinetic energy of water and cloth per mass, at the end against earlier.
+struct EnergyDecayCheck {
+  double from = 0;        ///< begin of the first window [s]
+  double fraction = 0.5;  ///< mean over the last window over that of the first, at most
+  double window = 0.1;    ///< [s]
+};
+
+/// Layers of a cloth lie closer together than its thickness.
+struct CloseLayersCheck {
+  int cloth = 0;
+  int at_least = 1;  ///< most nodes seen at a time so close to a node of another layer
+};
+
 /// What a scene promises besides what is always checked.
 struct Acceptance {
   std::optional<int> min_emitted;
@@ -165,6 +193,23 @@ struct Acceptance {
   std::optional<PoolCalmCheck> pool_calm;
   std::vector<AtRestCheck> at_rest;
   std::optional<DamBreakCheck> dam_break;
+  std::optional<InsideConstantCheck> inside_constant;
+  std::optional<EnclosedVolumeCheck> enclosed_volume;
+  std::optional<EnergyDecayCheck> energy_decay;
+  std::optional<CloseLayersCheck> close_layers;
+  std::optional<double> memory_growth;  ///< of resident memory after a fifth of the run, relative
+};
+
+/// The water's surface as triangles, for every frame (oilskin/surface_mesh.h).
+struct WaterSurface {
+  double cell = 0;  ///< edge of a grid cell [m]; 0 = half a spacing
+  double gap = 0;   ///< to cloth and bodies [m]
+  SurfaceContact mode = SurfaceContact::gap;
+  SurfaceField field = SurfaceField::density_decay;
+  double touch_range = 1;    ///< in spacings
+  double overlap_depth = 0;  ///< [m]
+  int smoothing = 10;        ///< iterations
+  double min_blob = 0;       ///< in spacings³
 };
 
 /// A cut through the scene: only water within the slab is shown, and of surfaces their lines in its middle
@@ -177,11 +222,15 @@ struct Slice {
 /// What the water's colour tells.
 enum class WaterColour { speed, pressure, density };
 
+/// How the water is drawn; automatic: its surface where the scene has one, else balls.
+enum class WaterLook { automatic, balls, surface, clear };
+
 struct View {
   Vec3 eye = Vec3(0.55, 0.45, 0.75), target = Vec3::Zero(), up = Vec3(0, 1, 0);
   double angle = 30;        ///< of sight, vertical [degrees]
   double orthographic = 0;  ///< height of what is seen without perspective [m]; 0 = with, by the angle
   std::optional<Slice> slice;
+  WaterLook water = WaterLook::automatic;
   WaterColour colour = WaterColour::speed;
   std::string title;
 };
@@ -208,6 +257,7 @@ struct Scene {
   std::vector<Emitter> emitters;
   std::vector<Cloth> cloth;
   std::vector<Body> bodies;
+  std::optional<WaterSurface> surface;
   Acceptance acceptance;
   Pictures pictures;
 };

@@ -1,4 +1,5 @@
 #include "scene_format.h"
+#include "water_surface.h"
 
 namespace oilskin::demo {
 namespace {
@@ -65,8 +66,14 @@ void describe(Fields& f, Motion& m) {
 void describe(Fields& f, PinBox& p) {
   f.box("within", p.within);
   if (f.reading() && !f.has("within")) f.fail("within", "is missing: the box whose nodes are pinned");
+  f.number("hold", p.hold, not_negative());
   f.number("release", p.release, not_negative());
-  f.object("motion", [&](Fields& g) { describe(g, p.motion); });
+  if (f.reading() && p.release <= p.hold && p.hold > 0) f.fail("release", "must be after \"hold\"");
+  f.object("motion", [&](Fields& g) {
+    describe(g, p.motion);
+    if (g.reading() && p.motion.moves() && p.motion.start < p.hold)
+      g.fail("start", "is before \"hold\": nodes that are not held yet cannot be moved");
+  });
 }
 
 void write_pins(Fields& f, Pins& pins) {
@@ -227,7 +234,6 @@ void refuse_later_features(Fields& f) {
     for (const char* effect : {"wetting", "surface_tension", "adhesion"})
       if (g.raw(effect) != nullptr) g.fail(effect, "is not simulated by this version; leave it out");
   });
-  if (f.raw("surface") != nullptr) f.fail("surface", "this version reconstructs no surface; leave it out");
 }
 
 enum class EmitterShape { disc, box, mesh, rain };
@@ -315,6 +321,26 @@ void describe(Fields& f, Acceptance& a) {
   });
   f.list("at_rest", a.at_rest, [](Fields& g, AtRestCheck& c) { describe(g, c); });
   f.optional_object("dam_break", a.dam_break, [](Fields& g, DamBreakCheck& c) { describe(g, c); });
+  f.optional_object("inside_constant", a.inside_constant, [](Fields& g, InsideConstantCheck& c) {
+    g.integer("cloth", c.cloth, between(0, 1e6));
+    g.integer("every", c.every, between(1, 1e9));
+  });
+  f.optional_object("enclosed_volume", a.enclosed_volume, [](Fields& g, EnclosedVolumeCheck& c) {
+    g.integer("cloth", c.cloth, between(0, 1e6));
+    g.number("at_least", c.at_least, not_negative());
+    g.number("at_most", c.at_most, positive());
+    g.number("from", c.from, not_negative());
+  });
+  f.optional_object("energy_decay", a.energy_decay, [](Fields& g, EnergyDecayCheck& c) {
+    g.number("from", c.from, not_negative());
+    g.number("fraction", c.fraction, not_negative());
+    g.number("window", c.window, positive());
+  });
+  f.optional_object("close_layers", a.close_layers, [](Fields& g, CloseLayersCheck& c) {
+    g.integer("cloth", c.cloth, between(0, 1e6));
+    g.integer("at_least", c.at_least, between(1, 1e9));
+  });
+  f.optional_number("memory_growth", a.memory_growth, not_negative());
 }
 
 void describe(Fields& f, Slice& s) {
@@ -330,6 +356,11 @@ void describe(Fields& f, View& v) {
   f.number("angle", v.angle, between(1, 150));
   f.number("orthographic", v.orthographic, not_negative());
   f.optional_object("slice", v.slice, [](Fields& g, Slice& s) { describe(g, s); });
+  f.choice("water", v.water,
+           {{"auto", WaterLook::automatic},
+            {"balls", WaterLook::balls},
+            {"surface", WaterLook::surface},
+            {"clear", WaterLook::clear}});
   f.choice("colour", v.colour,
            {{"speed", WaterColour::speed},
             {"pressure", WaterColour::pressure},
@@ -347,6 +378,26 @@ void describe(Fields& f, Pictures& p) {
 }
 
 }  // namespace
+
+void describe(Fields& f, WaterSurface& s) {
+  f.number("cell", s.cell, not_negative());
+  f.number("gap", s.gap, not_negative());
+  f.choice("mode", s.mode,
+           {{"none", SurfaceContact::none},
+            {"reset", SurfaceContact::reset},
+            {"gap", SurfaceContact::gap},
+            {"touch", SurfaceContact::touch},
+            {"overlap", SurfaceContact::overlap}});
+  f.choice("field", s.field,
+           {{"density_decay", SurfaceField::density_decay},
+            {"eigenvalue_decay", SurfaceField::eigenvalue_decay},
+            {"zhu_bridson", SurfaceField::zhu_bridson},
+            {"density", SurfaceField::density}});
+  f.number("touch_range", s.touch_range, between(0, 1.5));
+  f.number("overlap_depth", s.overlap_depth, not_negative());
+  f.integer("smoothing", s.smoothing, between(0, 1000));
+  f.number("min_blob", s.min_blob, not_negative());
+}
 
 void describe(Fields& f, Scene& s) {
   f.text("name", s.name);
@@ -366,6 +417,10 @@ void describe(Fields& f, Scene& s) {
   f.object("contact", [&](Fields& g) { describe(g, s.contact); });
   f.box("kill_box", s.world.kill_box);
   if (f.reading()) refuse_later_features(f);
+  f.optional_object("surface", s.surface, [](Fields& g, WaterSurface& w) { describe(g, w); });
+  if (f.reading() && s.surface)
+    if (const Status status = surface_options(*s.surface, s.fluid.spacing, 0).validate(); !status.ok())
+      f.fail("surface", status.message);
   f.object("acceptance", [&](Fields& g) { describe(g, s.acceptance); });
   f.object("pictures", [&](Fields& g) { describe(g, s.pictures); });
 }

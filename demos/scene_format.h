@@ -7,5 +7,6 @@
 namespace oilskin::demo {
 
 void describe(Fields& f, Scene& scene);
+void describe(Fields& f, WaterSurface& surface);
 
 }  // namespace oilskin::demo

@@ -74,6 +74,11 @@ void check_acceptance(const Scene& scene) {
   if (a.pin_reaction) check_cloth_index(scene, 0, "acceptance.pin_reaction");
   if (a.pool_level) check_cloth_index(scene, a.pool_level->cloth, "acceptance.pool_level.cloth");
   if (a.pool_calm) check_cloth_index(scene, a.pool_calm->cloth, "acceptance.pool_calm.cloth");
+  if (a.inside_constant)
+    check_cloth_index(scene, a.inside_constant->cloth, "acceptance.inside_constant.cloth");
+  if (a.enclosed_volume)
+    check_cloth_index(scene, a.enclosed_volume->cloth, "acceptance.enclosed_volume.cloth");
+  if (a.close_layers) check_cloth_index(scene, a.close_layers->cloth, "acceptance.close_layers.cloth");
   check_water_acceptance(scene);
 }
 

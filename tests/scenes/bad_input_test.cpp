@@ -100,7 +100,13 @@ TEST(BadInput, clothsOfOneWorldShareTheirSubSteps) {
 
 TEST(BadInput, whatThisVersionDoesNotSimulateIsNotIgnored) {
   expect_refused(R"({"effects": {"wetting": {"capacity": 0.3}}})", {"effects.wetting"});
-  expect_refused(R"({"surface": {"cell": 0.004}})", {"surface"});
+  expect_refused(R"({"effects": {"surface_tension": {}}})", {"effects.surface_tension"});
+}
+
+TEST(BadInput, surfacesOutOfRangeAreRefusedBeforeAnythingIsComputed) {
+  expect_refused(R"({"surface": {"cell": 0.5}})", {"surface", "cell"});
+  expect_refused(R"({"surface": {"gap": -1}})", {"surface.gap"});
+  expect_refused(R"({"surface": {"mode": "near"}})", {"surface.mode", "touch"});
 }
 
 TEST(BadInput, pinsThatHoldNothingAreRefused) {

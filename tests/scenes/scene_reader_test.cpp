@@ -35,7 +35,9 @@ Scene everything() {
   Cloth grid, mesh;
   PinBox pin;
   pin.within = {Vec3::Constant(-1), Vec3::Constant(1)};
+  pin.hold = 0.5;
   pin.release = 1;
+  pin.motion.start = 0.5;
   pin.motion.stop = 2;
   grid.pins.kind = PinKind::boxes;
   grid.pins.boxes = {pin};
@@ -64,6 +66,11 @@ Scene everything() {
   scene.acceptance.at_rest = {{{Vec3::Zero(), Vec3::Ones()}, 0.5, 1, 0.02}};
   scene.acceptance.dam_break.emplace();
   scene.acceptance.dam_break->height = 0.05;
+  scene.acceptance.inside_constant.emplace();
+  scene.acceptance.enclosed_volume.emplace().at_most = 2;
+  scene.acceptance.energy_decay.emplace();
+  scene.acceptance.close_layers.emplace();
+  scene.acceptance.memory_growth = 0.05;
   scene.pictures.views.emplace_back();
   scene.pictures.views.back().slice.emplace();
   scene.pictures.views.back().colour = WaterColour::density;
@@ -100,7 +107,7 @@ TEST(SceneReader, everyShippedSceneReads) {
     EXPECT_TRUE(scene.contact.verify) << scene.name << ": shipped scenes verify";
     ++count;
   }
-  EXPECT_GE(count, 9);
+  EXPECT_GE(count, 11);
 }
 
 TEST(SceneReader, everyKeyIsDocumented) {
@@ -120,6 +127,16 @@ TEST(SceneReader, messagesNameThePath) {
   EXPECT_EQ(message_of(R"({"fluid": {"spacing": -1}})"), "fluid.spacing: is -1, must be > 0");
   EXPECT_NE(message_of(R"({"cloth": [{"normal": [1, 0, 0], "u_axis": [1, 0, 0]}]})").find("parallel"),
             std::string::npos);
+}
+
+TEST(SceneReader, pinsMoveAfterTheyAreHeldAndAreLetGoAfterThat) {
+  const auto pins = [](const std::string& more) {
+    return R"({"cloth": [{"pins": [{"within": {"min": [-1, -1, -1], "max": [1, 1, 1]}, )" + more + "}]}]}";
+  };
+  EXPECT_EQ(message_of(pins(R"("hold": 0.5, "motion": {"spin_rate": 1})")),
+            "cloth.0.pins.0.motion.start: is before \"hold\": nodes that are not held yet cannot be moved");
+  EXPECT_EQ(message_of(pins(R"("hold": 0.5, "release": 0.5)")),
+            "cloth.0.pins.0.release: must be after \"hold\"");
 }
 
 TEST(SceneReader, checksThatCouldNeverBeLookedAtAreRefused) {

@@ -15,10 +15,17 @@ struct Short {
   const char* set = nullptr;  // a key to change, so that what the scene is about happens in time
 };
 
-const Short shortened[] = {
-    {"jet", "0.1"},    {"slip", "0.22"},      {"vee", "0.14"},
-    {"rain", "0.3"},   {"bowl", "0.15"},      {"high_speed", "0.003"},
-    {"sweep", "0.02"}, {"dam_break", "0.05"}, {"two_sided", "0.15", "cloth.0.pins.1.release=0.02"}};
+const Short shortened[] = {{"jet", "0.1"},
+                           {"slip", "0.22"},
+                           {"vee", "0.14"},
+                           {"rain", "0.3"},
+                           {"bowl", "0.15"},
+                           {"high_speed", "0.003"},
+                           {"sweep", "0.02"},
+                           {"dam_break", "0.05"},
+                           {"two_sided", "0.15", "cloth.0.pins.1.release=0.02"},
+                           {"bag", "0.2", "fluid.spacing=0.012"},
+                           {"crumple", "0.2", "cloth.0.center=[0, 0.225, 0]"}};
 
 std::string name_of(const testing::TestParamInfo<Short>& info) {
   return info.param.scene;
@@ -125,6 +132,42 @@ TEST(Checks, waterThatHangsOverItsPoolIsSeen) {
   EXPECT_EQ(check_of(scene, {"gravity=[0, -1, 0]"}, "pool_calm"), true) << "it has hardly begun to fall";
   EXPECT_EQ(check_of(scene, {"emitters.0.velocity=[0, 0.5, 0]"}, "pool_calm"), false);
   EXPECT_EQ(check_of(scene, {"cloth.0.bowl_depth=0"}, "pool_level"), false) << "a flat sheet is no basin";
+}
+
+// Cloth alone: it falls for good, or it swings from what takes hold of it and calms down.
+TEST(Checks, clothThatIsHeldOnItsWayCalmsDownAndFallingClothDoesNot) {
+  const Folder folder;
+  for (const std::string host : {"bullet", "mock"}) {
+    const std::string scene = folder.write("held.json", R"({"duration": 0.6,
+      "cloth": [{"grid": [15, 15], "size": [0.2, 0.2], "substeps": 2,
+                 "pins": [{"within": {"min": [-1, -1, -1], "max": [-0.08, 1, 1]}, "hold": 0.1},
+                          {"within": {"min": [0.08, -1, -1], "max": [1, 1, 1]}, "hold": 0.1}]}],
+      "acceptance": {"energy_decay": {"from": 0.05, "fraction": 0.5, "window": 0.05}}})");
+    const std::string check = "energy_decay", kind = "host=" + host;
+    EXPECT_EQ(check_of(scene, {kind}, check), true) << host;
+    EXPECT_EQ(check_of(scene, {kind, "cloth.0.pins=none"}, check), false) << host;
+    EXPECT_EQ(check_of(scene, {kind, "acceptance.energy_decay.from=0.55"}, check), false) << "never reached";
+  }
+}
+
+// A block of water in a box of cloth, half of it outside.
+TEST(Checks, whatIsNotEnclosedIsSeen) {
+  const Folder folder;
+  folder.write("box.obj",
+               "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv .1 .1 0\nv 0 0 .1\nv .1 0 .1\nv 0 .1 .1\nv .1 .1 .1\n"
+               "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
+  const std::string scene =
+      folder.write("box.json", R"({"host": "mock", "duration": 0.02, "gravity": [0, 0, 0],
+    "emitters": [{"shape": "box", "min": [0.02, 0.02, 0.02], "max": [0.08, 0.08, 0.08]}],
+    "cloth": [{"mesh": "box.obj", "pins": [{"within": {"min": [-1, -1, -1], "max": [1, 1, 1]}}]}],
+    "acceptance": {"inside_constant": {"every": 1}, "enclosed_volume": {"at_least": 4, "at_most": 5.5}}})");
+  const std::string away = R"(emitters.0={"shape": "box", "min": [0.22, 0, 0], "max": [0.28, 0.06, 0.06]})";
+  EXPECT_EQ(check_of(scene, {}, "inside"), true);
+  EXPECT_EQ(check_of(scene, {}, "inside_changed"), true);
+  EXPECT_EQ(check_of(scene, {"emitters.0.start=0.0015"}, "inside_changed"), false) << "it came later";
+  EXPECT_EQ(check_of(scene, {away}, "inside"), false);
+  EXPECT_EQ(check_of(scene, {}, "least_volume"), true);
+  EXPECT_EQ(check_of(scene, {"cloth.0.scale=0.9"}, "least_volume"), false);
 }
 
 #ifdef OILSKIN_AUDIT

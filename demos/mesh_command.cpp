@@ -1,0 +1,110 @@
+#include "mesh_command.h"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "fields.h"
+#include "frame_path.h"
+#include "options.h"
+#include "scene_format.h"
+#include "scene_reader.h"
+#include "stored_frames.h"
+#include "surface_file.h"
+#include "water_surface.h"
+
+namespace oilskin::demo {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Plan {
+  WaterSurface surface;
+  double spacing = 0;  // [m]
+};
+
+/// What the run itself said of its water, as far as the command line is silent.
+Plan make_plan(const MeshOptions& options) {
+  Plan plan;
+  const std::string report = options.directory + "/report.json";
+  if (fs::exists(report)) {
+    const Json settings = read_json_file(report).value("settings", Json::object());
+    if (settings.contains("fluid")) plan.spacing = settings["fluid"].value("spacing", 0.0);
+    if (settings.contains("surface")) {
+      Fields fields = Fields::reader(settings["surface"], "settings.surface");
+      describe(fields, plan.surface);
+    }
+  }
+  if (options.spacing) plan.spacing = *options.spacing;
+  if (!(plan.spacing > 0))
+    throw SceneError("--spacing: is needed, in metres, where " + report +
+                     " does not tell the particles' spacing");
+  Json given = Json::object();
+  if (options.cell) given["cell"] = *options.cell;
+  if (options.gap) given["gap"] = *options.gap;
+  if (!options.mode.empty()) given["mode"] = options.mode;
+  if (options.smoothing) given["smoothing"] = *options.smoothing;
+  Fields fields = Fields::reader(given, "");
+  describe(fields, plan.surface);
+  return plan;
+}
+
+std::vector<int> wanted_frames(const MeshOptions& options) {
+  std::vector<int> all = stored_frames(options.directory);
+  if (options.frames.empty()) return all;
+  int first = 0, last = 0;
+  char end = 0;
+  if (std::sscanf(options.frames.c_str(), "%d:%d%c", &first, &last, &end) != 2 || first < 0 || first > last)
+    throw SceneError("--frames " + options.frames + ": must be A:B, two frames with A <= B");
+  std::vector<int> chosen;
+  for (const int n : all)
+    if (n >= first && n <= last) chosen.push_back(n);
+  if (chosen.empty())
+    throw SceneError("--frames " + options.frames + ": there are frames " + std::to_string(all.front()) +
+                     " to " + std::to_string(all.back()));
+  return chosen;
+}
+
+void tell(int number, const MadeSurface& made) {
+  const SurfaceCheck& c = made.check;
+  std::printf(
+      "frame %04d: %zu triangles, %.3f s, %zu intersecting pairs, %zu nearer than the gap, %zu submerged, "
+      "%zu open edges, least distance %g m, volume %g m3\n",
+      number, made.mesh.triangles.size(), made.seconds, c.intersecting_pairs, c.near_pairs,
+      c.submerged_components, c.open_edges, c.least_distance, c.volume);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int mesh_command(const MeshOptions& options) {
+  const Plan plan = make_plan(options);
+  const SurfaceOptions wanted = surface_options(plan.surface, plan.spacing, options.threads);
+  if (const Status s = wanted.validate(); !s.ok()) throw SceneError(s.message);
+  const std::string out = options.out.empty() ? options.directory : options.out;
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) throw SceneError("--out " + out + ": " + error.message());
+  int skipped = 0;
+  bool good = true;
+  for (const int number : wanted_frames(options)) {
+    const std::string path = frame_path(out, "surface", number, "ply");
+    if (!options.overwrite && fs::exists(path)) {
+      ++skipped;
+      continue;
+    }
+    const StoredFrame frame = read_frame(options.directory, number);
+    SurfaceInput input;
+    input.positions = frame.position;
+    input.velocities = frame.velocity;
+    for (const StoredMesh& mesh : frame.obstacles) input.obstacles.push_back({mesh.vertices, mesh.triangles});
+    const MadeSurface made = make_surface(input, wanted);
+    write_surface(path, made.mesh);
+    good &= made.as_promised(wanted.contact);
+    if (!options.quiet) tell(number, made);
+  }
+  if (skipped > 0 && !options.quiet)
+    std::printf("%d frames were there already; --overwrite makes them again\n", skipped);
+  return static_cast<int>(good ? ExitCode::done : ExitCode::check_failed);
+}
+
+}  // namespace oilskin::demo

@@ -1,0 +1,24 @@
+/// `oilskin mesh DIR`: the water's surface of frames that a run stored.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace oilskin::demo {
+
+struct MeshOptions {
+  std::string directory;
+  std::string out;                           ///< empty: the same folder
+  std::string frames;                        ///< A:B, both included; empty: all
+  std::optional<double> cell, gap, spacing;  ///< [m]; absent: what the run's report.json says
+  std::string mode;                          ///< empty: likewise
+  std::optional<int> smoothing;
+  int threads = 0;
+  bool overwrite = false, quiet = false;
+};
+
+/// Writes OUT/surface_NNNN.ply for each frame, skipping those that are there unless `overwrite`. Returns the
+/// exit code: 1 if a surface is not as promised. Throws SceneError for what is refused, OutputError.
+int mesh_command(const MeshOptions& options);
+
+}  // namespace oilskin::demo

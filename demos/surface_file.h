@@ -1,0 +1,15 @@
+/// The surface of a frame as a file.
+#pragma once
+
+#include <string>
+
+#include "oilskin/surface_mesh.h"
+
+namespace oilskin::demo {
+
+/// PLY, binary little endian: x y z nx ny nz and, if the mesh has velocities, vx vy vz as float32; triangles
+/// as lists of int. Written beside its place and renamed, so that a file of that name is whole. Throws
+/// OutputError.
+void write_surface(const std::string& path, const SurfaceMesh& mesh);
+
+}  // namespace oilskin::demo
