@@ -1,8 +1,8 @@
 # Sourced by demos/run, tests/run and .ci/run: Debian packages and quiet builds.
 
 oilskin_build_packages=(cmake ninja-build g++ pkg-config libeigen3-dev libfcl-dev libccd-dev liboctomap-dev libtbb-dev
-  libbullet-dev nlohmann-json3-dev libcli11-dev)
-oilskin_test_packages=(libgtest-dev)
+  libbullet-dev nlohmann-json3-dev libcli11-dev libgtest-dev)
+oilskin_test_packages=()
 oilskin_benchmark_packages=(libbenchmark-dev)
 # xvfb-run needs xauth, and a renderer to draw with.
 oilskin_picture_packages=(libvtk9-dev xvfb xauth libgl1-mesa-dri)

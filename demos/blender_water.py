@@ -1,8 +1,8 @@
-"""Renders the PLY files of a run with refracting water, in Blender 3.4 or later (Debian: apt-get install blender).
+"""Renders the PLY files of a run with refracting water, in Blender (tried with Debian 12's 3.4: apt-get install blender).
 
     blender --background --python demos/blender_water.py -- out/jet [options]
 
-reads DIR/surface_NNNN.ply (water) and DIR/cloth_K_NNNN.ply, and writes DIR/render_NNNN.png. Options:
+reads DIR/surface_NNNN.ply (water), DIR/cloth_K_NNNN.ply and DIR/body_K_NNNN.ply, and writes DIR/render_NNNN.png. Options:
     --frames A:B     only these frames, both included (default: all that have a surface)
     --size WxH       of the picture in pixels (default 960x720)
     --samples N      light paths per pixel (default 64)
@@ -60,19 +60,23 @@ def arguments():
 
 
 def frames_in(directory, wanted):
-    """{number: (water file, [cloth files])} of all frames with a surface."""
+    """{number: (water file, [cloth files], [body files])} of all frames with a surface."""
     found = {}
     for path in sorted(glob.glob(os.path.join(directory, "surface_[0-9]*.ply"))):
         number = int(re.search(r"_(\d+)\.ply$", path).group(1))
         if wanted and not wanted[0] <= number <= wanted[1]:
             continue
-        cloth = sorted(glob.glob(os.path.join(directory, "cloth_*_%04d.ply" % number)))
-        found[number] = (path, cloth)
+        cloth, bodies = (sorted(glob.glob(os.path.join(directory, "%s_*_%04d.ply" % (kind, number))))
+                         for kind in ("cloth", "body"))
+        found[number] = (path, cloth, bodies)
     return found
 
 
 def read_mesh(path, name):
-    bpy.ops.import_mesh.ply(filepath=path)
+    if hasattr(bpy.ops.wm, "ply_import") and bpy.app.version >= (4, 0, 0):
+        bpy.ops.wm.ply_import(filepath=path, forward_axis="Y", up_axis="Z")  # as the file has it
+    else:
+        bpy.ops.import_mesh.ply(filepath=path)
     item = bpy.context.selected_objects[0]
     item.name = name
     for polygon in item.data.polygons:
@@ -215,14 +219,16 @@ def main():
     bpy.ops.object.delete()
     set_up_render(options)
     wet = water()
+    body_material = matt("body", (0.45, 0.47, 0.50))
     cloth_material = matt("cloth", (0.62, 0.20, 0.11))
     placed = False
-    for number, (water_file, cloth_files) in frames.items():
+    for number, (water_file, cloth_files, body_files) in frames.items():
         items = [read_mesh(water_file, "water")]
         items[0].data.materials.append(wet)
-        for path in cloth_files:
-            items.append(read_mesh(path, "cloth"))
-            items[-1].data.materials.append(cloth_material)
+        for paths, material in ((cloth_files, cloth_material), (body_files, body_material)):
+            for path in paths:
+                items.append(read_mesh(path, material.name))
+                items[-1].data.materials.append(material)
         if not placed:
             low, high = bounds(items)
             size, middle = add_camera(options, low, high)

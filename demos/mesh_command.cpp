@@ -22,18 +22,30 @@ struct Plan {
   double spacing = 0;  // [m]
 };
 
+void read_report(const std::string& report, Plan& plan) {
+  try {
+    const Json settings = read_json_file(report).at("settings");
+    plan.spacing = settings.at("fluid").at("spacing").get<double>();
+    if (!settings.contains("surface")) return;
+    if (!settings["surface"].is_object()) throw SceneError("settings.surface: must be an object");
+    Fields fields = Fields::reader(settings["surface"], "settings.surface");
+    describe(fields, plan.surface);
+    fields.finish();
+  } catch (const Json::exception& e) {
+    throw SceneError(report + ": is no report of a run (" + e.what() +
+                     "); --spacing and a folder without it do, too");
+  } catch (const SceneError& e) {
+    throw SceneError(report + ": " + e.what());
+  }
+}
+
 /// What the run itself said of its water, as far as the command line is silent.
 Plan make_plan(const MeshOptions& options) {
   Plan plan;
   const std::string report = options.directory + "/report.json";
-  if (fs::exists(report)) {
-    const Json settings = read_json_file(report).value("settings", Json::object());
-    if (settings.contains("fluid")) plan.spacing = settings["fluid"].value("spacing", 0.0);
-    if (settings.contains("surface")) {
-      Fields fields = Fields::reader(settings["surface"], "settings.surface");
-      describe(fields, plan.surface);
-    }
-  }
+  if (fs::exists(report)) read_report(report, plan);
+  if (options.spacing && !(*options.spacing > 0))
+    throw SceneError("--spacing: is " + std::to_string(*options.spacing) + ", must be > 0 m");
   if (options.spacing) plan.spacing = *options.spacing;
   if (!(plan.spacing > 0))
     throw SceneError("--spacing: is needed, in metres, where " + report +
@@ -51,9 +63,10 @@ Plan make_plan(const MeshOptions& options) {
 std::vector<int> wanted_frames(const MeshOptions& options) {
   std::vector<int> all = stored_frames(options.directory);
   if (options.frames.empty()) return all;
-  int first = 0, last = 0;
+  long long first = 0, last = 0;
   char end = 0;
-  if (std::sscanf(options.frames.c_str(), "%d:%d%c", &first, &last, &end) != 2 || first < 0 || first > last)
+  if (std::sscanf(options.frames.c_str(), "%lld:%lld%c", &first, &last, &end) != 2 || first < 0 ||
+      first > last)
     throw SceneError("--frames " + options.frames + ": must be A:B, two frames with A <= B");
   std::vector<int> chosen;
   for (const int n : all)
@@ -71,22 +84,27 @@ void tell(int number, const MadeSurface& made) {
       "%zu open edges, least distance %g m, volume %g m3\n",
       number, made.mesh.triangles.size(), made.seconds, c.intersecting_pairs, c.near_pairs,
       c.submerged_components, c.open_edges, c.least_distance, c.volume);
+  if (made.report.particles_skipped > 0)
+    std::printf("  %zu particles were left out: not finite, or farther away than 2^20 cells\n",
+                made.report.particles_skipped);
   std::fflush(stdout);
 }
 
 }  // namespace
 
 int mesh_command(const MeshOptions& options) {
+  const std::vector<int> frames = wanted_frames(options);
   const Plan plan = make_plan(options);
   const SurfaceOptions wanted = surface_options(plan.surface, plan.spacing, options.threads);
-  if (const Status s = wanted.validate(); !s.ok()) throw SceneError(s.message);
+  if (const Status s = check_water_surface(plan.surface, plan.spacing); !s.ok())
+    throw SceneError("surface: " + s.message);
   const std::string out = options.out.empty() ? options.directory : options.out;
   std::error_code error;
   fs::create_directories(out, error);
   if (error) throw SceneError("--out " + out + ": " + error.message());
   int skipped = 0;
   bool good = true;
-  for (const int number : wanted_frames(options)) {
+  for (const int number : frames) {
     const std::string path = frame_path(out, "surface", number, "ply");
     if (!options.overwrite && fs::exists(path)) {
       ++skipped;

@@ -31,7 +31,8 @@ double seconds_since(Clock::time_point start) {
 /// Frames of an earlier run beside those of this one would tell a wrong story.
 void remove_old_frames(const std::string& directory) {
   static const std::regex ours(
-      "(frame|particles)_[0-9]{4,}\\.(png|vtp)|(cloth|body)_[0-9]+_[0-9]{4,}\\.ply|surface_[0-9]{4,}\\.ply|"
+      "(frame|particles)_[0-9]{4,}\\.(png|vtp)|(cloth|body)_[0-9]+_[0-9]{4,}\\.ply|surface_[0-9]{4,}\\.ply("
+      "\\.[0-9]+\\.part)?|"
       "run\\.pvd");
   std::vector<std::filesystem::path> old;
   std::error_code error;

@@ -419,7 +419,7 @@ void describe(Fields& f, Scene& s) {
   if (f.reading()) refuse_later_features(f);
   f.optional_object("surface", s.surface, [](Fields& g, WaterSurface& w) { describe(g, w); });
   if (f.reading() && s.surface)
-    if (const Status status = surface_options(*s.surface, s.fluid.spacing, 0).validate(); !status.ok())
+    if (const Status status = check_water_surface(*s.surface, s.fluid.spacing); !status.ok())
       f.fail("surface", status.message);
   f.object("acceptance", [&](Fields& g) { describe(g, s.acceptance); });
   f.object("pictures", [&](Fields& g) { describe(g, s.pictures); });

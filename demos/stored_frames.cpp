@@ -1,9 +1,7 @@
 #include "stored_frames.h"
 
 #include <vtkDataArray.h>
-#include <vtkIdList.h>
 #include <vtkNew.h>
-#include <vtkPLYReader.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkXMLPolyDataReader.h>
@@ -24,26 +22,6 @@ std::vector<Vec3> points_of(vtkPolyData* data) {
   std::vector<Vec3> x(static_cast<std::size_t>(data->GetNumberOfPoints()));
   for (std::size_t i = 0; i < x.size(); ++i) data->GetPoint(static_cast<vtkIdType>(i), x[i].data());
   return x;
-}
-
-StoredMesh read_mesh(const std::string& path) {
-  vtkNew<vtkPLYReader> reader;
-  reader->SetFileName(path.c_str());
-  reader->Update();
-  vtkPolyData* data = reader->GetOutput();
-  if (reader->GetErrorCode() != 0 || data->GetNumberOfPoints() == 0)
-    throw SceneError(path + ": cannot be read as a PLY mesh");
-  StoredMesh mesh;
-  mesh.vertices = points_of(data);
-  vtkNew<vtkIdList> cell;
-  for (vtkIdType c = 0; c < data->GetNumberOfCells(); ++c) {
-    data->GetCellPoints(c, cell);
-    for (vtkIdType k = 2; k < cell->GetNumberOfIds(); ++k)  // polygons as fans
-      mesh.triangles.push_back({static_cast<std::uint32_t>(cell->GetId(0)),
-                                static_cast<std::uint32_t>(cell->GetId(k - 1)),
-                                static_cast<std::uint32_t>(cell->GetId(k))});
-  }
-  return mesh;
 }
 
 /// Files of the frame that match, in the order of their number K.
@@ -68,7 +46,9 @@ std::vector<int> stored_frames(const std::string& directory) {
   for (const auto& entry : fs::directory_iterator(directory, error)) {
     std::smatch match;
     const std::string file = entry.path().filename().string();
-    if (std::regex_match(file, match, name)) numbers.push_back(std::stoi(match[1]));
+    if (!std::regex_match(file, match, name)) continue;
+    const int number = std::stoi(match[1]);
+    if (frame_path(".", "particles", number, "vtp") == "./" + file) numbers.push_back(number);
   }
   if (error) throw SceneError(directory + ": " + error.message());
   if (numbers.empty())
@@ -96,7 +76,7 @@ StoredFrame read_frame(const std::string& directory, int number) {
   }
   for (const char* kind : {"cloth", "body"})
     for (const std::string& file : meshes_of(directory, kind, number))
-      frame.obstacles.push_back(read_mesh(file));
+      frame.obstacles.push_back(read_ply(file));
   return frame;
 }
 

@@ -6,13 +6,9 @@
 #include <vector>
 
 #include "oilskin/types.h"
+#include "ply_reader.h"
 
 namespace oilskin::demo {
-
-struct StoredMesh {
-  std::vector<Vec3> vertices;
-  std::vector<Triangle> triangles;
-};
 
 struct StoredFrame {
   std::vector<Vec3> position, velocity;  ///< [m], [m/s]; velocity may be empty

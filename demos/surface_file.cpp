@@ -1,5 +1,9 @@
 #include "surface_file.h"
 
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -47,15 +51,23 @@ std::string body(const SurfaceMesh& mesh) {
 }  // namespace
 
 void write_surface(const std::string& path, const SurfaceMesh& mesh) {
-  const std::string part = path + ".part";
+  // Several processes may work on one folder: each has a file of its own.
+  const std::string part = path + "." + std::to_string(getpid()) + ".part";
   {
     std::ofstream out(part, std::ios::binary | std::ios::trunc);
     out << header(mesh) << body(mesh);
-    if (!out.flush()) throw OutputError(path + ": cannot be written; is the disk full?");
+    if (!out.flush()) {
+      const std::string why = std::strerror(errno);
+      std::remove(part.c_str());
+      throw OutputError(path + ": cannot be written: " + why);
+    }
   }
   std::error_code error;
   std::filesystem::rename(part, path, error);
-  if (error) throw OutputError(path + ": cannot be written: " + error.message());
+  if (error) {
+    std::remove(part.c_str());
+    throw OutputError(path + ": cannot be written: " + error.message());
+  }
 }
 
 }  // namespace oilskin::demo

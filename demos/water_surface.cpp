@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <sstream>
 
 #include "fields.h"
 
@@ -12,6 +13,19 @@ bool MadeSurface::as_promised(SurfaceContact mode) const {
       check.open_edges + check.crowded_edges + check.misoriented_edges + check.pinched_vertices == 0;
   const bool keeps_away = mode == SurfaceContact::gap || mode == SurfaceContact::touch;
   return closed && (!keeps_away || check.clean());
+}
+
+Status check_water_surface(const WaterSurface& wanted, double spacing) {
+  const auto range = [&](const char* key, double value, double least, double most) {
+    std::ostringstream text;
+    text << key << " is " << value << " m; it must be " << least << " … " << most << " m, of particles "
+         << spacing << " m apart";
+    return Status::refused(text.str());
+  };
+  if (wanted.cell > 0 && !(wanted.cell >= 0.1 * spacing && wanted.cell <= spacing))
+    return range("cell", wanted.cell, 0.1 * spacing, spacing);
+  if (!(wanted.gap <= spacing)) return range("gap", wanted.gap, 0, spacing);
+  return surface_options(wanted, spacing, 0).validate();
 }
 
 SurfaceOptions surface_options(const WaterSurface& wanted, double spacing, int threads) {

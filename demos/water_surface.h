@@ -16,6 +16,9 @@ struct MadeSurface {
   bool as_promised(SurfaceContact mode) const;
 };
 
+/// Accepted, or what is wrong, in metres.
+Status check_water_surface(const WaterSurface& wanted, double spacing);
+
 /// Spacing in metres.
 SurfaceOptions surface_options(const WaterSurface& wanted, double spacing, int threads);
 

@@ -6,6 +6,7 @@
 
 #include "contact/contact_loop.h"
 #include "core/assert.h"
+#include "core/inverse_mass.h"
 
 namespace oilskin {
 
@@ -68,8 +69,9 @@ Status check_particles(const ParticleMotion& p) {
                                      {"particle velocity", Span<const Vec3>(p.velocity)}})
     if (Status s = check_finite(name, values); !s.ok()) return s;
   for (std::size_t i = 0; i < n; ++i)
-    if (!(p.inverse_mass[i] >= 0) || !std::isfinite(p.inverse_mass[i]))
-      return refuse("particle inverse_mass[", i, "] is ", p.inverse_mass[i], "; it must be finite and ≥ 0");
+    if (!is_inverse_mass(p.inverse_mass[i]))
+      return refuse("particle inverse_mass[", i, "] is ", p.inverse_mass[i], "; it must be ",
+                    inverse_mass_range);
   return {};
 }
 
@@ -94,8 +96,9 @@ Status check_surface(const SurfaceMotion& s) {
                                      {"surface velocity", s.velocity}})
     if (Status status = check_finite(name, values); !status.ok()) return status;
   for (std::size_t i = 0; i < n; ++i)
-    if (!(s.inverse_mass[i] >= 0) || !std::isfinite(s.inverse_mass[i]))
-      return refuse("surface inverse_mass[", i, "] is ", s.inverse_mass[i], "; it must be finite and ≥ 0");
+    if (!is_inverse_mass(s.inverse_mass[i]))
+      return refuse("surface inverse_mass[", i, "] is ", s.inverse_mass[i], "; it must be ",
+                    inverse_mass_range);
   return {};
 }
 

@@ -356,7 +356,8 @@ void Zones::run(std::vector<BadPair> bad) {
   for (round_ = 0; !bad.empty(); ++round_) {
     {
       StageTimer timer(context_.seconds->zones);
-      OILSKIN_ASSERT(round_ <= give_up_after + 4);  // work is bounded
+      // Work is bounded: from then on every round gives a particle up, each at most twice.
+      OILSKIN_ASSERT(round_ <= give_up_after + 4 + 2 * static_cast<int>(context_.particle_count()));
       ++context_.report->zone_rounds;
       std::vector<Case> cases;
       cases.reserve(bad.size());

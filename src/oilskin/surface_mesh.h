@@ -64,7 +64,7 @@ struct SurfaceOptions {
   /// λ|μ steps [Taubin 1995] that leave the volume as it is, 0 … 1000. Near obstacles vertices move only as
   /// far as the gap allows.
   int smoothing_iterations = 0;
-  std::optional<Box> clip;  ///< only what lies inside; the mesh is closed along the sides of the box
+  std::optional<Box> clip;  ///< only what lies inside, to 1 % of a cell; the mesh is closed along the sides
   double min_blob = 0;  ///< pieces of water of less volume are left out, in s³, ≥ 0; a drop has about 0.5
   double memory_limit =
       4e9;          ///< [bytes] of working memory, > 0; what would need more is refused before it starts

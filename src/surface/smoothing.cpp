@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 
 #include "core/assert.h"
 #include "surface/repair.h"
@@ -58,10 +59,12 @@ std::vector<float> budgets(const Obstacles& obstacles, double gap, double cell, 
   return budget;
 }
 
-bool on_side(const Float3& p, const Box& clip, double margin) {
+// How far a vertex may go without leaving the box; 0 on its sides, which stay flat.
+float room_in(const Box& clip, const Float3& p, double margin) {
+  double room = std::numeric_limits<double>::infinity();
   for (int a = 0; a < 3; ++a)
-    if (p[std::size_t(a)] < clip.min[a] + margin || p[std::size_t(a)] > clip.max[a] - margin) return true;
-  return false;
+    room = std::min({room, p[std::size_t(a)] - clip.min[a], clip.max[a] - p[std::size_t(a)]});
+  return room > margin ? static_cast<float>(room) : 0.0f;
 }
 
 void move(double factor, const Neighbours& neighbours, const std::vector<Float3>& start,
@@ -128,7 +131,7 @@ SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, d
   if (clip) {
     if (budget.empty()) budget.assign(start.size(), static_cast<float>(cell));
     for (std::size_t v = 0; v < start.size(); ++v)
-      if (on_side(start[v], *clip, 0.05 * cell)) budget[v] = 0;
+      budget[v] = std::min(budget[v], room_in(*clip, start[v], 0.05 * cell));
   }
   const std::vector<float>* limit = budget.empty() ? nullptr : &budget;
   std::vector<Float3> other(start.size());

@@ -6,6 +6,7 @@
 
 #include "contact/predicates.h"
 #include "core/assert.h"
+#include "core/inverse_mass.h"
 #include "world/intake.h"
 
 namespace oilskin::world {
@@ -44,8 +45,9 @@ Status check_state(const SurfaceMotion& m) {
     if (!m.velocity[i].allFinite()) return refuse("the velocity of node ", i, " is not finite");
     if (!is_sound(m.x_t1[i]) || !is_sound(m.velocity[i]))
       return refuse("node ", i, " is farther or faster than 1e15; the host's simulation has exploded");
-    if (!(m.inverse_mass[i] >= 0) || !std::isfinite(m.inverse_mass[i]))
-      return refuse("the inverse mass of node ", i, " is ", m.inverse_mass[i], "; it must be finite and ≥ 0");
+    if (!is_inverse_mass(m.inverse_mass[i]))
+      return refuse("the inverse mass of node ", i, " is ", m.inverse_mass[i], "; it must be ",
+                    inverse_mass_range);
     if (stored(m.x_t1[i], m.storage) != m.x_t1[i])
       return refuse("the position of node ", i, " is no number that its storage can hold");
   }
