@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <tuple>
 
+#include "ccd/relative_polynomials.h"
 #include "ccd/whole_polynomials.h"
 #include "core/assert.h"
 
@@ -19,6 +22,44 @@ namespace {
 
 using PolynomialVector = std::array<Polynomial, 3>;
 
+/// A number that knows where its results are put.
+struct BoundWhole {
+  Whole value;
+  Workspace* workspace;
+};
+BoundWhole operator+(const BoundWhole& a, const BoundWhole& b) {
+  return {a.workspace->sum(a.value, b.value), a.workspace};
+}
+BoundWhole operator-(const BoundWhole& a, const BoundWhole& b) {
+  return {a.workspace->difference(a.value, b.value), a.workspace};
+}
+BoundWhole operator*(const BoundWhole& a, const BoundWhole& b) {
+  return {a.workspace->product(a.value, b.value), a.workspace};
+}
+
+#ifdef OILSKIN_CCD_FIXED_NUMBERS
+/// Finite numbers by a common power of two, of less than 2¹²⁴: room for all that is computed from them. False
+/// where they differ too much in size.
+template <std::size_t Count>
+bool to_fixed(const std::array<double, Count>& x, std::array<Fixed<2>, Count>* fixed) {
+  constexpr int kMaxShift = 124 - 53;
+  std::array<Decomposed, Count> parts;
+  int least = 2000, most = -2000;
+  for (std::size_t i = 0; i < Count; ++i) {
+    parts[i] = decompose(x[i]);
+    if (parts[i].mantissa == 0) continue;
+    least = std::min(least, parts[i].exponent);
+    most = std::max(most, parts[i].exponent);
+  }
+  if (most - least > kMaxShift) return false;
+  for (std::size_t i = 0; i < Count; ++i) {
+    const bool zero = parts[i].mantissa == 0;
+    (*fixed)[i] = fixed_from(parts[i].mantissa, zero ? 0 : parts[i].exponent - least, x[i] < 0);
+  }
+  return true;
+}
+#endif
+
 /// A time at which the point is in the triangle's plane: one that is known, or the only root of the cubic
 /// between the breaks `piece` and `piece` + 1, where it changes sign.
 struct Coplanarity {
@@ -27,30 +68,45 @@ struct Coplanarity {
   int piece = 0;
 };
 
-/// Twice the area of the point and the edge opposite to a corner, as seen along an axis.
-struct Area {
+/// Made when first asked for.
+template <class Value>
+struct Lazy {
   bool known = false;
-  Polynomial value;
+  Value value;
 };
+
+/// Times of no great accuracy are asked for in steps of this part of the step.
+constexpr double kGrid = 0x1p52;
 
 class ExactQuery {
  public:
   ExactQuery(const PointTriangleMotion& m, Workspace* workspace);
 
-  Meeting first_meeting() { return cubic_.degree < 0 ? first_of_flat_motion() : first_of_cubic(); }
+  Meeting first_meeting(const TimeSpan& span, bool time_matters);
 
  private:
-  Meeting first_of_cubic();
+  void look_at(const TimeSpan& span);
+  Meeting first_of_cubic(bool time_matters);
   void find_breaks();
   int extrema_before(const Surd& t, bool* at_extremum);
   int compare_with(const Coplanarity& root, const Surd& t);
-  int sign_at(const Coplanarity& root, const Polynomial& q);
+  int sign_at(const Coplanarity& root, const Function& q);
 
   Meeting first_of_flat_motion();
   void meet_at_roots(const Polynomial& q, Meeting* first);
   bool meet_at_roots_of_first_component(const PolynomialVector& v, Meeting* first);
 
-  const Polynomial& area(int corner, int axis);
+  void set_corners(const PointTriangleMotion& m);
+  bool set_fixed_corners(const PointTriangleMotion& m);
+  template <class N>
+  void set_cubic(const RelativeCorners<N>& corner);
+  template <class Terms>
+  Polynomial polynomial(const Terms& terms);
+  template <class Make>
+  Polynomial with_corners(Make make);
+  const Function& area(int corner, int axis);
+  const Polynomial& corner(int corner, int axis);
+  PolynomialVector corner(int corner);
   bool inside(const Coplanarity& root);
   bool inside_segment(const Coplanarity& root);
 
@@ -60,89 +116,180 @@ class ExactQuery {
 
   Workspace& workspace_;
   Algebra algebra_;
-  Surd zero_, one_;
-  std::array<PolynomialVector, 3> corner_;  ///< relative to the point
-  std::array<std::array<Area, 3>, 3> area_;
-  Polynomial cubic_, slope_, curvature_;
-  // 0, the extrema of the cubic inside the step, 1; between two of them the cubic is monotone.
+  Surd begin_, end_;  ///< of the part of the step that is looked at
+  // The corners relative to the point, in numbers of fixed size where they fit, else in those of any size.
+  bool fixed_ = false;
+#ifdef OILSKIN_CCD_FIXED_NUMBERS
+  RelativeCorners<Fixed<2>> fixed_corner_;
+#endif
+  RelativeCorners<BoundWhole> whole_corner_;
+  std::array<std::array<Lazy<Polynomial>, 3>, 3> corner_;
+  std::array<std::array<Lazy<Function>, 3>, 3> area_;
+  Function cubic_, slope_;
+  Lazy<Function> curvature_;
+  // The beginning, the extrema of the cubic in between, the end; between two of them the cubic is monotone.
   std::array<Surd, 4> break_;
   std::array<int, 4> sign_at_break_{};
   int breaks_ = 0;
   int extrema_at_or_before_start_ = 0;
 };
 
-/// The exponent that makes all eight coordinates of an axis whole.
-int common_exponent(const std::array<const Vec3*, 8>& points, int axis) {
-  int least = 1024;
-  for (const Vec3* x : points) {
-    if ((*x)[axis] != 0) least = std::min(least, lowest_exponent((*x)[axis]));
+std::array<const Vec3*, 8> points_of(const PointTriangleMotion& m) {
+  return {&m.p_t0, &m.a_t0, &m.b_t0, &m.c_t0, &m.p_t1, &m.a_t1, &m.b_t1, &m.c_t1};
+}
+
+/// The motion along an axis relative to the point, from the coordinates of all points at both ends.
+template <class N>
+void set_axis(const std::array<N, 8>& x, int axis, RelativeCorners<N>* corner) {
+  for (int i = 0; i < 3; ++i) {
+    const N start = x[1 + i] - x[0];
+    (*corner)[i][axis] = {start, (x[5 + i] - x[4]) - start};
   }
-  return least;
 }
 
 ExactQuery::ExactQuery(const PointTriangleMotion& m, Workspace* workspace)
     : workspace_(*workspace), algebra_(workspace) {
-  const Whole one = workspace_.small(1);
-  zero_ = algebra_.fraction({}, one);
-  one_ = algebra_.fraction(one, one);
-  const std::array<const Vec3*, 8> points{&m.p_t0, &m.a_t0, &m.b_t0, &m.c_t0,
-                                          &m.p_t1, &m.a_t1, &m.b_t1, &m.c_t1};
-  for (int k = 0; k < 3; ++k) {
-    const int exponent = common_exponent(points, k);
-    std::array<Whole, 8> x;
-    for (int i = 0; i < 8; ++i) x[i] = workspace_.from_double((*points[i])[k], exponent);
-    for (int i = 0; i < 3; ++i) {
-      corner_[i][k] =
-          algebra_.linear(workspace_.difference(x[1 + i], x[0]), workspace_.difference(x[5 + i], x[4]));
-    }
-  }
-  for (int k = 0; k < 3; ++k) {
-    cubic_ = algebra_.sum(cubic_, algebra_.product(corner_[0][k], area(0, k)));
-  }
-  slope_ = algebra_.derivative(cubic_);
-  curvature_ = algebra_.derivative(slope_);
+  fixed_ = set_fixed_corners(m);
+  if (!fixed_) set_corners(m);
 }
 
-/// Made when first asked for: mostly one axis is enough.
-const Polynomial& ExactQuery::area(int corner, int axis) {
-  Area& area = area_[corner][axis];
+void ExactQuery::set_corners(const PointTriangleMotion& m) {
+  const std::array<const Vec3*, 8> points = points_of(m);
+  for (int k = 0; k < 3; ++k) {
+    int exponent = 1024;
+    for (const Vec3* x : points) {
+      if ((*x)[k] != 0) exponent = std::min(exponent, lowest_exponent((*x)[k]));
+    }
+    std::array<BoundWhole, 8> x;
+    for (int i = 0; i < 8; ++i) x[i] = {workspace_.from_double((*points[i])[k], exponent), &workspace_};
+    set_axis(x, k, &whole_corner_);
+  }
+  set_cubic(whole_corner_);
+}
+
+/// False where coordinates of an axis differ too much in size.
+bool ExactQuery::set_fixed_corners(const PointTriangleMotion& m) {
+#ifdef OILSKIN_CCD_FIXED_NUMBERS
+  const std::array<const Vec3*, 8> points = points_of(m);
+  for (int k = 0; k < 3; ++k) {
+    std::array<double, 8> x;
+    for (int i = 0; i < 8; ++i) x[i] = (*points[i])[k];
+    std::array<Fixed<2>, 8> fixed;
+    if (!to_fixed(x, &fixed)) return false;
+    set_axis(fixed, k, &fixed_corner_);
+  }
+  set_cubic(fixed_corner_);
+  return true;
+#else
+  static_cast<void>(m);
+  return false;
+#endif
+}
+
+template <class N>
+void ExactQuery::set_cubic(const RelativeCorners<N>& corner) {
+  const std::array areas{area_of(corner, 0, 0), area_of(corner, 0, 1), area_of(corner, 0, 2)};
+  for (int k = 0; k < 3; ++k) area_[0][k] = {true, Function(polynomial(areas[k]))};
+  cubic_ = Function(polynomial(volume_of(corner[0], areas)));
+  slope_ = Function(algebra_.derivative(cubic_.exact));
+}
+
+Whole to_whole(const BoundWhole& a, Workspace*) {
+  return a.value;
+}
+#ifdef OILSKIN_CCD_FIXED_NUMBERS
+template <int N>
+Whole to_whole(const Fixed<N>& a, Workspace* workspace) {
+  return workspace->from_fixed(a);
+}
+#endif
+
+template <class Terms>
+Polynomial ExactQuery::polynomial(const Terms& terms) {
+  std::array<Whole, std::tuple_size<Terms>::value> whole;
+  for (std::size_t i = 0; i < whole.size(); ++i) whole[i] = to_whole(terms[i], &workspace_);
+  return Polynomial(whole);
+}
+
+/// make(corners in the kind of number that is used)
+template <class Make>
+Polynomial ExactQuery::with_corners(Make make) {
+#ifdef OILSKIN_CCD_FIXED_NUMBERS
+  if (fixed_) return make(fixed_corner_);
+#endif
+  return make(whole_corner_);
+}
+
+/// Mostly one axis is enough.
+const Function& ExactQuery::area(int corner, int axis) {
+  Lazy<Function>& area = area_[corner][axis];
   if (!area.known) {
     OILSKIN_ASSERT(!workspace_.in_scope());
-    const PolynomialVector &u = corner_[(corner + 1) % 3], &v = corner_[(corner + 2) % 3];
-    const int x = (axis + 1) % 3, y = (axis + 2) % 3;
-    area.value = algebra_.difference(algebra_.product(u[x], v[y]), algebra_.product(u[y], v[x]));
-    area.known = true;
+    area = {true, Function(with_corners(
+                      [&](const auto& corners) { return polynomial(area_of(corners, corner, axis)); }))};
   }
   return area.value;
+}
+
+const Polynomial& ExactQuery::corner(int corner, int axis) {
+  Lazy<Polynomial>& result = corner_[corner][axis];
+  if (!result.known) {
+    OILSKIN_ASSERT(!workspace_.in_scope());
+    result = {true, with_corners([&](const auto& corners) {
+                const auto& x = corners[corner][axis];
+                return polynomial(std::array{x.start, x.slope});
+              })};
+  }
+  return result.value;
+}
+
+PolynomialVector ExactQuery::corner(int corner) {
+  return {this->corner(corner, 0), this->corner(corner, 1), this->corner(corner, 2)};
+}
+
+Meeting ExactQuery::first_meeting(const TimeSpan& span, bool time_matters) {
+  look_at(span);
+  if (cubic_.exact.degree < 0) return first_of_flat_motion();
+  return first_of_cubic(time_matters);
+}
+
+/// From `span` outwards to the grid.
+void ExactQuery::look_at(const TimeSpan& span) {
+  const Whole grid = workspace_.from_double(kGrid, 0);
+  begin_ = algebra_.fraction(workspace_.from_double(std::floor(span.begin * kGrid), 0), grid);
+  end_ = algebra_.fraction(workspace_.from_double(std::ceil(span.end * kGrid), 0), grid);
 }
 
 // ---- Times of coplanarity ----
 
 void ExactQuery::find_breaks() {
-  break_[breaks_++] = zero_;
-  if (slope_.degree >= 1) {
-    const SurdRoots stationary = algebra_.roots_of(slope_);
+  breaks_ = 0;
+  extrema_at_or_before_start_ = 0;
+  break_[breaks_++] = begin_;
+  if (slope_.exact.degree >= 1 && slope_.rounded.sign_between(begin_.near, end_.near) == 0) {
+    const SurdRoots stationary = algebra_.roots_of(slope_.exact);
     // A double root of the slope is no extremum.
-    const int extrema = slope_.degree == 2 && stationary.count == 1 ? 0 : stationary.count;
+    const int extrema = slope_.exact.degree == 2 && stationary.count == 1 ? 0 : stationary.count;
     for (int i = 0; i < extrema; ++i) {
-      if (algebra_.compare_with_fraction(stationary.at[i], zero_) <= 0) {
+      if (algebra_.compare_with_fraction(stationary.at[i], begin_) <= 0) {
         ++extrema_at_or_before_start_;
-      } else if (algebra_.compare_with_fraction(stationary.at[i], one_) < 0) {
+      } else if (algebra_.compare_with_fraction(stationary.at[i], end_) < 0) {
         break_[breaks_++] = stationary.at[i];
       }
     }
   }
-  break_[breaks_++] = one_;
+  break_[breaks_++] = end_;
+  if (breaks_ > 2 && !curvature_.known) curvature_ = {true, Function(algebra_.derivative(slope_.exact))};
   for (int i = 0; i < breaks_; ++i) sign_at_break_[i] = algebra_.sign_at(cubic_, break_[i]);
 }
 
 /// How many extrema of the cubic, wherever they are, lie before t. The signs of slope and curvature tell.
 int ExactQuery::extrema_before(const Surd& t, bool* at_extremum) {
-  const int lead = slope_.leading_sign(), slope = algebra_.sign_at(slope_, t) * lead;
+  const int lead = slope_.exact.leading_sign(), slope = algebra_.sign_at(slope_, t) * lead;
   *at_extremum = slope == 0;
-  if (slope_.degree == 1) return slope > 0 ? 1 : 0;
+  if (slope_.exact.degree == 1) return slope > 0 ? 1 : 0;
   if (slope < 0) return 1;
-  const bool left = algebra_.sign_at(curvature_, t) * lead < 0;
+  const bool left = algebra_.sign_at(curvature_.value, t) * lead < 0;
   if (slope == 0) return left ? 0 : 1;
   return left ? 0 : 2;
 }
@@ -150,8 +297,11 @@ int ExactQuery::extrema_before(const Surd& t, bool* at_extremum) {
 /// −1, 0, 1 as t is before, at or after the root.
 int ExactQuery::compare_with(const Coplanarity& root, const Surd& t) {
   OILSKIN_ASSERT(!root.known);
-  if (algebra_.compare_with_fraction(t, zero_) <= 0) return -1;
-  if (algebra_.compare_with_fraction(t, one_) >= 0) return 1;
+  constexpr double kMargin = 0x1p-45;
+  if (t.near < break_[root.piece].near - kMargin) return -1;
+  if (t.near > break_[root.piece + 1].near + kMargin) return 1;
+  if (algebra_.compare_with_fraction(t, begin_) <= 0) return -1;
+  if (algebra_.compare_with_fraction(t, end_) >= 0) return 1;
   if (breaks_ > 2) {
     bool at_extremum = false;
     const int piece = extrema_before(t, &at_extremum) - extrema_at_or_before_start_;
@@ -163,12 +313,14 @@ int ExactQuery::compare_with(const Coplanarity& root, const Surd& t) {
 }
 
 /// The sign that q, of degree two at most, has at the root.
-int ExactQuery::sign_at(const Coplanarity& root, const Polynomial& q) {
+int ExactQuery::sign_at(const Coplanarity& root, const Function& q) {
   if (root.known) return algebra_.sign_at(q, root.at);
-  const int lead = q.leading_sign();
-  if (q.degree < 1) return lead;
+  const int lead = q.exact.leading_sign();
+  if (q.exact.degree < 1) return lead;
+  const int rounded = q.rounded.sign_between(break_[root.piece].near, break_[root.piece + 1].near);
+  if (rounded != 0) return rounded;
   const Workspace::Scope scope(&workspace_);
-  const SurdRoots zeros = algebra_.roots_of(q);
+  const SurdRoots zeros = algebra_.roots_of(q.exact);
   // From the last zero to the first: q has the sign `lead` after the last, and changes it at each unless that
   // is double.
   int sign = lead;
@@ -176,18 +328,20 @@ int ExactQuery::sign_at(const Coplanarity& root, const Polynomial& q) {
     const int order = compare_with(root, zeros.at[i]);
     if (order == 0) return 0;
     if (order < 0) return sign;
-    if (zeros.count == q.degree) sign = -sign;
+    if (zeros.count == q.exact.degree) sign = -sign;
   }
   return sign;
 }
 
-Meeting ExactQuery::first_of_cubic() {
+Meeting ExactQuery::first_of_cubic(bool time_matters) {
   find_breaks();
   for (int i = 0; i < breaks_; ++i) {
     const Coplanarity at_break{true, break_[i], i}, between{false, {}, i};
-    if (sign_at_break_[i] == 0 && inside(at_break)) return {true, rounded_down(at_break)};
+    if (sign_at_break_[i] == 0 && inside(at_break)) {
+      return {true, time_matters ? rounded_down(at_break) : begin_.near};
+    }
     if (i + 1 < breaks_ && sign_at_break_[i] * sign_at_break_[i + 1] < 0 && inside(between)) {
-      return {true, rounded_down(between)};
+      return {true, time_matters ? rounded_down(between) : begin_.near};
     }
   }
   return {};
@@ -198,14 +352,15 @@ Meeting ExactQuery::first_of_cubic() {
 /// In flat motion a first touch after the start is on an edge, for a point inside was inside just before. The
 /// edge's area vanishes there, and where it vanishes all the time, one of the edge's ends reaches the point.
 Meeting ExactQuery::first_of_flat_motion() {
-  std::array<PolynomialVector, 3> areas;
-  for (int i = 0; i < 3; ++i) areas[i] = {area(i, 0), area(i, 1), area(i, 2)};
-  if (inside({true, zero_, 0})) return {true, 0};
+  std::array<PolynomialVector, 3> areas, corners;
+  for (int i = 0; i < 3; ++i) corners[i] = corner(i);
+  for (int i = 0; i < 3; ++i) areas[i] = {area(i, 0).exact, area(i, 1).exact, area(i, 2).exact};
+  if (inside({true, begin_, 0})) return {true, begin_.near};
   Meeting first;
   for (int i = 0; i < 3; ++i) {
     if (!meet_at_roots_of_first_component(areas[i], &first)) {
-      meet_at_roots_of_first_component(corner_[(i + 1) % 3], &first);
-      meet_at_roots_of_first_component(corner_[(i + 2) % 3], &first);
+      meet_at_roots_of_first_component(corners[(i + 1) % 3], &first);
+      meet_at_roots_of_first_component(corners[(i + 2) % 3], &first);
     }
   }
   return first;
@@ -227,8 +382,8 @@ void ExactQuery::meet_at_roots(const Polynomial& q, Meeting* first) {
   const SurdRoots roots = algebra_.roots_of(q);
   for (int i = 0; i < roots.count; ++i) {
     const Coplanarity root{true, roots.at[i], 0};
-    const bool in_step = algebra_.compare_with_fraction(root.at, zero_) >= 0 &&
-                         algebra_.compare_with_fraction(root.at, one_) <= 0;
+    const bool in_step = algebra_.compare_with_fraction(root.at, begin_) >= 0 &&
+                         algebra_.compare_with_fraction(root.at, end_) <= 0;
     if (!in_step || !inside(root)) continue;
     const double time = rounded_down(root);
     *first = {true, first->hit ? std::min(first->time, time) : time};
@@ -241,7 +396,8 @@ void ExactQuery::meet_at_roots(const Polynomial& q, Meeting* first) {
 /// normal, so one component of both tells whether they have its direction.
 bool ExactQuery::inside(const Coplanarity& root) {
   for (int k = 0; k < 3; ++k) {
-    const int normal = sign_at(root, algebra_.sum(area(0, k), algebra_.sum(area(1, k), area(2, k))));
+    const int normal = sign_at(
+        root, Function(algebra_.sum(area(0, k).exact, algebra_.sum(area(1, k).exact, area(2, k).exact))));
     if (normal == 0) continue;
     for (int i = 0; i < 3; ++i) {
       if (sign_at(root, area(i, k)) * normal < 0) return false;
@@ -257,7 +413,7 @@ bool ExactQuery::inside_segment(const Coplanarity& root) {
     int signs = 0;
     for (int i = 0; i < 3; ++i) {
       if (sign_at(root, area(i, k)) != 0) return false;
-      signs += sign_at(root, corner_[i][k]);
+      signs += sign_at(root, Function(corner(i, k)));
     }
     if (signs == 3 || signs == -3) return false;
   }
@@ -266,16 +422,13 @@ bool ExactQuery::inside_segment(const Coplanarity& root) {
 
 // ---- The time of touch ----
 
-constexpr double kGrid = 0x1p52;
-
 /// A time close to the root, as far as rounding allows.
 double ExactQuery::estimate(const Coplanarity& root) {
-  if (root.known) return algebra_.estimate(root.at);
-  const RoundedPolynomial rounded(cubic_);
-  double before = algebra_.estimate(break_[root.piece]), after = algebra_.estimate(break_[root.piece + 1]);
+  if (root.known) return std::min(std::max(root.at.near, 0.0), 1.0);
+  double before = break_[root.piece].near, after = break_[root.piece + 1].near;
   while (after - before > 1 / kGrid) {
     const double t = 0.5 * (before + after);
-    (rounded.at(t) * sign_at_break_[root.piece] > 0 ? before : after) = t;
+    (cubic_.rounded.at(t) * sign_at_break_[root.piece] > 0 ? before : after) = t;
   }
   return before;
 }
@@ -322,9 +475,55 @@ Meeting exact_meeting(const PointTriangleMotion& m) {
   if (!finite(m)) return {true, 0};
   Workspace workspace;
   ExactQuery query(m, &workspace);
-  const Meeting meeting = query.first_meeting();
+  const Meeting meeting = query.first_meeting({0, 1}, true);
   OILSKIN_ASSERT(!workspace.exhausted());
   return workspace.exhausted() ? Meeting{true, 0} : meeting;
 }
+
+Meeting exact_meeting_from(const PointTriangleMotion& m, const TimeSpan& first) {
+  if (!finite(m)) return {true, 0};
+  Workspace workspace;
+  ExactQuery query(m, &workspace);
+  Meeting meeting = query.first_meeting(first, false);
+  if (!meeting.hit && first.end < 1) meeting = query.first_meeting({first.end, 1}, true);
+  OILSKIN_ASSERT(!workspace.exhausted());
+  return workspace.exhausted() ? Meeting{true, 0} : meeting;
+}
+
+#ifdef OILSKIN_CCD_FIXED_NUMBERS
+Placement exact_placement(const PointTriangleMotion& m, int end) {
+  const std::array<const Vec3*, 8> points = points_of(m);
+  std::array<std::array<Fixed<2>, 3>, 3> corner;
+  for (int k = 0; k < 3; ++k) {
+    std::array<double, 4> x;
+    for (int i = 0; i < 4; ++i) x[i] = (*points[4 * end + i])[k];
+    std::array<Fixed<2>, 4> fixed;
+    if (!to_fixed(x, &fixed)) return Placement::kUnknown;
+    for (int i = 0; i < 3; ++i) corner[i][k] = fixed[1 + i] - fixed[0];
+  }
+  const auto area = [&corner](int opposite, int axis) {
+    const auto &u = corner[(opposite + 1) % 3], &v = corner[(opposite + 2) % 3];
+    const int x = (axis + 1) % 3, y = (axis + 2) % 3;
+    return u[x] * v[y] - u[y] * v[x];
+  };
+  const std::array<Fixed<4>, 3> first{area(0, 0), area(0, 1), area(0, 2)};
+  // The cubic is the height of the point above the triangle, the volume that of a corner above the point.
+  const int side = -(corner[0][0] * first[0] + corner[0][1] * first[1] + corner[0][2] * first[2]).sign();
+  if (side != 0) return side > 0 ? Placement::kPositiveSide : Placement::kNegativeSide;
+  for (int k = 0; k < 3; ++k) {
+    const Fixed<4> second = area(1, k), third = area(2, k);
+    const int normal = (first[k] + second + third).sign();
+    if (normal == 0) continue;
+    const bool inside =
+        first[k].sign() * normal >= 0 && second.sign() * normal >= 0 && third.sign() * normal >= 0;
+    return inside ? Placement::kInside : Placement::kOutside;
+  }
+  return Placement::kUnknown;
+}
+#else
+Placement exact_placement(const PointTriangleMotion&, int) {
+  return Placement::kUnknown;
+}
+#endif
 
 }  // namespace oilskin::ccd::detail

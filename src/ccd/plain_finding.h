@@ -1,7 +1,7 @@
 /// What plain arithmetic with error bounds finds out. Internal to the room.
 #pragma once
 
-#include "ccd/point_triangle.h"
+#include "ccd/separation.h"
 
 namespace oilskin::ccd::detail {
 
@@ -9,7 +9,8 @@ enum class Verdict { kApart, kMeet, kUnclear };
 
 struct Finding {
   Verdict verdict = Verdict::kApart;
-  double time = 1;  ///< of the first meeting, not late (kMeet only)
+  /// kMeet: begins not later than the first meeting. kUnclear: nothing meets before it, something may in it.
+  TimeSpan span;
 };
 
 /// kApart and kMeet are certain.

@@ -21,6 +21,7 @@ namespace {
 using detail::Coefficients;
 using detail::CoplanarityCubic;
 using detail::Finding;
+using detail::Placement;
 using detail::RelativeMotion;
 using detail::TimeSpan;
 using detail::Verdict;
@@ -77,14 +78,16 @@ void projected_areas(const double corner[3][3], int k, double area[3]) {
   }
 }
 
-/// Is the point certainly inside the triangle at a time within `span` at which the four points are coplanar?
-///
+/// Where the point is at those times within a span at which the four points are coplanar.
+enum class Place { kInside, kOutside, kUnclear };
+
 /// With M the largest component at the ends of the step, a component computed for the middle of a span of
 /// half width h is within δ = (2 h + 8 u) M of the true one at any time of the span: 4 u M from roundings
 /// (input, 1 − t, product, sum), 2 M (h + 2 u) from the motion. With m the largest computed component, an
 /// area (two products) is within 4 m δ + 2 δ² + 4 u m² ≤ 8 m δ of the true one, unless δ > m/4; but then 8 m
-/// δ exceeds any area. If the three areas on an axis have one sign for certain, the point is inside.
-bool certainly_inside(const RelativeMotion& motion, const TimeSpan& span) {
+/// δ exceeds any area. In the plane, the three areas on an axis are that of the triangle times the point's
+/// weights: all of one sign for certain, the point is inside; two of different signs, it is outside.
+Place place_of_point(const RelativeMotion& motion, const TimeSpan& span) {
   const double t = span.middle(), s = 1 - t;
   double corner[3][3], greatest_at_ends = 0, greatest = 0;
   for (int i = 0; i < 3; ++i) {
@@ -103,64 +106,112 @@ bool certainly_inside(const RelativeMotion& motion, const TimeSpan& span) {
     projected_areas(corner, k, area);
     const double least = std::min(std::min(area[0], area[1]), area[2]);
     const double most = std::max(std::max(area[0], area[1]), area[2]);
-    if (least > error || most < -error) return true;
+    if (least > error || most < -error) return Place::kInside;
+    if (least < -error && most > error) return Place::kOutside;
   }
-  return false;
+  return Place::kUnclear;
 }
 
-Finding separate(const RelativeMotion& motion, const TimeSpan& span) {
-  return {detail::certainly_apart(motion, span) ? Verdict::kApart : Verdict::kUnclear, 1};
+/// The touch of a span that is so short has its time: the beginning, early by less than anyone asks.
+constexpr double kShort = 0x1p-24;
+
+/// A query on its way through the tests.
+struct Query {
+  const PointTriangleMotion& exact;
+  const RelativeMotion& motion;
+  const CoplanarityCubic& cubic;
+};
+
+/// A span in which the cubic may vanish, once or more often.
+Finding judge(const RelativeMotion& motion, const TimeSpan& span) {
+  if (span.width() <= kShort) {
+    const bool outside = place_of_point(motion, span) == Place::kOutside;
+    return {outside ? Verdict::kApart : Verdict::kUnclear, span};
+  }
+  return {certainly_apart(motion, span) ? Verdict::kApart : Verdict::kUnclear, span};
 }
 
 /// The single crossing of the plane within `span`: through the triangle or beside it?
-Finding meet_at_crossing(const CoplanarityCubic& cubic, const RelativeMotion& motion, const TimeSpan& span) {
-  constexpr double kTight = 1e-7;  // a crossing that is less well known gets its time from exact arithmetic
-  const TimeSpan root = narrow_crossing(cubic, span);
-  if (root.width() < kTight && certainly_inside(motion, root)) return {Verdict::kMeet, root.begin};
-  return separate(motion, root);
+Finding meet_at_crossing(const Query& query, const TimeSpan& span) {
+  const TimeSpan root = narrow_crossing(query.cubic, span);
+  if (root.width() > kShort) return judge(query.motion, root);
+  const Place place = place_of_point(query.motion, root);
+  if (place == Place::kUnclear) return {Verdict::kUnclear, root};
+  return {place == Place::kInside ? Verdict::kMeet : Verdict::kApart, root};
 }
 
-/// Where to cut a span whose roots cannot be counted, and how many halvings each part is worth. In the
-/// middle; but where only the coefficient of one end is uncertain (a touch at the start or the end of the
-/// step), close to it.
-struct Cut {
-  double time;
-  int early_depth, late_depth;
+/// The cubic has a certain sign in all of the short `span` but at one end of it, which is that of the step.
+Finding judge_end(const Query& query, const TimeSpan& span, int sign) {
+  if (place_of_point(query.motion, span) == Place::kOutside) return {};
+  const int end = span.begin == 0 ? 0 : 1;
+  switch (detail::exact_placement(query.exact, end)) {
+    case Placement::kInside:
+      return {Verdict::kMeet, {static_cast<double>(end), static_cast<double>(end)}};
+    case Placement::kOutside:
+      return {};
+    case Placement::kPositiveSide:
+      return {sign > 0 ? Verdict::kApart : Verdict::kUnclear, span};
+    case Placement::kNegativeSide:
+      return {sign < 0 ? Verdict::kApart : Verdict::kUnclear, span};
+    case Placement::kUnknown:
+      break;
+  }
+  return {Verdict::kUnclear, span};
+}
+
+/// The sign of all coefficients but the first or the last, which is uncertain: a touch at one end of the
+/// span.
+struct EndTouch {
+  int at_begin = 0, at_end = 0;  ///< the sign, or 0
 };
 
-Cut choose_cut(const CoplanarityCubic& cubic, const Coefficients& c, const TimeSpan& span) {
-  constexpr int kHalvings = 13;
-  constexpr double kPart = 0x1p-13;
+EndTouch end_touch(const CoplanarityCubic& cubic, const Coefficients& c) {
   const int s0 = cubic.sign(c.k[0]), s1 = cubic.sign(c.k[1]), s2 = cubic.sign(c.k[2]),
             s3 = cubic.sign(c.k[3]);
-  if (s1 != 0 && s1 == s2 && s0 == s1 && s3 == 0) return {span.end - kPart * span.width(), 1, kHalvings};
-  if (s1 != 0 && s1 == s2 && s3 == s1 && s0 == 0) return {span.begin + kPart * span.width(), kHalvings, 1};
-  return {span.middle(), 1, 1};
+  if (s1 != s2) return {};
+  return {s0 == 0 && s3 == s1 ? s1 : 0, s3 == 0 && s0 == s1 ? s1 : 0};
+}
+
+/// Where to cut a span whose roots cannot be counted. In the middle; but for a touch at one end, as close to
+/// it as the sign is certain: the coefficient k beside it keeps the cubic beyond 3 x (1 − x)² |k| − error at
+/// a part x of the span.
+double choose_cut(const CoplanarityCubic& cubic, const Coefficients& c, const TimeSpan& span,
+                  const EndTouch& touch) {
+  const auto part = [&](double beside) {
+    const double certain = 4 * cubic.error() / std::abs(beside) * span.width();
+    return std::min(std::max(0.75 * kShort, certain), 0.5 * span.width());
+  };
+  if (touch.at_end != 0) return span.end - part(c.k[2]);
+  if (touch.at_begin != 0) return span.begin + part(c.k[1]);
+  return span.middle();
 }
 
 /// Isolates the roots of the cubic from the earliest to the latest, and ends at the first that meets or
 /// cannot be judged.
-Finding first_finding(const CoplanarityCubic& cubic, const RelativeMotion& motion, const TimeSpan& span,
-                      const Coefficients& coefficients, int depth) {
-  // Halving a double root this often narrows it to 1.5e-8, where rounding hides the cubic.
-  constexpr int kMaxDepth = 26;
+Finding first_finding(const Query& query, const TimeSpan& span, const Coefficients& coefficients) {
+  const CoplanarityCubic& cubic = query.cubic;
   switch (count_roots(cubic, coefficients)) {
     case Roots::kNone:
       return {};
     case Roots::kOne:
-      return meet_at_crossing(cubic, motion, span);
+      return meet_at_crossing(query, span);
     case Roots::kInvisible:
-      return separate(motion, span);
+      return judge(query.motion, span);
     case Roots::kUnknown:
       break;
   }
-  if (depth >= kMaxDepth) return separate(motion, span);
-  const Cut cut = choose_cut(cubic, coefficients, span);
-  OILSKIN_ASSERT(span.begin < cut.time && cut.time < span.end);
-  const TimeSpan early{span.begin, cut.time}, late{cut.time, span.end};
-  const Finding finding = first_finding(cubic, motion, early, cubic.on(early), depth + cut.early_depth);
+  const EndTouch touch = end_touch(cubic, coefficients);
+  if (span.width() <= kShort) {
+    if (touch.at_end != 0 && span.end == 1) return judge_end(query, span, touch.at_end);
+    if (touch.at_begin != 0 && span.begin == 0) return judge_end(query, span, touch.at_begin);
+    return judge(query.motion, span);
+  }
+  const double cut = choose_cut(cubic, coefficients, span, touch);
+  OILSKIN_ASSERT(span.begin < cut && cut < span.end);
+  const TimeSpan early{span.begin, cut}, late{cut, span.end};
+  const Finding finding = first_finding(query, early, cubic.on(early));
   if (finding.verdict != Verdict::kApart) return finding;
-  return first_finding(cubic, motion, late, cubic.on(late), depth + cut.late_depth);
+  return first_finding(query, late, cubic.on(late));
 }
 
 }  // namespace
@@ -170,16 +221,17 @@ detail::Finding detail::plain_finding(const PointTriangleMotion& m) {
   RelativeMotion relative;
   if (axis_separates(m, &relative)) return {};
   const CoplanarityCubic cubic(m, relative);
-  if (!cubic.bounded()) return separate(relative, {0, 1});
-  return first_finding(cubic, relative, {0, 1}, cubic.coefficients(), 0);
+  if (!cubic.bounded()) return judge(relative, {0, 1});
+  return first_finding({m, relative, cubic}, {0, 1}, cubic.coefficients());
 }
 
 Meeting point_triangle(const PointTriangleMotion& m) {
   const Finding finding = detail::plain_finding(m);
+  const TimeSpan& span = finding.span;
+  OILSKIN_ASSERT(0 <= span.begin && span.begin <= span.end && span.end <= 1);
   if (finding.verdict == Verdict::kApart) return {};
-  if (finding.verdict == Verdict::kUnclear) return detail::exact_meeting(m);
-  OILSKIN_ASSERT(finding.time >= 0 && finding.time <= 1);
-  return {true, finding.time};
+  if (finding.verdict == Verdict::kMeet) return {true, span.begin};
+  return span.width() <= kShort ? detail::exact_meeting_from(m, span) : detail::exact_meeting(m);
 }
 
 }  // namespace oilskin::ccd

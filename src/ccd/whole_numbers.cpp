@@ -10,21 +10,11 @@
 namespace oilskin::ccd::detail {
 namespace {
 
-/// |x| = mantissa 2^exponent, for finite x.
-struct Decomposed {
-  std::uint64_t mantissa;
-  int exponent;
-};
-
-Decomposed decompose(double x) {
-  static_assert(std::numeric_limits<double>::is_iec559 && sizeof(double) == 8, "doubles are taken apart");
+/// The e with 2^(e−1) ≤ x < 2^e, for positive x of normal size.
+int exponent_of(double x) {
   std::uint64_t bits = 0;
   std::memcpy(&bits, &x, sizeof bits);
-  const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
-  const int biased = static_cast<int>((bits >> 52) & 0x7ff);
-  OILSKIN_ASSERT(biased != 0x7ff);
-  if (biased == 0) return {fraction, -1074};
-  return {fraction | (std::uint64_t{1} << 52), biased - 1075};
+  return static_cast<int>(bits >> 52) - 1022;
 }
 
 /// larger + smaller, by magnitude; returns the carry.
@@ -57,6 +47,14 @@ void subtract(const Whole& larger, const Whole& smaller, Limb* out) {
 
 }  // namespace
 
+double scaled(double x, int exponent) {
+  if (exponent < -1022 || exponent > 1023) return std::ldexp(x, exponent);
+  const std::uint64_t bits = static_cast<std::uint64_t>(exponent + 1023) << 52;
+  double power = 0;
+  std::memcpy(&power, &bits, sizeof power);
+  return x * power;
+}
+
 int compare_magnitudes(const Whole& a, const Whole& b) {
   if (a.size != b.size) return a.size < b.size ? -1 : 1;
   for (int i = a.size - 1; i >= 0; --i) {
@@ -67,17 +65,27 @@ int compare_magnitudes(const Whole& a, const Whole& b) {
 
 Scaled approximation(const Whole& a) {
   if (a.sign == 0) return {};
-  // The leading of three limbs may be as small as 1: what is cut off is below 2⁻⁶⁴ of the whole. Five
-  // roundings.
+  // The leading limb may be as small as 1: 64 bits behind it leave out less than 2⁻⁶⁴ of the whole. Five
+  // roundings at most.
+  constexpr int kLimbs = 1 + 64 / kLimbBits;
   constexpr double kBase = 2.0 * (Limb{1} << (kLimbBits - 1));
   double leading = 0;
-  for (int i = 1; i <= 3; ++i) {
+  for (int i = 1; i <= kLimbs; ++i) {
     leading = leading * kBase + (i <= a.size ? static_cast<double>(a.limbs[a.size - i]) : 0.0);
   }
-  Scaled result;
-  result.mantissa = a.sign * std::frexp(leading, &result.exponent);
-  result.exponent += kLimbBits * (a.size - 3);
-  return result;
+  const int exponent = exponent_of(leading);
+  return {a.sign * scaled(leading, -exponent), exponent + kLimbBits * (a.size - kLimbs)};
+}
+
+Decomposed decompose(double x) {
+  static_assert(std::numeric_limits<double>::is_iec559 && sizeof(double) == 8, "doubles are taken apart");
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, &x, sizeof bits);
+  const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
+  const int biased = static_cast<int>((bits >> 52) & 0x7ff);
+  OILSKIN_ASSERT(biased != 0x7ff);
+  if (biased == 0) return {fraction, -1074};
+  return {fraction | (std::uint64_t{1} << 52), biased - 1075};
 }
 
 int lowest_exponent(double x) {
@@ -100,7 +108,6 @@ Whole Workspace::keep(Limb* limbs, int size, int sign) {
   while (size > 0 && limbs[size - 1] == 0) --size;
   OILSKIN_ASSERT(size == 0 || sign != 0);
   used_ += static_cast<std::size_t>(size);
-  most_used_ = std::max(most_used_, used_);
   return {limbs, size, size == 0 ? 0 : sign};
 }
 
@@ -132,6 +139,21 @@ Whole Workspace::from_double(double x, int exponent) {
   }
   return keep(out, size, x < 0 ? -1 : 1);
 }
+
+#ifdef OILSKIN_CCD_FIXED_NUMBERS
+Whole Workspace::from_fixed(const std::uint64_t* limbs, int count) {
+  Limb* out = reserve(count);
+  if (out == nullptr) return {};
+  const bool negative = limbs[count - 1] >> 63 != 0;
+  std::uint64_t carry = negative ? 1 : 0;
+  for (int i = 0; i < count; ++i) {
+    const std::uint64_t limb = negative ? ~limbs[i] : limbs[i];
+    out[i] = limb + carry;
+    carry = out[i] < carry ? 1 : 0;
+  }
+  return keep(out, count, negative ? -1 : 1);
+}
+#endif
 
 Whole Workspace::sum(const Whole& a, const Whole& b) {
   if (a.sign == 0) return b;

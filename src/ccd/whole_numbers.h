@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "ccd/fixed_numbers.h"
+
 namespace oilskin::ccd::detail {
 
 #ifdef __SIZEOF_INT128__
@@ -37,6 +39,16 @@ struct Scaled {
 };
 Scaled approximation(const Whole& a);
 
+/// x 2^exponent: std::ldexp, faster.
+double scaled(double x, int exponent);
+
+/// |x| = mantissa 2^exponent, for finite x.
+struct Decomposed {
+  std::uint64_t mantissa;
+  int exponent;
+};
+Decomposed decompose(double x);
+
 /// Exponent of the last bit of a finite number that is not zero.
 int lowest_exponent(double x);
 
@@ -68,24 +80,33 @@ class Workspace {
 
   bool exhausted() const { return exhausted_; }
   bool in_scope() const { return scopes_ > 0; }
-  std::size_t most_used() const { return most_used_; }  ///< limbs
 
   Whole small(int value);
   /// x / 2^exponent, for x finite and exponent at most `lowest_exponent(x)`.
   Whole from_double(double x, int exponent);
+#ifdef OILSKIN_CCD_FIXED_NUMBERS
+  template <int N>
+  Whole from_fixed(const Fixed<N>& a) {
+    return from_fixed(a.limb, N);
+  }
+#endif
   Whole sum(const Whole& a, const Whole& b);
-  Whole difference(const Whole& a, const Whole& b) { return sum(a, negated(b)); }
+  Whole difference(const Whole& a, const Whole& b) {
+    return sum(a, negated(b));
+  }
   Whole product(const Whole& a, const Whole& b);
 
  private:
   /// Enough for the exact test of coordinates of any finite size; coordinates of similar size need 1,000.
   static constexpr std::size_t kCapacity = (std::size_t{24576} * 64) / kLimbBits;
 
+#ifdef OILSKIN_CCD_FIXED_NUMBERS
+  Whole from_fixed(const std::uint64_t* limbs, int count);
+#endif
   Limb* reserve(int size);
   Whole keep(Limb* limbs, int size, int sign);
 
   std::size_t used_ = 0;
-  std::size_t most_used_ = 0;
   int scopes_ = 0;
   bool exhausted_ = false;
   Limb memory_[kCapacity];

@@ -9,10 +9,6 @@
 namespace oilskin::ccd::detail {
 namespace {
 
-void trim(Polynomial* f) {
-  while (f->degree >= 0 && f->c[f->degree].sign == 0) --f->degree;
-}
-
 /// −1 or 1 as a² is certainly less or greater than b² D; 0 where leading bits do not tell.
 int compare_leading_bits(const Whole& a, const Whole& b, const Whole& D) {
   const Scaled x = approximation(a), y = approximation(b), z = approximation(D);
@@ -21,8 +17,7 @@ int compare_leading_bits(const Whole& a, const Whole& b, const Whole& D) {
   if (difference < -6) return -1;
   // Five factors within 2⁻⁵⁰ and a few roundings.
   constexpr double kMargin = 0x1p-46;
-  const double ratio =
-      std::ldexp(x.mantissa * x.mantissa / (y.mantissa * y.mantissa * z.mantissa), difference);
+  const double ratio = scaled(x.mantissa * x.mantissa / (y.mantissa * y.mantissa * z.mantissa), difference);
   return ratio > 1 + kMargin ? 1 : (ratio < 1 - kMargin ? -1 : 0);
 }
 
@@ -36,40 +31,25 @@ RoundedPolynomial::RoundedPolynomial(const Polynomial& f) {
     if (exact[i].mantissa != 0) largest = std::max(largest, exact[i].exponent);
   }
   for (int i = 0; i <= f.degree; ++i) {
-    if (exact[i].mantissa != 0) c[i] = std::ldexp(exact[i].mantissa, exact[i].exponent - largest);
-    sum_of_magnitudes += std::abs(c[i]);
+    if (exact[i].mantissa != 0) c_[i] = scaled(exact[i].mantissa, exact[i].exponent - largest);
+    sum_of_magnitudes_ += std::abs(c_[i]);
+    greatest_slope_ += i * std::abs(c_[i]);
   }
 }
 
-Polynomial Algebra::linear(const Whole& start, const Whole& end) {
-  Polynomial f{{start, difference(end, start)}, 1};
-  trim(&f);
-  return f;
+/// With S the sum of the coefficients' magnitudes, the value computed for the middle is wrong by 2⁻⁴⁹ S from
+/// the coefficients, by |f′| 2⁻⁴⁷ ≤ 3 · 2⁻⁴⁷ S from the ends of the times, and by 6 · 2⁻⁵³ S from the three
+/// steps of Horner's rule; the rest of 2⁻⁴⁵ S covers the roundings of the middle and of the slope.
+int RoundedPolynomial::sign_between(double from, double to) const {
+  const double value = at(0.5 * (from + to));
+  const double error = 0x1p-45 * sum_of_magnitudes_ + 0.5 * (to - from) * greatest_slope_;
+  return value > error ? 1 : (value < -error ? -1 : 0);
 }
 
 Polynomial Algebra::sum(const Polynomial& f, const Polynomial& g) {
-  Polynomial h;
-  h.degree = std::max(f.degree, g.degree);
-  for (int i = 0; i <= h.degree; ++i) h.c[i] = sum(f.c[i], g.c[i]);
-  trim(&h);
-  return h;
-}
-
-Polynomial Algebra::difference(const Polynomial& f, const Polynomial& g) {
-  Polynomial minus = g;
-  for (Whole& a : minus.c) a = negated(a);
-  return sum(f, minus);
-}
-
-Polynomial Algebra::product(const Polynomial& f, const Polynomial& g) {
-  Polynomial h;
-  if (f.degree < 0 || g.degree < 0) return h;
-  h.degree = f.degree + g.degree;
-  OILSKIN_ASSERT(h.degree <= 3);
-  for (int i = 0; i <= f.degree; ++i) {
-    for (int j = 0; j <= g.degree; ++j) h.c[i + j] = sum(h.c[i + j], product(f.c[i], g.c[j]));
-  }
-  return h;
+  std::array<Whole, 4> terms;
+  for (int i = 0; i < 4; ++i) terms[i] = sum(f.c[i], g.c[i]);
+  return Polynomial(terms);
 }
 
 Polynomial Algebra::derivative(const Polynomial& f) {
@@ -82,7 +62,9 @@ Polynomial Algebra::derivative(const Polynomial& f) {
 Surd Algebra::fraction(const Whole& numerator, const Whole& denominator) {
   OILSKIN_ASSERT(denominator.sign != 0 || workspace_.exhausted());
   const bool flip = denominator.sign < 0;
-  return {flip ? negated(numerator) : numerator, flip ? negated(denominator) : denominator, {}, 1};
+  Surd t{flip ? negated(numerator) : numerator, flip ? negated(denominator) : denominator, {}, 1, 0};
+  t.near = estimate(t, {});
+  return t;
 }
 
 SurdRoots Algebra::roots_of(const Polynomial& q) {
@@ -93,15 +75,17 @@ SurdRoots Algebra::roots_of(const Polynomial& q) {
     roots.count = 1;
     return roots;
   }
-  const Whole D = difference(product(q.c[1], q.c[1]), multiple(product(q.c[2], q.c[0]), 4));
+  const Whole norm = multiple(product(q.c[2], q.c[0]), 4);
+  const Whole D = difference(product(q.c[1], q.c[1]), norm);
   if (D.sign < 0) return roots;
   Surd root = fraction(negated(q.c[1]), multiple(q.c[2], 2));
   root.D = D;
   roots.count = D.sign == 0 ? 1 : 2;
-  root.side = -1;
-  roots.at[0] = root;
-  root.side = 1;
-  roots.at[1] = root;
+  for (int i = 0; i < 2; ++i) {
+    root.side = i == 0 ? -1 : 1;
+    root.near = estimate(root, norm);
+    roots.at[i] = root;
+  }
   return roots;
 }
 
@@ -115,14 +99,10 @@ int Algebra::sign_of_sum(const Whole& a, const Whole& b, const Surd& s) {
   return order > 0 ? a.sign : (order < 0 ? root_sign : 0);
 }
 
-/// Rounded arithmetic decides most: with S the sum of the coefficients' magnitudes, the computed value is
-/// wrong by 2⁻⁴⁹ S from the coefficients, by |f′| 2⁻⁴⁷ ≤ 3 · 2⁻⁴⁷ S from the time, and by 6 · 2⁻⁵³ S from the
-/// three steps of Horner's rule.
-int Algebra::sign_at(const Polynomial& f, const Surd& t) {
-  const RoundedPolynomial rounded(f);
-  const double value = rounded.at(estimate(t)), error = 0x1p-45 * rounded.sum_of_magnitudes;
-  if (std::abs(value) > error) return value > 0 ? 1 : -1;
-  return exact_sign_at(f, t);
+int Algebra::sign_at(const Function& f, const Surd& t) {
+  OILSKIN_ASSERT(t.near >= -0x1p-47 && t.near <= 1 + 0x1p-46);
+  const int sign = f.rounded.sign_between(t.near, t.near);
+  return sign != 0 ? sign : exact_sign_at(f.exact, t);
 }
 
 /// Horner's rule for dⁿ f(t) = a + b (± √D), which has the sign of f.
@@ -141,28 +121,26 @@ int Algebra::exact_sign_at(const Polynomial& f, const Surd& t) {
 
 int Algebra::compare_with_fraction(const Surd& s, const Surd& t) {
   OILSKIN_ASSERT(t.D.sign == 0);
+  const double margin = 0x1p-45 * (std::abs(s.near) + std::abs(t.near)) + 0x1p-1000;
+  if (s.near < t.near - margin) return -1;
+  if (s.near > t.near + margin) return 1;
   const Workspace::Scope scope(&workspace_);
   // (p ± √D) t.d − t.p d
   return sign_of_sum(difference(product(s.p, t.d), product(t.p, s.d)), t.d, s);
 }
 
-/// p, d, D, and p² − D are known within 2⁻⁵⁰ relative, and nothing below cancels: the result is within 2⁻⁴⁸.
-double Algebra::estimate(const Surd& t) {
-  const Workspace::Scope scope(&workspace_);
+/// p, d, D, and norm = p² − D are known within 2⁻⁵⁰ relative, and nothing below cancels: the result is within
+/// 2⁻⁴⁸.
+double Algebra::estimate(const Surd& t, const Whole& norm) {
   const Scaled p = approximation(t.p), d = approximation(t.d), D = approximation(t.D);
-  const int exponent =
-      std::max(t.p.sign == 0 ? D.exponent / 2 : p.exponent, t.D.sign == 0 ? p.exponent : D.exponent / 2);
-  const double sum = std::ldexp(p.mantissa, p.exponent - exponent);
-  const double root = t.side * std::sqrt(std::ldexp(D.mantissa, D.exponent - 2 * exponent));
-  double value;
-  if (sum * root >= 0) {
-    value = std::ldexp((sum + root) / d.mantissa, exponent - d.exponent);
-  } else {  // where the two would cancel: (p² − D) / (p ∓ √D)
-    const Scaled n = approximation(difference(product(t.p, t.p), t.D));
-    value = std::ldexp(n.mantissa / (d.mantissa * (sum - root)), n.exponent - d.exponent - exponent);
-  }
-  OILSKIN_ASSERT(value >= 0 && value <= 1 + 0x1p-47);
-  return std::min(value, 1.0);
+  if (t.D.sign == 0) return scaled(p.mantissa / d.mantissa, p.exponent - d.exponent);
+  const int exponent = t.p.sign == 0 ? D.exponent / 2 : std::max(p.exponent, D.exponent / 2);
+  const double sum = scaled(p.mantissa, p.exponent - exponent);
+  const double root = t.side * std::sqrt(scaled(D.mantissa, D.exponent - 2 * exponent));
+  if (sum * root >= 0) return scaled((sum + root) / d.mantissa, exponent - d.exponent);
+  // Where the two would cancel: (p² − D) / (p ∓ √D).
+  const Scaled n = approximation(norm);
+  return scaled(n.mantissa / (d.mantissa * (sum - root)), n.exponent - d.exponent - exponent);
 }
 
 }  // namespace oilskin::ccd::detail

@@ -13,13 +13,28 @@ struct Polynomial {
   std::array<Whole, 4> c;
   int degree = -1;
 
+  Polynomial() = default;
+  /// Constant term first; what is zero at the end is no term.
+  template <std::size_t Count>
+  explicit Polynomial(const std::array<Whole, Count>& terms);
+
   int leading_sign() const { return degree < 0 ? 0 : c[degree].sign; }
 };
+
+template <std::size_t Count>
+Polynomial::Polynomial(const std::array<Whole, Count>& terms) {
+  static_assert(Count <= 4, "degree at most three");
+  for (std::size_t i = 0; i < Count; ++i) {
+    c[i] = terms[i];
+    if (terms[i].sign != 0) degree = static_cast<int>(i);
+  }
+}
 
 /// The time (p ± √D) / d with d > 0 and D ≥ 0.
 struct Surd {
   Whole p, d, D;
-  int side = 1;  ///< the sign before the root
+  int side = 1;     ///< the sign before the root
+  double near = 0;  ///< the time within 2⁻⁴⁷ relative, or 2⁻¹⁰⁷⁴
 };
 
 /// Different real roots in ascending order.
@@ -28,14 +43,30 @@ struct SurdRoots {
   int count = 0;
 };
 
-/// The coefficients by a common factor, within 2⁻⁴⁹ relative (or 2⁻¹⁰⁷⁴ of the largest), and the sum of their
-/// magnitudes.
-struct RoundedPolynomial {
-  std::array<double, 4> c{};
-  double sum_of_magnitudes = 0;
-
+/// A polynomial by a common positive factor, with coefficients within 2⁻⁴⁹ relative (or 2⁻¹⁰⁷⁴ of the
+/// largest).
+class RoundedPolynomial {
+ public:
+  RoundedPolynomial() = default;
   explicit RoundedPolynomial(const Polynomial& f);
-  double at(double t) const { return ((c[3] * t + c[2]) * t + c[1]) * t + c[0]; }
+
+  double at(double t) const { return ((c_[3] * t + c_[2]) * t + c_[1]) * t + c_[0]; }
+  /// The sign that the polynomial has for certain at all times within 2⁻⁴⁷ of [from, to], part of [0, 1];
+  /// else 0.
+  int sign_between(double from, double to) const;
+
+ private:
+  std::array<double, 4> c_{};
+  double sum_of_magnitudes_ = 0, greatest_slope_ = 0;
+};
+
+/// A polynomial of which signs will be asked.
+struct Function {
+  Polynomial exact;
+  RoundedPolynomial rounded;
+
+  Function() = default;
+  explicit Function(const Polynomial& f) : exact(f), rounded(f) {}
 };
 
 /// Exact arithmetic in a workspace.
@@ -43,22 +74,16 @@ class Algebra {
  public:
   explicit Algebra(Workspace* workspace) : workspace_(*workspace) {}
 
-  /// From its values at 0 and 1.
-  Polynomial linear(const Whole& start, const Whole& end);
   Polynomial sum(const Polynomial& f, const Polynomial& g);
-  Polynomial difference(const Polynomial& f, const Polynomial& g);
-  Polynomial product(const Polynomial& f, const Polynomial& g);
   Polynomial derivative(const Polynomial& f);
 
   Surd fraction(const Whole& numerator, const Whole& denominator);
   /// Of a polynomial of degree one or two.
   SurdRoots roots_of(const Polynomial& q);
   /// For t in [0, 1].
-  int sign_at(const Polynomial& f, const Surd& t);
+  int sign_at(const Function& f, const Surd& t);
   /// −1, 0, 1 as s is less than, equal to or greater than the fraction t.
   int compare_with_fraction(const Surd& s, const Surd& t);
-  /// Within 2⁻⁴⁷ of t, which must lie in [0, 1].
-  double estimate(const Surd& t);
 
  private:
   Whole sum(const Whole& a, const Whole& b) { return workspace_.sum(a, b); }
@@ -67,6 +92,7 @@ class Algebra {
   Whole multiple(const Whole& a, int factor) { return product(a, workspace_.small(factor)); }
   int sign_of_sum(const Whole& a, const Whole& b, const Surd& s);
   int exact_sign_at(const Polynomial& f, const Surd& t);
+  double estimate(const Surd& t, const Whole& norm);
 
   Workspace& workspace_;
 };

@@ -14,6 +14,7 @@ namespace oilskin::test {
 namespace {
 
 using ccd::detail::Algebra;
+using ccd::detail::Function;
 using ccd::detail::Polynomial;
 using ccd::detail::Surd;
 using ccd::detail::Whole;
@@ -89,12 +90,13 @@ Polynomial polynomial(Workspace* workspace, const std::array<int, 4>& c) {
 TEST(WholeNumbers, SignsAtSurdsAreExact) {
   const auto workspace = std::make_unique<Workspace>();
   Algebra algebra(workspace.get());
-  const Polynomial golden = polynomial(workspace.get(), {-1, 1, 1, 0}),
-                   cubic = polynomial(workspace.get(), {1, -3, 1, 2});
-  const auto roots = algebra.roots_of(golden);
+  const Function golden(polynomial(workspace.get(), {-1, 1, 1, 0})),
+      cubic(polynomial(workspace.get(), {1, -3, 1, 2}));
+  const auto roots = algebra.roots_of(golden.exact);
   ASSERT_EQ(roots.count, 2);
   const double ratio = 0.61803398874989484820;
-  EXPECT_NEAR(algebra.estimate(roots.at[1]), ratio, 0x1p-47);
+  EXPECT_NEAR(roots.at[1].near, ratio, 0x1p-47);
+  EXPECT_NEAR(roots.at[0].near, -1 / ratio, 0x1p-46);
   EXPECT_EQ(algebra.sign_at(golden, roots.at[1]), 0);
   EXPECT_EQ(algebra.sign_at(cubic, roots.at[1]), 0);
   const Surd half = algebra.fraction(workspace->small(-3), workspace->small(-6));
