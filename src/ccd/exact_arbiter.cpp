@@ -158,7 +158,7 @@ void ExactQuery::set_corners(const PointTriangleMotion& m) {
   for (int k = 0; k < 3; ++k) {
     int exponent = 1024;
     for (const Vec3* x : points) {
-      if ((*x)[k] != 0) exponent = std::min(exponent, lowest_exponent((*x)[k]));
+      if ((*x)[k] != 0) exponent = std::min(exponent, decompose((*x)[k]).exponent);
     }
     std::array<BoundWhole, 8> x;
     for (int i = 0; i < 8; ++i) x[i] = {workspace_.from_double((*points[i])[k], exponent), &workspace_};

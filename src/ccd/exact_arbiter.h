@@ -9,11 +9,12 @@ namespace oilskin::ccd::detail {
 /// The time is that of the first touch, rounded down to a multiple of 2⁻⁵² or by a few units more. What is
 /// not finite is a hit at 0.
 ///
-/// Takes some microseconds for coordinates of similar size and 192 KiB of stack (no other memory).
+/// Takes 2 to 10 µs where the coordinates of each axis differ by less than 2⁷⁰ in size, and more, up to 400
+/// where the least numbers there are stand beside ordinary ones; 192 KiB of stack (no other memory).
 Meeting exact_meeting(const PointTriangleMotion& m);
 
 /// The same where it is known that nothing touches before `first` begins: of a touch within `first` no more
-/// is asked than whether there is one; its time is the beginning of `first`.
+/// is asked than whether there is one; its time may be the beginning of `first`.
 Meeting exact_meeting_from(const PointTriangleMotion& m, const TimeSpan& first);
 
 enum class Placement { kPositiveSide, kNegativeSide, kInside, kOutside, kUnknown };

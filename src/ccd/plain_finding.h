@@ -1,4 +1,5 @@
-/// What plain arithmetic with error bounds finds out. Internal to the room.
+/// What is found out without exact polynomials: by plain arithmetic with error bounds, and by exact
+/// determinants at the ends of the step. Internal to the room.
 #pragma once
 
 #include "ccd/separation.h"

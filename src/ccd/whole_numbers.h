@@ -42,15 +42,12 @@ Scaled approximation(const Whole& a);
 /// x 2^exponent: std::ldexp, faster.
 double scaled(double x, int exponent);
 
-/// |x| = mantissa 2^exponent, for finite x.
+/// |x| = mantissa 2^exponent with an odd mantissa, for finite x; or no mantissa, for 0.
 struct Decomposed {
-  std::uint64_t mantissa;
-  int exponent;
+  std::uint64_t mantissa = 0;
+  int exponent = 0;
 };
 Decomposed decompose(double x);
-
-/// Exponent of the last bit of a finite number that is not zero.
-int lowest_exponent(double x);
 
 /// Where results are put, one behind the other. When the block is full, results are zero from then on and
 /// `exhausted` says so: whoever asks for a sign must ask that too.
@@ -82,7 +79,7 @@ class Workspace {
   bool in_scope() const { return scopes_ > 0; }
 
   Whole small(int value);
-  /// x / 2^exponent, for x finite and exponent at most `lowest_exponent(x)`.
+  /// x / 2^exponent, for x finite and exponent at most that of `decompose`.
   Whole from_double(double x, int exponent);
 #ifdef OILSKIN_CCD_FIXED_NUMBERS
   template <int N>

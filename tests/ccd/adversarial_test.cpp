@@ -22,6 +22,60 @@ int queries_of(const Family& family) {
   return family.wide ? count / 10 : count;
 }
 
+/// Where nothing meets before a part of the step, that part may be asked for a yes or no.
+void expect_known_start_helps(const ccd::PointTriangleMotion& m, const exact::Answer& truth, int query) {
+  const double touch = truth.hit ? truth.touch_lower : 0.3;
+  for (const double width : {1e-8, 1e-12}) {
+    const ccd::detail::TimeSpan around{std::max(0.0, touch - width), std::min(1.0, touch + width)},
+        before{std::max(0.0, touch - 3 * width), std::max(0.5 * width, touch - 2 * width)};
+    const ccd::Meeting in = ccd::detail::exact_meeting_from(m, around);
+    ASSERT_EQ(in.hit, truth.hit) << "query " << query;
+    if (truth.hit) {
+      ASSERT_LE(in.time, truth.touch_lower) << "query " << query;
+      ASSERT_GE(in.time, around.begin - 4e-12) << "query " << query;
+    }
+    const ccd::Meeting after = ccd::detail::exact_meeting_from(m, before);
+    ASSERT_EQ(after.hit, truth.hit) << "query " << query;
+    if (truth.hit) {
+      ASSERT_LE(after.time, truth.touch_lower) << "query " << query;
+      ASSERT_NEAR(after.time, truth.touch_lower, 4 * width) << "query " << query;
+    }
+  }
+}
+
+/// At an end of the step the four points stand: inside if they touch, and else as the determinant says.
+void expect_right_placement(const Corners& x, int end, int query) {
+  Corners at_rest;
+  for (int i = 0; i < 8; ++i) at_rest[i] = x[4 * end + i % 4];
+  const auto relative = [&](int i, int axis) {
+    return exact::Integer::from_double(at_rest[i][axis], 1074) -
+           exact::Integer::from_double(at_rest[1][axis], 1074);
+  };
+  const auto minor = [&](int y, int z) {
+    return relative(2, y) * relative(3, z) - relative(2, z) * relative(3, y);
+  };
+  const int side =
+      (relative(0, 0) * minor(1, 2) + relative(0, 1) * minor(2, 0) + relative(0, 2) * minor(0, 1)).sign();
+  using ccd::detail::Placement;
+  switch (ccd::detail::exact_placement(to_motion(x), end)) {
+    case Placement::kPositiveSide:
+      ASSERT_EQ(side, 1) << "query " << query;
+      break;
+    case Placement::kNegativeSide:
+      ASSERT_EQ(side, -1) << "query " << query;
+      break;
+    case Placement::kInside:
+      ASSERT_TRUE(exact::point_triangle(to_exact(at_rest)).hit) << "query " << query;
+      break;
+    case Placement::kOutside:
+      ASSERT_EQ(side, 0) << "query " << query;
+      ASSERT_FALSE(exact::point_triangle(to_exact(at_rest)).hit) << "query " << query;
+      break;
+    case Placement::kUnknown:
+      break;
+  }
+}
+
 class Adversarial : public testing::TestWithParam<int> {};
 
 TEST_P(Adversarial, AnswersAreExactAndNeverLate) {
@@ -47,6 +101,8 @@ TEST_P(Adversarial, AnswersAreExactAndNeverLate) {
       ASSERT_LE(exact_meeting.time, truth.touch_lower) << "late, query " << i;
       ASSERT_NEAR(exact_meeting.time, truth.touch_lower, 2e-12) << "early, query " << i;
     }
+    expect_known_start_helps(to_motion(x), truth, i);
+    for (int end = 0; end < 2; ++end) expect_right_placement(x, end, i);
     hits += truth.hit ? 1 : 0;
     false_negatives += truth.hit && !found.hit ? 1 : 0;
     false_positives += found.hit && !truth.hit ? 1 : 0;

@@ -59,14 +59,50 @@ TEST(WholeNumbers, AgreeWithTheOraclesIntegers) {
   EXPECT_FALSE(workspace->exhausted());
 }
 
+#ifdef OILSKIN_CCD_FIXED_NUMBERS
+using ccd::detail::Fixed;
+
+template <int N>
+Integer to_integer(const Fixed<N>& a) {
+  Integer x(static_cast<std::int64_t>(a.limb[N - 1]));  // the sign is in the last limb
+  for (int i = N - 2; i >= 0; --i) {
+    for (int shift = 48; shift >= 0; shift -= 16)
+      x = (x << 16) + Integer(static_cast<std::int64_t>((a.limb[i] >> shift) & 0xffff));
+  }
+  return x;
+}
+
+TEST(FixedNumbers, AgreeWithTheOraclesIntegers) {
+  const auto workspace = std::make_unique<Workspace>();
+  Random random(37);
+  const auto draw = [&random] {
+    const double x = std::floor(std::abs(random.uniform(0, 1)) * std::ldexp(1, random.integer(0, 53)));
+    return ccd::detail::fixed_from(static_cast<std::uint64_t>(x), random.integer(0, 71),
+                                   random.integer(0, 1) == 1);
+  };
+  for (int i = 0; i < 20000; ++i) {
+    const Workspace::Scope scope(workspace.get());
+    const Fixed<2> a = draw(), b = draw(), c = draw(), d = draw();
+    const Integer p = to_integer(a), q = to_integer(b), r = to_integer(c), s = to_integer(d);
+    ASSERT_TRUE(to_integer(a + b) == p + q);
+    const Fixed<4> area = a * b - c * d;
+    ASSERT_TRUE(to_integer(area) == p * q - r * s);
+    const Fixed<6> volume = (a - c) * area;
+    ASSERT_TRUE(to_integer(volume) == (p - r) * (p * q - r * s));
+    ASSERT_EQ(volume.sign(), to_integer(volume).sign());
+    ASSERT_TRUE(to_integer(workspace->from_fixed(volume)) == to_integer(volume));
+  }
+}
+#endif
+
 TEST(WholeNumbers, HoldEveryFiniteDouble) {
   const auto workspace = std::make_unique<Workspace>();
   const Whole most = workspace->from_double(std::numeric_limits<double>::max(), -1074),
               least = workspace->from_double(-0x1p-1074, -1074);
   EXPECT_TRUE(to_integer(most) == Integer::from_double(std::numeric_limits<double>::max(), 1074));
   EXPECT_TRUE(to_integer(least) == Integer(-1));
-  EXPECT_EQ(ccd::detail::lowest_exponent(-12), 2);
-  EXPECT_EQ(ccd::detail::lowest_exponent(0x1p-1074), -1074);
+  EXPECT_EQ(ccd::detail::decompose(-12).exponent, 2);
+  EXPECT_EQ(ccd::detail::decompose(0x1p-1074).exponent, -1074);
 }
 
 TEST(WholeNumbers, AFullBlockIsReported) {
