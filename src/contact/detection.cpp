@@ -22,27 +22,17 @@ bool swept_boxes_apart(const Quad& x0, const Quad& x1) {
   return false;
 }
 
-// near(p, T, x1): beyond this reach of the triangle's box the answer is no, whatever a sliver's closest point
-// makes the certificate doubt. It must depend on the four points alone: a pair that is held at x0 is good
-// because the same bits were found good at the end of the last interval, and there it may not have been a
-// candidate.
-bool may_be_near(double squared_distance_to_box, double delta) {
-  const double reach = 1.0001 * delta;
-  return squared_distance_to_box <= reach * reach;
-}
-
 // Tests one pair; true = bad. The end distance is judged at δ; beyond it is measured only where it can be the
 // particle's least (for the report).
 bool test_pair(const Context& context, const SurfaceMotion& s, const Quad& x0, const Quad& x1,
                CandidatePair& pair, double& least, BadPair& bad) {
   pair.end_distance = std::numeric_limits<double>::infinity();
-  const double to_box = squared_distance_to_box(x1), worth = std::min(s.thickness, least);
-  const bool judged = may_be_near(to_box, s.delta);
-  if (judged || to_box <= worth * worth) {
+  const double worth = std::max(near_reach(s.delta), std::min(s.thickness, least));
+  if (squared_distance_to_box(x1) <= worth * worth) {
     const EndDistance d = end_distance(x1, s.delta);
     pair.end_distance = d.distance;
     least = std::min(least, d.distance);
-    bad.near = judged && d.near;
+    bad.near = d.near;
   }
   if (context.settings->ccd && !swept_boxes_apart(x0, x1)) {
     const ccd::Meeting m = meets(x0, x1);

@@ -21,12 +21,9 @@ double lower_bound(const Vec3& n, const Vec3& p, const Vec3& corner) {
   return sum - 12 * u * magnitude;
 }
 
-}  // namespace
-
-EndDistance end_distance(const Quad& q, double delta) {
-  OILSKIN_ASSERT(delta > 0);
-  const ClosestPoint c = closest_point(q.p, q.a, q.b, q.c);
-  if (!(c.distance >= delta)) return {true, c.distance};
+// Is the true distance certainly ≥ δ?
+bool certainly_far(const Quad& q, const ClosestPoint& c, double delta) {
+  if (!(c.distance >= delta)) return false;
   // All corners lie on the far side of the plane through the closest point, so the least of the three
   // projections is a lower bound of the distance for any n, and equal to it for the exact one.
   const Vec3 n = c.offset / c.distance;
@@ -34,7 +31,22 @@ EndDistance end_distance(const Quad& q, double delta) {
   const double bound =
       std::min({lower_bound(n, q.p, q.a), lower_bound(n, q.p, q.b), lower_bound(n, q.p, q.c)}) *
       (1 - 0x1p-50);
-  return {!(bound >= delta), c.distance};
+  return bound >= delta;
+}
+
+// Nothing here but the four points and δ may matter: a pair that is held at x0 is good because the same bits
+// were found good at the end of the last interval, and there it may not have been a candidate.
+bool box_is_near(const Quad& q, double delta) {
+  const double reach = near_reach(delta);
+  return squared_distance_to_box(q) <= reach * reach;
+}
+
+}  // namespace
+
+EndDistance end_distance(const Quad& q, double delta) {
+  OILSKIN_ASSERT(delta > 0);
+  const ClosestPoint c = closest_point(q.p, q.a, q.b, q.c);
+  return {!certainly_far(q, c, delta) && box_is_near(q, delta), c.distance};
 }
 
 Quad interpolate(const Quad& x0, const Quad& x1, double t) {

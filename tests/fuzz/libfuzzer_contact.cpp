@@ -107,12 +107,6 @@ SurfaceMotion sheet(Input& in, std::uint64_t id, double scale, double still) {
   return s;
 }
 
-/// Contact looks at pairs whose boxes are near only. end_distance() alone calls near what rounding keeps it
-/// from telling: a particle 1.5 m from a triangle of which one corner is 8e14 m away.
-bool is_near(const contact::Quad& q, double delta) {
-  return contact::squared_distance_to_box(q) < 4 * delta * delta && contact::end_distance(q, delta).near;
-}
-
 struct Problem {
   ContactSettings settings;
   double dt = 1e-3;
@@ -161,7 +155,7 @@ struct Problem {
   bool begins_near() const {
     bool near = false;
     for_each_pair([&](std::size_t, const SurfaceMotion& s, const contact::Quad& x0, const contact::Quad&) {
-      near = near || is_near(x0, s.delta);
+      near = near || contact::end_distance(x0, s.delta).near;
     });
     return near;
   }
@@ -173,7 +167,7 @@ void check(const Problem& problem) {
         if (problem.particles.removed[p]) return;
         expect(x1.p.allFinite() && x1.a.allFinite() && x1.b.allFinite() && x1.c.allFinite(),
                "positions are finite after contact");
-        expect(!is_near(x1, s.delta), "no live pair is near at the end");
+        expect(!contact::end_distance(x1, s.delta).near, "no live pair is near at the end");
         expect(!contact::meets(x0, x1).hit, "no pair meets");
       });
   for (const SurfaceMotion& s : problem.sheets)
