@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "bullet_adapter/convert.h"
+#include "oilskin/settings.h"
 #include "oilskin/surface_motion.h"
 
 namespace oilskin::bullet::test {
@@ -18,6 +19,26 @@ constexpr bool is_double = bt_storage == Storage::float64;
 
 inline btScalar bt(double x) {
   return static_cast<btScalar>(x);
+}
+
+inline WorldSettings small_world() {
+  WorldSettings world;
+  world.kill_box = {Vec3::Constant(-2), Vec3::Constant(2)};
+  world.threads = 1;
+  return world;
+}
+
+inline FluidSettings coarse_fluid(PressureSolver solver = PressureSolver::pcisph) {
+  FluidSettings fluid;
+  fluid.spacing = 0.02;
+  fluid.solver = solver;
+  return fluid;
+}
+
+inline ContactSettings verified() {
+  ContactSettings contact;
+  contact.verify = true;
+  return contact;
 }
 
 /// Owns a world of one of Bullet's soft-body kinds; soft bodies added with own() go with it.

@@ -11,25 +11,6 @@ using namespace test;
 
 const btVector3 down(0, bt(-9.81), 0);
 
-FluidSettings coarse_fluid() {
-  FluidSettings fluid;
-  fluid.spacing = 0.02;
-  return fluid;
-}
-
-WorldSettings small_world() {
-  WorldSettings world;
-  world.kill_box = {Vec3::Constant(-2), Vec3::Constant(2)};
-  world.threads = 1;
-  return world;
-}
-
-ContactSettings verified() {
-  ContactSettings contact;
-  contact.verify = true;
-  return contact;
-}
-
 struct SmallFluid : btFluid {
   SmallFluid() : btFluid(coarse_fluid(), small_world(), verified()) {}
 };

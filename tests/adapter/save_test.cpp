@@ -10,25 +10,12 @@ namespace {
 
 using namespace test;
 
-WorldSettings small_world() {
-  WorldSettings world;
-  world.kill_box = {Vec3::Constant(-2), Vec3::Constant(2)};
-  world.threads = 1;
-  return world;
-}
-
-FluidSettings coarse_fluid() {
-  FluidSettings fluid;
-  fluid.spacing = 0.02;
-  fluid.solver = PressureSolver::dfsph;
-  return fluid;
-}
-
 /// Water on a pinned patch over a plane, all of it Bullet's but the water.
 class Scene {
  public:
   Scene()
-      : bullet(btVector3(0, bt(-9.81), 0), &solver), water(coarse_fluid(), small_world(), ContactSettings{}) {
+      : bullet(btVector3(0, bt(-9.81), 0), &solver),
+        water(coarse_fluid(PressureSolver::dfsph), small_world(), ContactSettings{}) {
     cloth = bullet.patch(11, 0.4, 0, 15);
     ground.setCollisionShape(&plane);
     EXPECT_TRUE(solver.addFluid(&water).ok());

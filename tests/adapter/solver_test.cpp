@@ -10,25 +10,6 @@ namespace {
 
 using namespace test;
 
-WorldSettings small_world() {
-  WorldSettings world;
-  world.kill_box = {Vec3::Constant(-2), Vec3::Constant(2)};
-  world.threads = 1;
-  return world;
-}
-
-FluidSettings coarse_fluid() {
-  FluidSettings fluid;
-  fluid.spacing = 0.02;
-  return fluid;
-}
-
-ContactSettings verified() {
-  ContactSettings contact;
-  contact.verify = true;
-  return contact;
-}
-
 TEST(FluidSoftBodySolver, couplesOncePerSubStepAndMomentumIsTheClothsAndTheFluids) {
   btFluidSoftBodySolver solver;
   SoftWorld bullet(btVector3(0, 0, 0), &solver);
