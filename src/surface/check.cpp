@@ -120,8 +120,9 @@ SurfaceCheck check_surface(const SurfaceMesh& mesh, Span<const ObstacleMesh> obs
   raw.triangles = mesh.triangles;
   for (const Triangle& t : mesh.triangles) check.volume += six_volumes(raw, t, mesh.positions[0]) / 6;
 
-  const Obstacles obstacles(obstacle_meshes);
+  Obstacles obstacles(obstacle_meshes);
   if (obstacles.empty() || mesh.triangles.empty()) return check;
+  obstacles.prepare_queries();
   count_pairs(mesh, obstacles, gap, workers, check);
   Box box;
   for (const auto& p : mesh.positions) box.add(Vec3(p[0], p[1], p[2]));

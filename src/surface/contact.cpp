@@ -50,8 +50,10 @@ ContactParameters contact_parameters(const SurfaceOptions& o) {
   p.touch_range = o.touch_range / o.cell;
   p.depth = o.overlap_depth / cell;
   if (o.contact == SurfaceContact::reset) p.clearance = std::max(o.gap / cell, 0.5);
-  const bool draws = o.contact == SurfaceContact::touch || o.contact == SurfaceContact::overlap;
-  p.band = std::max(p.clearance + 1.25, draws ? std::max(p.touch_range, p.depth) + 1 : 0.0);
+  // touch looks no farther than it draws, overlap at the neighbours of what it draws, too.
+  p.band = p.clearance + 1.25;
+  if (o.contact == SurfaceContact::touch) p.band = std::max(p.band, p.touch_range);
+  if (o.contact == SurfaceContact::overlap) p.band = std::max(p.band, std::max(p.touch_range, p.depth) + 1);
   // Sight, distances, and corners that repair may set outside: they must have values of their own.
   p.reach = std::max({o.kernel_radius / o.cell, p.band, o.gap / cell + 1.8});
   return p;

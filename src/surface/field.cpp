@@ -24,8 +24,6 @@ constexpr float eigenvalue_low = 0.4f, eigenvalue_high = 3.5f;
 /// Well inside: this share of full water, and its centre not farther than this share of r.
 constexpr float solid_share = 0.75f, solid_offset = 0.5f;
 
-constexpr float node_numbers[side] = {0, 1, 2, 3, 4, 5, 6, 7};
-
 /// Nodes with even coordinates, two rows of them side by side.
 constexpr int coarse = side / 2;
 constexpr float coarse_x[side] = {0, 2, 4, 6, 0, 2, 4, 6}, coarse_y[side] = {0, 0, 0, 0, 4, 4, 4, 4};
@@ -62,29 +60,43 @@ FieldParameters field_parameters(const SurfaceOptions& o) {
 }
 
 /// Adds a particle at q to a row: weights of its eight nodes.
-void FieldBlock::add(const Lanes& weight, const std::array<float, 3>& q, Row& row) {
+inline void FieldBlock::add(const Lanes& weight, const std::array<float, 3>& q, Row& row) {
   (Lanes::load(row.weight) + weight).store(row.weight);
   (Lanes::load(row.x) + weight * q[0]).store(row.x);
   (Lanes::load(row.y) + weight * q[1]).store(row.y);
   (Lanes::load(row.z) + weight * q[2]).store(row.z);
 }
 
+/// f(j, k, rest) for the rows of nodes that a particle at q reaches; rest: 1 − (dy² + dz²)/R².
+template <class F>
+void FieldBlock::for_rows(const std::array<float, 3>& q, const F& f) const {
+  const float scale = 1 / (p_.kernel_radius * p_.kernel_radius);
+  const Range ks = range(q[2], p_.kernel_radius, 1, side), js = range(q[1], p_.kernel_radius, 1, side);
+  for (int k = ks.first; k <= ks.last; ++k)
+    for (int j = js.first; j <= js.last; ++j) {
+      const float dz = q[2] - static_cast<float>(k), dy = q[1] - static_cast<float>(j);
+      const float rest = 1 - (dz * dz + dy * dy) * scale;
+      if (rest > 0) f(j, k, rest);
+    }
+}
+
+/// f(j, k, weights) for the rows of nodes that a particle reaches: V k of their nodes.
+template <class F>
+void FieldBlock::for_weights(const std::array<float, 3>& q, float volume, const F& f) const {
+  const float scale = 1 / (p_.kernel_radius * p_.kernel_radius);
+  const Lanes dx = Lanes(q[0]) - Lanes::load(node_numbers), dx2 = dx * dx * scale, v = volume;
+  for_rows(q, [&](int j, int k, float rest) {
+    const Lanes u = positive_part(Lanes(rest) - dx2);
+    f(j, k, u * u * u * v);
+  });
+}
+
 void FieldBlock::scatter(const NearParticles& near) {
   std::memset(rows_, 0, sizeof rows_);
-  const float scale = 1 / (p_.kernel_radius * p_.kernel_radius);
-  const Lanes i = Lanes::load(node_numbers);
   for (std::size_t c = 0; c < near.count; ++c) {
     const std::array<float, 3> q = {near.x[c], near.y[c], near.z[c]};
-    const Lanes dx = Lanes(q[0]) - i, dx2 = dx * dx * scale, volume = near.volume[c];
-    const Range ks = range(q[2], p_.kernel_radius, 1, side), js = range(q[1], p_.kernel_radius, 1, side);
-    for (int k = ks.first; k <= ks.last; ++k)
-      for (int j = js.first; j <= js.last; ++j) {
-        const float dz = q[2] - static_cast<float>(k), dy = q[1] - static_cast<float>(j);
-        const float rest = 1 - (dz * dz + dy * dy) * scale;
-        if (!(rest > 0)) continue;
-        const Lanes u = positive_part(Lanes(rest) - dx2);
-        add(u * u * u * volume, q, rows_[j + side * k]);
-      }
+    for_weights(q, near.volume[c],
+                [&](int j, int k, const Lanes& weights) { add(weights, q, rows_[j + side * k]); });
   }
 }
 
@@ -127,20 +139,21 @@ std::uint64_t FieldBlock::coarse_inside(const NearParticles& near) {
   return good;
 }
 
-/// May a triangle come between the particle q, whose sides are in front_ and back_, and a node of a row in
-/// its reach? …
-bool FieldBlock::row_may_hide(const BlockSight& sight, int j, int k, const std::array<float, 3>& q) {
-  const std::size_t at = std::size_t(j + side * k) * sight.words();
-  const float y = static_cast<float>(j), z = static_cast<float>(k), reach = p_.kernel_radius;
-  return sight.may_hide(
-      &row_front_[at], &row_back_[at], front_.data(), back_.data(),
-      {std::max(std::min(q[0], 0.0f), q[0] - reach), std::min(q[1], y), std::min(q[2], z)},
-      {std::min(std::max(q[0], side - 1.0f), q[0] + reach), std::max(q[1], y), std::max(q[2], z)},
-      open_.data());
+void FieldBlock::look_from_rows(const BlockSight& sight) {
+  sight.row_sides(row_front_, row_back_);
+  block_front_.assign(sight.words(), ~0ull);
+  block_back_.assign(sight.words(), ~0ull);
+  for (std::size_t w = 0; w < row_front_.size(); ++w) {
+    block_front_[w % sight.words()] &= row_front_[w];
+    block_back_[w % sight.words()] &= row_back_[w];
+  }
+  between_.resize((1 + 2 * side) * sight.words());
+  open_.resize(sight.words());
 }
 
-/// … and any node of the block? Fills front_ and back_ if so.
-bool FieldBlock::block_may_hide(const BlockSight& sight, const std::array<float, 3>& q) {
+/// May a triangle come between the particle q and a node of the block in its reach? If so, hidden() tells of
+/// which.
+bool FieldBlock::look_from(const BlockSight& sight, const std::array<float, 3>& q) {
   const float reach = p_.kernel_radius, last = side - 1;
   std::array<float, 3> low, high;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -148,110 +161,82 @@ bool FieldBlock::block_may_hide(const BlockSight& sight, const std::array<float,
     high[a] = std::max(q[a], std::min(last, q[a] + reach));
   }
   if (!sight.may_meet(low, high)) return false;
-  front_.clear();
-  back_.clear();
-  sight.add_sides(&q, 1, front_, back_);
-  return sight.may_hide(block_front_.data(), block_back_.data(), front_.data(), back_.data(), low, high,
-                        open_.data());
+  sight.sides(q, front_, back_);
+  if (!sight.may_hide(block_front_.data(), block_back_.data(), front_.data(), back_.data(), low, high,
+                      open_.data()))
+    return false;
+  std::uint64_t* const out = between_.data();
+  sight.overlapping(0, low[0], high[0], out);
+  for (std::size_t axis = 1; axis < 3; ++axis) {
+    const Range rows = range(q[axis], reach, 1, side);
+    for (int i = rows.first; i <= rows.last; ++i) {
+      const float x = static_cast<float>(i);
+      sight.overlapping(axis, std::min(q[axis], x), std::max(q[axis], x),
+                        out + (1 + (axis - 1) * side + std::size_t(i)) * sight.words());
+    }
+  }
+  shadows_.set(sight, q);
+  return true;
 }
 
-/// Takes out the nodes of a row that the open triangles hide from q. If one triangle hides both ends of a
-/// stretch it hides all between: a triangle is convex, and so is the fan of lines of sight.
-void FieldBlock::hide(const BlockSight& sight, int j, int k, const std::array<float, 3>& q,
-                      std::uint32_t& last, float* weight) const {
-  const auto node = [&](int i) { return std::array<float, 3>{float(i), float(j), float(k)}; };
-  int from = 0, to = side - 1;
-  while (from <= to && !(weight[from] > 0)) ++from;
-  while (to >= from && !(weight[to] > 0)) --to;
-  for (; from <= to; ++from) {
-    if (!sight.hides(node(from), q, open_.data(), last)) continue;
-    weight[from] = 0;
-    if (from == to || !sight.touches(last, node(to), q)) continue;
-    std::fill(weight + from, weight + to + 1, 0.0f);
-    return;
+/// Of the nodes `wanted` of a row, those that are hidden from the particle that look_from() was given.
+std::uint32_t FieldBlock::hidden(int j, int k, std::uint32_t wanted) {
+  const std::size_t words = open_.size();
+  const std::uint64_t *x = between_.data(), *y = x + words * std::size_t(1 + j),
+                      *z = x + words * std::size_t(1 + side + k);
+  const std::uint64_t *row_front = &row_front_[words * std::size_t(j + side * k)],
+                      *row_back = &row_back_[words * std::size_t(j + side * k)];
+  std::uint64_t any = 0;
+  for (std::size_t w = 0; w < words; ++w) {
+    const std::uint64_t one_side = (row_front[w] & front_[w]) | (row_back[w] & back_[w]);
+    any |= open_[w] = ~one_side & x[w] & y[w] & z[w];
   }
+  return any == 0 ? 0 : shadows_.hidden(j, k, wanted, open_.data());
 }
 
 void FieldBlock::scatter_visible(const NearParticles& near, const BlockSight& sight) {
   std::memset(rows_, 0, sizeof rows_);
-  row_front_.clear();
-  row_back_.clear();
-  for (int k = 0; k < side; ++k)
-    for (int j = 0; j < side; ++j) {
-      // A row is straight: what its ends are in front of, all of it is.
-      const std::array<float, 3> ends[2] = {{0, float(j), float(k)}, {float(side - 1), float(j), float(k)}};
-      sight.add_sides(ends, 2, row_front_, row_back_);
-    }
-  block_front_.assign(sight.words(), ~0ull);
-  block_back_.assign(sight.words(), ~0ull);
-  for (std::size_t w = 0; w < row_front_.size(); ++w) {
-    block_front_[w % sight.words()] &= row_front_[w];
-    block_back_[w % sight.words()] &= row_back_[w];
-  }
-  open_.resize(sight.words());
-  const float scale = 1 / (p_.kernel_radius * p_.kernel_radius);
-  const Lanes numbers = Lanes::load(node_numbers);
+  look_from_rows(sight);
   for (std::size_t c = 0; c < near.count; ++c) {
     const std::array<float, 3> q = {near.x[c], near.y[c], near.z[c]};
-    const Lanes dx = Lanes(q[0]) - numbers, dx2 = dx * dx * scale, volume = near.volume[c];
-    std::uint32_t last = none;
-    const bool look = block_may_hide(sight, q);
-    const Range ks = range(q[2], p_.kernel_radius, 1, side), js = range(q[1], p_.kernel_radius, 1, side);
-    for (int k = ks.first; k <= ks.last; ++k)
-      for (int j = js.first; j <= js.last; ++j) {
-        const float dz = q[2] - static_cast<float>(k), dy = q[1] - static_cast<float>(j);
-        const float rest = 1 - (dz * dz + dy * dy) * scale;
-        if (!(rest > 0)) continue;
-        const Lanes u = positive_part(Lanes(rest) - dx2);
-        Lanes weight = u * u * u * volume;
-        if (look && row_may_hide(sight, j, k, q)) {
-          float w[side];
-          weight.store(w);
-          hide(sight, j, k, q, last, w);
-          weight = Lanes::load(w);
-        }
-        add(weight, q, rows_[j + side * k]);
-      }
+    const bool look = look_from(sight, q);
+    for_weights(q, near.volume[c], [&](int j, int k, Lanes weights) {
+      if (look)
+        if (const std::uint32_t bits = hidden(j, k, larger(weights, 0.0f)); bits != 0)
+          weights = without(weights, bits);
+      add(weights, q, rows_[j + side * k]);
+    });
   }
 }
 
 /// For the eigenvalue decay; slow, and clear.
 void FieldBlock::scatter_moments(const NearParticles& near, const BlockSight* sight) {
   moments_.assign(side * side, Moments{});
-  const float r2 = p_.kernel_radius * p_.kernel_radius, scale = 1 / r2;
-  if (sight) open_.resize(sight->words());
+  const float scale = 1 / (p_.kernel_radius * p_.kernel_radius);
+  if (sight) look_from_rows(*sight);
   for (std::size_t c = 0; c < near.count; ++c) {
     const std::array<float, 3> q = {near.x[c], near.y[c], near.z[c]};
-    if (sight) {
-      front_.clear();
-      back_.clear();
-      sight->add_sides(&q, 1, front_, back_);
-    }
-    std::uint32_t last = none;
-    const Range ks = range(q[2], p_.kernel_radius, 1, side), js = range(q[1], p_.kernel_radius, 1, side);
-    for (int k = ks.first; k <= ks.last; ++k)
-      for (int j = js.first; j <= js.last; ++j) {
-        const int r = j + side * k;
-        const bool look = sight && row_may_hide(*sight, j, k, q);
-        Moments& m = moments_[std::size_t(r)];
-        const float y = q[1] - static_cast<float>(j), z = q[2] - static_cast<float>(k);
-        for (int i = 0; i < side; ++i) {
-          const float x = q[0] - static_cast<float>(i);
-          const float u = 1 - (x * x + y * y + z * z) * scale;
-          if (!(u > 0)) continue;
-          if (look && sight->hides({float(i), float(j), float(k)}, q, open_.data(), last)) continue;
-          const float f = 6 * scale * u * u * near.volume[c];
-          m.xx[i] += f * x * x;
-          m.xy[i] += f * x * y;
-          m.xz[i] += f * x * z;
-          m.yy[i] += f * y * y;
-          m.yz[i] += f * y * z;
-          m.zz[i] += f * z * z;
-          m.x[i] += f * x;
-          m.y[i] += f * y;
-          m.z[i] += f * z;
-        }
+    const bool look = sight && look_from(*sight, q);
+    for_rows(q, [&](int j, int k, float) {
+      const std::uint32_t out = look ? hidden(j, k, 0xff) : 0;
+      Moments& m = moments_[std::size_t(j + side * k)];
+      const float y = q[1] - static_cast<float>(j), z = q[2] - static_cast<float>(k);
+      for (int i = 0; i < side; ++i) {
+        const float x = q[0] - static_cast<float>(i);
+        const float u = 1 - (x * x + y * y + z * z) * scale;
+        if (!(u > 0) || (out >> i & 1)) continue;
+        const float f = 6 * scale * u * u * near.volume[c];
+        m.xx[i] += f * x * x;
+        m.xy[i] += f * x * y;
+        m.xz[i] += f * x * z;
+        m.yy[i] += f * y * y;
+        m.yz[i] += f * y * z;
+        m.zz[i] += f * z * z;
+        m.x[i] += f * x;
+        m.y[i] += f * y;
+        m.z[i] += f * z;
       }
+    });
   }
 }
 

@@ -38,12 +38,15 @@ class FieldBlock {
     float weight[side], x[side], y[side], z[side];
   };
   static void add(const Lanes& weight, const std::array<float, 3>& q, Row& row);
+  template <class F>
+  void for_rows(const std::array<float, 3>& q, const F& f) const;
+  template <class F>
+  void for_weights(const std::array<float, 3>& q, float volume, const F& f) const;
   void scatter(const NearParticles& near);
   void scatter_coarse(const NearParticles& near);
-  bool block_may_hide(const BlockSight& sight, const std::array<float, 3>& q);
-  bool row_may_hide(const BlockSight& sight, int j, int k, const std::array<float, 3>& q);
-  void hide(const BlockSight& sight, int j, int k, const std::array<float, 3>& q, std::uint32_t& last,
-            float* weight) const;
+  void look_from_rows(const BlockSight& sight);
+  bool look_from(const BlockSight& sight, const std::array<float, 3>& q);
+  std::uint32_t hidden(int j, int k, std::uint32_t wanted);
   void scatter_visible(const NearParticles& near, const BlockSight& sight);
   void scatter_moments(const NearParticles& near, const BlockSight* sight);
   float value_of(int node) const;
@@ -55,7 +58,11 @@ class FieldBlock {
   FieldParameters p_;
   Row rows_[side * side];
   std::vector<Moments> moments_;
-  Words row_front_, row_back_, block_front_, block_back_, front_, back_, open_;
+  /// Of each row, of the block and of a particle: the planes that it is in front of and behind.
+  Words row_front_, row_back_, block_front_, block_back_, front_, back_;
+  Words between_;  ///< triangles between a particle and the block along x, and rows along y and along z
+  Words open_;
+  Shadows shadows_;
 };
 
 /// V_i in s³: of a particle that is alone 1 / W(0), in the middle of the water 1. One value for each particle

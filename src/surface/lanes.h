@@ -56,6 +56,12 @@ inline Lanes positive_part(const Lanes& a) {
   const Lanes::V zero{};
   return {a.low > zero ? a.low : zero, a.high > zero ? a.high : zero};
 }
+inline Lanes largest(const Lanes& a, const Lanes& b) {
+  return {a.low > b.low ? a.low : b.low, a.high > b.high ? a.high : b.high};
+}
+inline Lanes smallest(const Lanes& a, const Lanes& b) {
+  return {a.low < b.low ? a.low : b.low, a.high < b.high ? a.high : b.high};
+}
 #else
 template <class F>
 Lanes each(const F& f) {
@@ -75,7 +81,16 @@ inline Lanes operator*(const Lanes& a, const Lanes& b) {
 inline Lanes positive_part(const Lanes& a) {
   return each([&](int i) { return a.at[i] > 0 ? a.at[i] : 0.0f; });
 }
+inline Lanes largest(const Lanes& a, const Lanes& b) {
+  return each([&](int i) { return a.at[i] > b.at[i] ? a.at[i] : b.at[i]; });
+}
+inline Lanes smallest(const Lanes& a, const Lanes& b) {
+  return each([&](int i) { return a.at[i] < b.at[i] ? a.at[i] : b.at[i]; });
+}
 #endif
+
+/// Numbers of a row's nodes.
+constexpr float node_numbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
 
 /// Bit i: lane i of a is larger than that of b.
 inline std::uint32_t larger(const Lanes& a, const Lanes& b) {
@@ -90,6 +105,14 @@ inline std::uint32_t larger(const Lanes& a, const Lanes& b) {
   for (int i = 0; i < 8; ++i) bits |= static_cast<std::uint32_t>(x[i] > y[i]) << i;
   return bits;
 #endif
+}
+
+/// 0 in the lanes of which bits are set.
+inline Lanes without(const Lanes& a, std::uint32_t bits) {
+  float x[8];
+  a.store(x);
+  for (; bits != 0; bits &= bits - 1) x[__builtin_ctz(bits)] = 0;
+  return Lanes::load(x);
 }
 
 }  // namespace oilskin::surface

@@ -14,12 +14,25 @@ constexpr double block_bytes = sizeof(Block) + 64, field_bytes = nodes * sizeof(
 
 constexpr std::size_t chunk = 8;
 
-/// Blocks that particles of block b, at `low` … `high` within it, reach.
-struct Reached {
+/// A box of blocks.
+struct Blocks {
   Int3 first, last;
+
+  double count() const {
+    return (double(last.x) - first.x + 1) * (double(last.y) - first.y + 1) * (double(last.z) - first.z + 1);
+  }
 };
 
-Reached reached(const ParticleBlocks& p, std::size_t b, float reach) {
+/// f(at) for each.
+template <class F>
+void for_blocks(const Blocks& b, const F& f) {
+  for (int z = b.first.z; z <= b.last.z; ++z)
+    for (int y = b.first.y; y <= b.last.y; ++y)
+      for (int x = b.first.x; x <= b.last.x; ++x) f(Int3{x, y, z});
+}
+
+/// Blocks that particles of block b, at `low` … `high` within it, reach.
+Blocks reached(const ParticleBlocks& p, std::size_t b, float reach) {
   float low[3] = {1e30f, 1e30f, 1e30f}, high[3] = {-1e30f, -1e30f, -1e30f};
   const std::vector<float>* const coordinates[3] = {&p.x, &p.y, &p.z};
   for (std::size_t s = p.begin[b]; s < p.begin[b + 1]; ++s)
@@ -37,6 +50,17 @@ Reached reached(const ParticleBlocks& p, std::size_t b, float reach) {
 Box box_of(const Grid& grid, const Block& b) {
   const Vec3 low = grid.origin(b);
   return {low, low + Vec3::Constant(side * grid.cell)};
+}
+
+/// Blocks whose nodes 0 … 8 may meet the box, and a few more.
+Blocks blocks_of(const Grid& grid, const Box& box) {
+  static constexpr double most = 1 << 21, rounding = 1e-3;  // [blocks]; most: beyond them all
+  const auto at = [&](const Vec3& x, double more) {
+    const Vec3 b = (x / (side * grid.cell)).array() + more;
+    const auto part = [](double v) { return static_cast<int>(std::floor(std::clamp(v, -most, most))); };
+    return Int3{part(b.x()), part(b.y()), part(b.z())};
+  };
+  return {at(box.min, -1 - rounding), at(box.max, rounding)};
 }
 
 /// Layers of coarse nodes at the far end of a neighbour in direction d (−1, 0, 1 along each axis).
@@ -77,15 +101,11 @@ Status find_blocks(const ParticleBlocks& particles, const FieldParameters& field
     memory.add(block_bytes);
   };
   for (std::size_t b = 0; b < particles.blocks.size(); ++b) {
-    const Reached r = reached(particles, b, reach);
-    for (int z = r.first.z; z <= r.last.z; ++z)
-      for (int y = r.first.y; y <= r.last.y; ++y)
-        for (int x = r.first.x; x <= r.last.x; ++x) {
-          Block block;
-          block.at = {x, y, z};
-          if (clip && !clip->overlaps(box_of(grid, block))) continue;
-          add(block.at);
-        }
+    for_blocks(reached(particles, b, reach), [&](const Int3& at) {
+      Block block;
+      block.at = at;
+      if (!clip || clip->overlaps(box_of(grid, block))) add(at);
+    });
     if (!memory.fits()) return memory.refusal("the blocks of the grid");
   }
   const std::size_t reached_blocks = keys.size();
@@ -106,14 +126,22 @@ Status find_blocks(const ParticleBlocks& particles, const FieldParameters& field
   return {};
 }
 
-void find_near_triangles(const Obstacles& obstacles, double reach, Grid& grid, const Workers& workers) {
-  if (obstacles.empty()) return;
-  const Box bounds = obstacles.bounds();
+void find_near_triangles(const Obstacles& obstacles, double reach, Grid& grid) {
+  const double by = reach * grid.cell;
   std::vector<std::vector<std::uint32_t>> found(grid.blocks.size());
-  workers.for_each(grid.blocks.size(), chunk, [&](std::size_t b) {
-    const Box box = box_of(grid, grid.blocks[b]).inflated(reach * grid.cell);
-    if (bounds.overlaps(box)) obstacles.query(box, found[b]);
-  });
+  for (std::uint32_t t = 0; t < obstacles.size(); ++t) {
+    const Box triangle = obstacles.box(t);
+    const auto add = [&](std::uint32_t b) {
+      if (triangle.overlaps(box_of(grid, grid.blocks[b]).inflated(by))) found[b].push_back(t);
+    };
+    const Blocks range = blocks_of(grid, triangle.inflated(by));
+    if (range.count() > double(grid.blocks.size()))
+      for (std::uint32_t b = 0; b < grid.blocks.size(); ++b) add(b);
+    else
+      for_blocks(range, [&](const Int3& at) {
+        if (const std::uint32_t b = grid.index.find(key_of(at)); b != none) add(b);
+      });
+  }
   for (std::size_t b = 0; b < found.size(); ++b) {
     if (found[b].empty()) continue;
     grid.blocks[b].near = static_cast<std::uint32_t>(grid.nears.size());

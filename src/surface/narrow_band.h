@@ -25,7 +25,7 @@ Status find_blocks(const ParticleBlocks& particles, const FieldParameters& field
                    const std::optional<Box>& clip, Grid& grid, MemoryPlan& memory);
 
 /// Fills `nears`: the triangles that come within `reach` [cells] of each block.
-void find_near_triangles(const Obstacles& obstacles, double reach, Grid& grid, const Workers& workers);
+void find_near_triangles(const Obstacles& obstacles, double reach, Grid& grid);
 
 /// Numbers the blocks that need values; the others are `solid` or outside. A block is solid if its nodes and
 /// the next around it lie well inside the water, no obstacle is near, and the clip box does not cut it.

@@ -5,6 +5,7 @@
 
 #include "core/assert.h"
 #include "core/closest_point.h"
+#include "surface/lanes.h"
 
 namespace oilskin::surface {
 
@@ -41,36 +42,112 @@ struct Covered {
   bool empty() const { return first[0] > last[0] || first[1] > last[1] || first[2] > last[2]; }
 };
 
-void lower_distances(const Corners& c, const Bounds& bounds, double band, std::vector<float>& distance) {
-  const Covered s(bounds, band);
-  if (s.empty()) return;
-  if (distance.empty()) distance.assign(nodes, std::numeric_limits<float>::infinity());
-  Vec3 n = (c[1] - c[0]).cross(c[2] - c[0]);
-  const double length = n.norm();
-  n = length > 0 ? Vec3(n / length) : Vec3::Zero();
-  const double offset = n.dot(c[0]);
-  for (int k = s.first[2]; k <= s.last[2]; ++k)
-    for (int j = s.first[1]; j <= s.last[1]; ++j) {
-      const double row = n.y() * j + n.z() * k - offset;
-      const double start = row + n.x() * s.first[0], end = row + n.x() * s.last[0];
-      if (std::min(start, end) > band || std::max(start, end) < -band) continue;  // on one side, too far
-      for (int i = s.first[0]; i <= s.last[0]; ++i) {
-        const Vec3 x(i, j, k);
-        float& d = distance[std::size_t(node_index(i, j, k))];
-        // Neither through the plane nor through the box can it be nearer than the nearest so far.
-        const double least = std::min<double>(band, d), plane = std::abs(n.dot(x) - offset);
-        if (plane > least) continue;
-        double box = 0;
-        for (int a = 0; a < 3; ++a) {
-          const double out = std::max({bounds.low[a] - x[a], x[a] - bounds.high[a], 0.0});
-          box += out * out;
+/// A triangle as the row of nodes at (j, k) sees it: over its face, or at least so far away.
+struct RowView {
+  Lanes least_squared;      ///< of the distance
+  std::uint32_t over_face;  ///< bit i: the plane's distance is the triangle's
+};
+
+/// The triangle's plane, and the planes through its sides that stand on it and face out.
+class TrianglePlanes {
+ public:
+  explicit TrianglePlanes(const Corners& c) {
+    const Vec3 cross = (c[1] - c[0]).cross(c[2] - c[0]);
+    double size = 2 * side, longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      size = std::max(size, c[k].cwiseAbs().maxCoeff());
+      longest = std::max(longest, (c[(k + 1) % 3] - c[k]).norm());
+    }
+    // A sliver's planes are not known well enough: zeros say nothing.
+    if (!(cross.norm() > 1e-9 * size * size * longest)) return;
+    const Vec3 n = cross.normalized();
+    planes_[0] = {n, n.dot(c[0])};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 out = (c[(k + 1) % 3] - c[k]).cross(n).normalized();
+      planes_[k + 1] = {out, out.dot(c[k])};
+    }
+  }
+  RowView row(int j, int k) const {
+    const Lanes i = Lanes::load(node_numbers);
+    Lanes above[4];
+    for (std::size_t p = 0; p < 4; ++p)
+      above[p] = i * static_cast<float>(planes_[p].normal.x()) + static_cast<float>(planes_[p].at(0, j, k));
+    const Lanes beyond = largest(largest(above[1], above[2]), above[3]),
+                off = positive_part(largest(above[0], 0.0f - above[0]) - rounding),
+                beside = positive_part(beyond - rounding);
+    return {off * off + beside * beside, larger(-rounding, beyond)};
+  }
+  double distance_to_plane(int i, int j, int k) const { return std::abs(planes_[0].at(i, j, k)); }
+
+ private:
+  static constexpr float rounding = 1e-5f;  // of the sums in floats
+  struct Plane {
+    Vec3 normal = Vec3::Zero();
+    double offset = 0;
+    double at(int i, int j, int k) const { return normal.x() * i + normal.y() * j + normal.z() * k - offset; }
+  };
+  std::array<Plane, 4> planes_;
+};
+
+/// Distances of a block's nodes. What lies over a face is done at once, and lets most other triangles
+/// go without a closer look, which comes last.
+class NodeDistances {
+ public:
+  NodeDistances(double band, std::vector<float>& distance) : band_(band), distance_(distance) {}
+
+  void add(const Corners& c, const Bounds& bounds) {
+    const Covered s(bounds, band_);
+    if (s.empty()) return;
+    if (distance_.empty()) distance_.assign(nodes, std::numeric_limits<float>::infinity());
+    const auto most = static_cast<float>(band_ * band_ * (1 + 1e-6));
+    const TrianglePlanes planes(c);
+    const unsigned covered = (2u << s.last[0]) - (1u << s.first[0]);
+    bool kept = false;
+    for (int k = s.first[2]; k <= s.last[2]; ++k)
+      for (int j = s.first[1]; j <= s.last[1]; ++j) {
+        float* const row = &distance_[std::size_t(node_index(0, j, k))];
+        const Lanes now = Lanes::load(row);
+        const RowView view = planes.row(j, k);
+        const std::uint32_t may =
+            covered & ~(larger(view.least_squared, now * now) | larger(view.least_squared, most));
+        for (std::uint32_t bits = may & view.over_face; bits != 0; bits &= bits - 1) {
+          const int i = __builtin_ctz(bits);
+          lower(row[i], planes.distance_to_plane(i, j, k));
         }
-        if (box > least * least) continue;
-        const double now = closest_point(x, c[0], c[1], c[2]).distance;
-        if (now <= band) d = std::min(d, static_cast<float>(now));
+        if (const std::uint32_t rest = may & ~view.over_face; rest != 0) {
+          waiting_.push_back(
+              {view.least_squared, rest, static_cast<std::uint32_t>(waiting_corners_.size()), j, k});
+          kept = true;
+        }
+      }
+    if (kept) waiting_corners_.push_back(c);
+  }
+  void finish() {
+    for (const Waiting& w : waiting_) {
+      float* const row = &distance_[std::size_t(node_index(0, w.j, w.k))];
+      const Lanes now = Lanes::load(row);
+      const Corners& c = waiting_corners_[w.corners];
+      for (std::uint32_t bits = w.nodes & ~larger(w.least_squared, now * now); bits != 0; bits &= bits - 1) {
+        const int i = __builtin_ctz(bits);
+        lower(row[i], closest_point(Vec3(i, w.j, w.k), c[0], c[1], c[2]).distance);
       }
     }
-}
+  }
+
+ private:
+  void lower(float& d, double to) const {
+    if (to <= band_) d = std::min(d, static_cast<float>(to));
+  }
+  struct Waiting {
+    Lanes least_squared;
+    std::uint32_t nodes, corners;
+    int j, k;
+  };
+  double band_;
+  std::vector<float>& distance_;
+  std::vector<Waiting> waiting_;
+  std::vector<Corners> waiting_corners_;
+};
 
 struct Hit {
   int edge;
@@ -126,16 +203,18 @@ void measure_obstacles(const Obstacles& obstacles, const Vec3& origin, double ce
                        bool cut_edges, NearBlock& near) {
   OILSKIN_ASSERT(band >= 0 && near.cut_edges.empty());
   std::vector<Hit> hits;
+  NodeDistances distances(band, near.distance);
   for (std::uint32_t t : near.triangles) {
     Corners c = obstacles.corners(t);
     for (Vec3& x : c) x = (x - origin) / cell;
     const Bounds bounds(c);
     if (!bounds.reaches_block(band)) continue;
-    lower_distances(c, bounds, band, near.distance);
+    distances.add(c, bounds);
     if (!cut_edges || !bounds.reaches_block(0)) continue;
     const Covered covered(bounds, 0);
     for (int axis = 0; axis < 3; ++axis) add_crossings(c, bounds, covered, axis, hits);
   }
+  distances.finish();
   keep_crossings(hits, near);
 }
 

@@ -2,11 +2,29 @@
 
 #include <algorithm>
 #include <numeric>
+#include <sstream>
 
 #include "core/assert.h"
+#include "oilskin/surface_motion.h"
 #include "surface/disjoint_sets.h"
 
 namespace oilskin::surface {
+
+namespace {
+
+Corners corners_of(const ObstacleMesh& mesh, std::size_t triangle) {
+  const Triangle& i = mesh.triangles[triangle];
+  OILSKIN_ASSERT(std::max({i[0], i[1], i[2]}) < mesh.vertices.size());
+  return {mesh.vertices[i[0]], mesh.vertices[i[1]], mesh.vertices[i[2]]};
+}
+
+Box box_of(const Corners& c) {
+  Box box;
+  for (const Vec3& x : c) box.add(x);
+  return box;
+}
+
+}  // namespace
 
 Status validate_obstacles(const std::vector<ObstacleMesh>& obstacles) {
   for (std::size_t m = 0; m < obstacles.size(); ++m) {
@@ -24,19 +42,40 @@ Status validate_obstacles(const std::vector<ObstacleMesh>& obstacles) {
   return {};
 }
 
-Obstacles::Obstacles(Span<const ObstacleMesh> meshes) {
+double rounding_of(const Corners& c) {
+  double most = 0;
+  for (const Vec3& x : c) most = std::max(most, (stored(x, Storage::float32) - x).norm());
+  return most * (1 + 1e-9);
+}
+
+Status validate_resolution(const std::vector<ObstacleMesh>& obstacles, const Box& region, double cell) {
+  for (std::size_t m = 0; m < obstacles.size(); ++m)
+    for (std::size_t t = 0; t < obstacles[m].triangles.size(); ++t) {
+      const Corners c = corners_of(obstacles[m], t);
+      if (!box_of(c).overlaps(region)) continue;
+      double far = 0;
+      for (const Vec3& x : c) far = std::max(far, x.cwiseAbs().maxCoeff());
+      // What separation.cpp takes off a distance, and a margin.
+      if (std::max(rounding_of(c), 64 * 0x1p-53 * far) <= 0.5 * cell) continue;
+      std::ostringstream text;
+      text << "obstacle " << m << ": triangle " << t << " has a corner at " << far
+           << " m, where numbers are too coarse for a cell of " << cell
+           << " m. Leave it out, or bring it nearer";
+      return Status::refused(text.str());
+    }
+  return {};
+}
+
+Obstacles::Obstacles(Span<const ObstacleMesh> meshes, const Box& region) {
   for (const ObstacleMesh& mesh : meshes) {
     const auto first = static_cast<std::uint32_t>(vertices_.size());
     vertices_.insert(vertices_.end(), mesh.vertices.begin(), mesh.vertices.end());
-    for (const Triangle& t : mesh.triangles) {
-      OILSKIN_ASSERT(t[0] < mesh.vertices.size() && t[1] < mesh.vertices.size() &&
-                     t[2] < mesh.vertices.size());
-      triangles_.push_back({first + t[0], first + t[1], first + t[2]});
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (!box_of(corners_of(mesh, t)).overlaps(region)) continue;
+      const Triangle& i = mesh.triangles[t];
+      triangles_.push_back({first + i[0], first + i[1], first + i[2]});
     }
   }
-  for (const Triangle& t : triangles_)
-    for (std::uint32_t v : t) largest_ = std::max(largest_, vertices_[v].cwiseAbs().maxCoeff());
-  tree_.update(triangles_, vertices_, vertices_);
 }
 
 std::vector<std::vector<std::uint32_t>> Obstacles::pieces() const {

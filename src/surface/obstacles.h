@@ -11,10 +11,20 @@ using Corners = std::array<Vec3, 3>;
 /// The first fault of the obstacles, in words.
 Status validate_obstacles(const std::vector<ObstacleMesh>& obstacles);
 
+/// By how much rounding to float moves a triangle's corners at most [m].
+double rounding_of(const Corners& c);
+
+/// Refuses triangles that come into the region from so far away that their corners, as floats, or distances
+/// to them are not known to half a cell.
+Status validate_resolution(const std::vector<ObstacleMesh>& obstacles, const Box& region, double cell);
+
 class Obstacles {
  public:
+  Obstacles() = default;
   /// Valid obstacles. Triangles keep their order; the vertices of mesh m follow those of mesh m − 1.
-  explicit Obstacles(Span<const ObstacleMesh> meshes);
+  explicit Obstacles(Span<const ObstacleMesh> meshes) : Obstacles(meshes, everywhere()) {}
+  /// Only triangles whose boxes overlap the region.
+  Obstacles(Span<const ObstacleMesh> meshes, const Box& region);
 
   bool empty() const { return triangles_.empty(); }
   std::size_t size() const { return triangles_.size(); }
@@ -24,9 +34,14 @@ class Obstacles {
     return {vertices_[i[0]], vertices_[i[1]], vertices_[i[2]]};
   }
   const Vec3& vertex(std::uint32_t v) const { return vertices_[v]; }
+  Box box(std::uint32_t t) const {
+    Box box;
+    for (std::uint32_t v : triangles_[t]) box.add(vertices_[v]);
+    return box;
+  }
+  /// Builds what query() and bounds() look into.
+  void prepare_queries() { tree_.update(triangles_, vertices_, vertices_); }
   Box bounds() const { return tree_.bounds(); }
-  double largest_coordinate() const { return largest_; }
-
   /// Triangles whose boxes overlap the box, ascending.
   void query(const Box& box, std::vector<std::uint32_t>& triangles) const { tree_.query(box, triangles); }
 
@@ -34,10 +49,11 @@ class Obstacles {
   std::vector<std::vector<std::uint32_t>> pieces() const;
 
  private:
+  static Box everywhere() { return {Box().max, Box().min}; }
+
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;
   proximity::SurfaceTree tree_;
-  double largest_ = 0;
 };
 
 }  // namespace oilskin::surface

@@ -84,6 +84,15 @@ ParticleBlocks sort_into_blocks(Span<const Vec3> positions, double cell, const W
   return out;
 }
 
+Box ParticleBlocks::bounds() const {
+  Box box;
+  for (const Int3& b : blocks) {
+    const Vec3 low = side * Vec3(b.x, b.y, b.z);
+    box.add(Box{low, low + Vec3::Constant(side)});
+  }
+  return box;
+}
+
 void NearParticles::gather(const ParticleBlocks& p, const std::vector<float>& volumes, const Int3& at,
                            float low, float high, float reach) {
   x.clear();

@@ -18,6 +18,7 @@ struct ParticleBlocks {
   std::size_t skipped = 0;
 
   std::size_t size() const { return source.size(); }
+  Box bounds() const;  ///< of the blocks [cells]
 };
 
 /// Particles that are not finite or lie farther out than 2²⁰ cells are skipped.

@@ -70,13 +70,13 @@ struct Reconstruction {
   double cell = options.cell * options.spacing;  ///< [m]
   FieldParameters field = field_parameters(options);
   ContactParameters contact = contact_parameters(options);
-  Obstacles obstacles{contact.sees() ? Span<const ObstacleMesh>(input.obstacles)
-                                     : Span<const ObstacleMesh>()};
+  Obstacles obstacles;  ///< near the water, if it sees any
   MemoryPlan memory{options.memory_limit};
   ParticleBlocks particles;
   std::vector<float> volumes;
   Grid grid;
 
+  Status gather_obstacles();
   Status find_narrow_band();
   void evaluate_field();
   void evaluate_block(std::uint32_t b, FieldBlock& evaluator, NearParticles& near, BlockSight& sight);
@@ -84,17 +84,30 @@ struct Reconstruction {
   void finish(RawMesh&& raw, SurfaceMesh* mesh);
 };
 
+Status Reconstruction::gather_obstacles() {
+  if (!contact.sees()) return {};
+  // A block that a particle reaches, one more beside it, and what is within reach of that.
+  const Box water = particles.bounds().inflated(field.kernel_radius + 1 + 2 * side + contact.reach);
+  const Box region{cell * water.min, cell * water.max};
+  if (Status s = validate_resolution(input.obstacles, region, cell); !s.ok()) return s;
+  obstacles = Obstacles(input.obstacles, region);
+  return {};
+}
+
 Status Reconstruction::find_narrow_band() {
-  memory.add(28.0 * double(input.positions.size()) + 100.0 * double(obstacles.size()));
+  std::size_t triangles = 0;
+  for (const ObstacleMesh& o : input.obstacles) triangles += o.triangles.size();
+  memory.add(28.0 * double(input.positions.size()) + 100.0 * double(triangles));
   if (!memory.fits()) return memory.refusal("sorting the particles");
   particles = sort_into_blocks(input.positions, cell, workers);
   report.particles_skipped = particles.skipped;
+  if (Status s = gather_obstacles(); !s.ok()) return s;
   grid.cell = cell;
   grid.clearance = static_cast<float>(contact.clearance);
   grid.outside = field.outside();
   grid.inside = -field.particle_radius;
   if (Status s = find_blocks(particles, field, options.clip, grid, memory); !s.ok()) return s;
-  find_near_triangles(obstacles, contact.reach, grid, workers);
+  find_near_triangles(obstacles, contact.reach, grid);
   for (const NearBlock& near : grid.nears)
     memory.add(double(sizeof(NearBlock) + 2048 + 4 * near.triangles.size()));
   return choose_fields(particles, field, options.clip, grid, memory, workers);
@@ -135,9 +148,16 @@ void Reconstruction::evaluate_block(std::uint32_t b, FieldBlock& evaluator, Near
 }
 
 void Reconstruction::evaluate_field() {
+  // Blocks without values of their own matter at edges that they share with others.
+  std::vector<std::uint8_t> matters(grid.blocks.size(), 0);
+  for (std::size_t b = 0; b < grid.blocks.size(); ++b)
+    for (const std::uint32_t o : grid.blocks[b].plus) {
+      if (o == none || (grid.blocks[b].field == none && grid.blocks[o].field == none)) continue;
+      matters[b] = matters[o] = 1;
+    }
   workers.for_each(grid.blocks.size(), 8, [&](std::size_t b) {
     const Block& block = grid.blocks[b];
-    if (block.near != none)
+    if (block.near != none && matters[b])
       measure_obstacles(obstacles, grid.origin(block), cell, contact.band, contact.promises(),
                         grid.nears[block.near]);
   });
@@ -195,6 +215,7 @@ RawMesh Reconstruction::mesh_at_contact() {
 
 void Reconstruction::finish(RawMesh&& raw, SurfaceMesh* mesh) {
   const bool keeps = contact.promises() && !obstacles.empty();
+  if (keeps && options.smoothing_iterations > 0) obstacles.prepare_queries();
   report.vertices_held = smooth(options.smoothing_iterations, keeps ? &obstacles : nullptr, options.gap, cell,
                                 options.clip, raw, workers)
                              .held;

@@ -12,17 +12,19 @@ namespace {
 
 constexpr std::size_t chunk = 4;
 
-/// The triangles near a block, with what the tests read of them.
+/// The triangles near a block's cells, with what the tests read of them.
 class NearTriangles {
  public:
-  void set(const Obstacles& obstacles, const NearBlock& near, double gap) {
+  void set(const Obstacles& obstacles, const NearBlock& near, double gap, const Box& cells) {
     items_.clear();
     for (std::uint32_t t : near.triangles) {
       Item item;
       item.corners = obstacles.corners(t);
-      item.limit = gap + rounding_of(item.corners);
       for (const Vec3& x : item.corners) item.box.add(x);
+      item.limit = gap + rounding_of(item.corners);
       item.box = item.box.inflated(item.limit * (1 + 1e-9));
+      if (!item.box.overlaps(cells)) continue;
+      item.look_along_normal();
       items_.push_back(item);
     }
   }
@@ -37,7 +39,9 @@ class NearTriangles {
     Box box;
     for (const Vec3& x : t) box.add(x);
     for (const Item* item : selected_)
-      if (item->box.overlaps(box) && !certified_apart(t, item->corners, item->limit)) return true;
+      if (item->box.overlaps(box) && !item->is_off_plane(t) &&
+          !certified_apart(t, item->corners, item->limit))
+        return true;
     return false;
   }
 
@@ -46,6 +50,26 @@ class NearTriangles {
     Corners corners;
     Box box;
     double limit;
+    Vec3 normal;
+    double low, high;  ///< where the corners lie along the normal, from the first one; the limit added
+
+    void look_along_normal() {
+      const Vec3 ab = corners[1] - corners[0], ac = corners[2] - corners[0];
+      normal = ab.cross(ac);
+      const double length = normal.norm();
+      if (length > 0) normal /= length;
+      const double b = normal.dot(ab), c = normal.dot(ac);
+      // More than certified_apart() takes off.
+      const double clear = limit * (1 + 1e-9) + 1e-12 * (box.max - box.min).maxCoeff();
+      low = std::min({0.0, b, c}) - clear;
+      high = std::max({0.0, b, c}) + clear;
+    }
+    /// What certified_apart() tries first, for most triangles enough.
+    bool is_off_plane(const Corners& t) const {
+      const double a = normal.dot(t[0] - corners[0]), b = normal.dot(t[1] - corners[0]),
+                   c = normal.dot(t[2] - corners[0]);
+      return std::min({a, b, c}) > high || std::max({a, b, c}) < low;
+    }
   };
   std::vector<Item> items_;
   std::vector<const Item*> selected_;
@@ -91,13 +115,15 @@ void find_faults(const Obstacles& obstacles, double gap, const Grid& grid, std::
   if (grid.blocks[b].near == none) return;
   rows.gather(grid, b);
   if (rows.empty()) return;
-  near.set(obstacles, grid.nears[grid.blocks[b].near], gap);
   const Vec3 origin = grid.origin(grid.blocks[b]);
+  // Rounding to float may push a vertex out of its cell by an ulp.
+  const auto cells = [&](const Vec3& low, double count) {
+    return Box{low, low + Vec3::Constant(count * grid.cell)}.inflated(0.01 * grid.cell);
+  };
+  near.set(obstacles, grid.nears[grid.blocks[b].near], gap, cells(origin, side));
   CellVertices vertices;
   for_surface_cells(rows, [&](int i, int j, int k) {
-    const Vec3 low = origin + grid.cell * Vec3(i, j, k);
-    // Rounding to float may push a vertex out of the cell by an ulp.
-    near.select(Box{low, low + Vec3::Constant(grid.cell)}.inflated(0.01 * grid.cell));
+    near.select(cells(origin + grid.cell * Vec3(i, j, k), 1));
     if (!near.any_selected()) return;
     for_parts(rows.corners(i, j, k), rows.cuts(i, j, k), [&](std::uint8_t part) {
       const CellCase& c = marching_cubes_table()[part];
@@ -112,12 +138,6 @@ void find_faults(const Obstacles& obstacles, double gap, const Grid& grid, std::
 }
 
 }  // namespace
-
-double rounding_of(const Corners& c) {
-  double most = 0;
-  for (const Vec3& x : c) most = std::max(most, (stored(x, Storage::float32) - x).norm());
-  return most * (1 + 1e-9);
-}
 
 std::vector<std::uint32_t> blocks_around(const Grid& grid, const std::vector<NodeRef>& changed) {
   std::vector<std::uint32_t> blocks;

@@ -11,9 +11,6 @@
 
 namespace oilskin::surface {
 
-/// By how much rounding to float moves a triangle's corners at most [m].
-double rounding_of(const Corners& c);
-
 struct RepairReport {
   int rounds = 0;
   std::size_t nodes = 0;

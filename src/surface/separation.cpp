@@ -85,9 +85,11 @@ struct Local {
 
 }  // namespace
 
-double certified_distance(const Corners& triangle, const Corners& other) {
+double certified_distance(const Corners& triangle, const Corners& other, double enough) {
   const Local l(triangle, other);
-  return std::max({0.0, l.along_normal(l.c), l.along_normal(l.t), l.along_closest()});
+  double d = std::max(0.0, l.along_normal(l.c));
+  if (d < enough) d = std::max(d, l.along_normal(l.t));
+  return d < enough ? std::max(d, l.along_closest()) : d;
 }
 
 bool certified_apart(const Corners& triangle, const Corners& other, double limit) {

@@ -33,6 +33,24 @@ struct Neighbours {
   }
 };
 
+/// What a triangle has to spare towards the candidates, a cell at most; the nearest first, as far as a first
+/// look tells, since then most others need no more than that look.
+double spare_of(const Corners& own, Span<const std::uint32_t> candidates, const Obstacles& obstacles,
+                double gap, double cell) {
+  std::vector<std::pair<double, std::uint32_t>> order;
+  for (std::uint32_t c : candidates) order.emplace_back(certified_distance(own, obstacles.corners(c), 0), c);
+  std::sort(order.begin(), order.end());
+  double least = cell;
+  for (const auto& [bound, c] : order) {
+    const Corners other = obstacles.corners(c);
+    const double rounding = rounding_of(other);
+    // A pair that has more to spare changes nothing.
+    const double enough = (least + gap + rounding) * (1 + 1e-9);
+    if (bound < enough) least = std::min(least, certified_distance(own, other, enough) - gap - rounding);
+  }
+  return least;
+}
+
 /// How far each vertex may move [m]: what the nearest of its triangles has to spare, and a cell at most, so
 /// that what is farther away does not matter.
 std::vector<float> budgets(const Obstacles& obstacles, double gap, double cell, const RawMesh& mesh,
@@ -41,12 +59,8 @@ std::vector<float> budgets(const Obstacles& obstacles, double gap, double cell, 
   for_near_pairs(mesh.positions, mesh.triangles, nullptr, obstacles, gap + 1.01 * cell, workers,
                  [&](std::uint32_t t, Span<const std::uint32_t> candidates) {
                    const Corners own = stored_corners(mesh.positions, mesh.triangles[t]);
-                   double least = cell;
-                   for (std::uint32_t c : candidates) {
-                     const Corners other = obstacles.corners(c);
-                     least = std::min(least, certified_distance(own, other) - gap - rounding_of(other));
-                   }
-                   spare[t] = static_cast<float>(std::max(0.0, least));
+                   spare[t] =
+                       static_cast<float>(std::max(0.0, spare_of(own, candidates, obstacles, gap, cell)));
                  });
   std::vector<float> budget(mesh.positions.size(), static_cast<float>(cell));
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)

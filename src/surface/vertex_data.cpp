@@ -74,7 +74,9 @@ class BlockSampler {
     open_.resize(sight_.words());
     for (std::size_t c = 0; c < gathered_.count; ++c) {
       const std::array<float, 3> q = {gathered_.x[c], gathered_.y[c], gathered_.z[c]};
-      sight_.add_sides(&q, 1, front_, back_);
+      sight_.sides(q, own_front_, own_back_);
+      front_.insert(front_.end(), own_front_.begin(), own_front_.end());
+      back_.insert(back_.end(), own_back_.begin(), own_back_.end());
     }
   }
   /// `x` relative to the block [cells].
@@ -90,9 +92,7 @@ class BlockSampler {
     out.clear();
     const float scale = 1 / (field_.kernel_radius * field_.kernel_radius);
     if (look) {
-      own_front_.clear();
-      own_back_.clear();
-      sight_.add_sides(&x, 1, own_front_, own_back_);
+      sight_.sides(x, own_front_, own_back_);
     }
     std::uint32_t last = none;
     for (std::size_t c = 0; c < gathered_.count; ++c) {

@@ -110,26 +110,32 @@ void BlockSight::fill_slabs() {
     }
 }
 
-void BlockSight::add_sides(const std::array<float, 3>* points, std::size_t count, Words& front,
-                           Words& back) const {
-  OILSKIN_ASSERT(count > 0);
-  for (std::size_t w = 0; w < words_; ++w) {
-    std::uint64_t all_front = ~0ull, all_back = ~0ull;
-    for (std::size_t i = 0; i < count; ++i) {
-      const float x = points[i][0], y = points[i][1], z = points[i][2];
-      std::uint64_t in_front = 0, behind = 0;
-      for (std::size_t b = 0; b < 64; b += 8) {
-        const std::size_t at = 64 * w + b;
-        const Lanes s = Lanes::load(&normal_x_[at]) * x + Lanes::load(&normal_y_[at]) * y +
-                        Lanes::load(&normal_z_[at]) * z - Lanes::load(&offset_[at]);
-        in_front |= std::uint64_t(larger(s, tolerance_)) << b;
-        behind |= std::uint64_t(larger(-tolerance_, s)) << b;
+void BlockSight::sides(const std::array<float, 3>& point, Words& front, Words& back) const {
+  front.assign(words_, 0);
+  back.assign(words_, 0);
+  for (std::size_t at = 0; at < 64 * words_; at += 8) {
+    const Lanes s = Lanes::load(&normal_x_[at]) * point[0] + Lanes::load(&normal_y_[at]) * point[1] +
+                    Lanes::load(&normal_z_[at]) * point[2] - Lanes::load(&offset_[at]);
+    front[at / 64] |= std::uint64_t(larger(s, tolerance_)) << at % 64;
+    back[at / 64] |= std::uint64_t(larger(-tolerance_, s)) << at % 64;
+  }
+}
+
+void BlockSight::row_sides(Words& front, Words& back) const {
+  front.assign(side * side * words_, 0);
+  back.assign(side * side * words_, 0);
+  for (std::size_t at = 0; at < 64 * words_; at += 8) {
+    const Lanes x = Lanes::load(&normal_x_[at]) * (side - 1.0f), y = Lanes::load(&normal_y_[at]),
+                z = Lanes::load(&normal_z_[at]), offset = Lanes::load(&offset_[at]);
+    // A row is straight: what its ends are in front of, all of it is.
+    const Lanes least = smallest(x, 0.0f) - offset, most = largest(x, 0.0f) - offset;
+    for (int k = 0; k < side; ++k)
+      for (int j = 0; j < side; ++j) {
+        const Lanes s = y * static_cast<float>(j) + z * static_cast<float>(k);
+        const std::size_t word = std::size_t(j + side * k) * words_ + at / 64;
+        front[word] |= std::uint64_t(larger(s + least, tolerance_)) << at % 64;
+        back[word] |= std::uint64_t(larger(-tolerance_, s + most)) << at % 64;
       }
-      all_front &= in_front;
-      all_back &= behind;
-    }
-    front.push_back(all_front);
-    back.push_back(all_back);
   }
 }
 
@@ -163,6 +169,59 @@ bool BlockSight::hides(const std::array<float, 3>& p, const std::array<float, 3>
       return true;
     }
   return false;
+}
+
+void Shadows::set(const BlockSight& sight, const std::array<float, 3>& particle) {
+  sight_ = &sight;
+  particle_ = particle;
+  if (++number_ == 0) shadows_.clear();
+  if (shadows_.size() < sight.size()) shadows_.resize(sight.size(), Shadow{{}, 0, 0, 0});
+}
+
+const Shadows::Shadow& Shadows::shadow(std::size_t triangle) {
+  Shadow& s = shadows_[triangle];
+  if (s.made_for == number_) return s;
+  s.made_for = number_;
+  using Vec3f = Eigen::Vector3f;
+  const Vec3f p(particle_[0], particle_[1], particle_[2]);
+  const Corners& at = sight_->corners(triangle);
+  const Vec3f a = at[0].cast<float>() - p, b = at[1].cast<float>() - p, c = at[2].cast<float>() - p;
+  const Vec3f normal[3] = {a.cross(b), b.cross(c), c.cross(a)};
+  const float size = std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
+  const float volume = a.dot(normal[1]), sign = volume < 0 ? -1.0f : 1.0f;
+  for (std::size_t e = 0; e < 3; ++e)
+    for (int k = 0; k < 3; ++k) s.normal[e][k] = sign * normal[e][k];
+  s.beyond = std::abs(volume);
+  // Corners and particle lie within `size` of each other and not far from the block, nodes within reach.
+  s.tolerance = 1e-5f * size * (size + 4 * side) * side;
+  // In the plane, or too large for floats: nothing is sure.
+  if (!(s.beyond > s.tolerance) || !(size < 1e6f)) s.tolerance = std::numeric_limits<float>::infinity();
+  return s;
+}
+
+std::uint32_t Shadows::hidden(int j, int k, std::uint32_t wanted, const std::uint64_t* open) {
+  const float dy = static_cast<float>(j) - particle_[1], dz = static_cast<float>(k) - particle_[2];
+  const Lanes dx = Lanes::load(node_numbers) - particle_[0];
+  std::uint32_t hidden = 0;
+  for (std::size_t w = 0; w < sight_->words(); ++w)
+    for (std::uint64_t bits = open[w]; bits != 0; bits &= bits - 1) {
+      const std::size_t triangle = 64 * w + std::size_t(__builtin_ctzll(bits));
+      if (triangle >= sight_->size()) break;
+      const Shadow& s = shadow(triangle);
+      const auto form = [&](int e) {
+        return dx * s.normal[e][0] + (s.normal[e][1] * dy + s.normal[e][2] * dz);
+      };
+      const Lanes f0 = form(0), f1 = form(1), f2 = form(2);
+      const Lanes least = smallest(smallest(f0, f1), smallest(f2, f0 + f1 + f2 - s.beyond));
+      const std::uint32_t in = larger(least, s.tolerance), out = larger(-s.tolerance, least);
+      hidden |= in;
+      for (std::uint32_t unsure = wanted & ~(hidden | out); unsure != 0; unsure &= unsure - 1) {
+        const int i = __builtin_ctz(unsure);
+        if (sight_->touches(triangle, {float(i), float(j), float(k)}, particle_)) hidden |= 1u << i;
+      }
+      if ((wanted & ~hidden) == 0) return wanted;
+    }
+  return wanted & hidden;
 }
 
 }  // namespace oilskin::surface

@@ -29,9 +29,16 @@ class BlockSight {
   std::size_t words() const { return words_; }
   bool empty() const { return words_ == 0; }
 
-  /// Appends `words()` words each to front and back: the planes of which all of the points are on that side.
-  void add_sides(const std::array<float, 3>* points, std::size_t count, Words& front, Words& back) const;
+  /// The planes that the point is in front of and behind, `words()` words each.
+  void sides(const std::array<float, 3>& point, Words& front, Words& back) const;
+  /// The planes that all nodes of row (j, k) are in front of and behind, for all rows j + 8k.
+  void row_sides(Words& front, Words& back) const;
 
+  /// Of `words()` words: triangles that overlap [from, to] along an axis, as far as slabs tell.
+  void overlapping(std::size_t axis, float from, float to, std::uint64_t* out) const {
+    const std::uint64_t *s = starts(axis, to), *e = ends(axis, from);
+    for (std::size_t w = 0; w < words_; ++w) out[w] = s[w] & e[w];
+  }
   /// Leaves in `open` the triangles that may come between a point with sides a and one with sides b, both in
   /// the box; false if there is none.
   bool may_hide(const std::uint64_t* front_a, const std::uint64_t* back_a, const std::uint64_t* front_b,
@@ -53,8 +60,11 @@ class BlockSight {
   bool hides(const std::array<float, 3>& p, const std::array<float, 3>& q, const std::uint64_t* open,
              std::uint32_t& last) const;
 
-  /// Does this one triangle? (The number that hides() left in `last`.)
+  /// Does this one triangle?
   bool touches(std::size_t k, const std::array<float, 3>& p, const std::array<float, 3>& q) const;
+
+  std::size_t size() const { return corners_.size(); }
+  const Corners& corners(std::size_t k) const { return corners_[k]; }
 
  private:
   void fill_slabs();
@@ -84,6 +94,34 @@ class BlockSight {
   std::size_t words_ = 0;
   int slabs_ = 0;
   float tolerance_ = 0, margin_ = 0;
+};
+
+/// What lies in the shadow of triangles, as seen from one particle, a row of nodes at a time.
+///
+/// With the corners a, b, c seen from the particle, the plane through it and an edge has the normal a×b, b×c
+/// or c×a. A point d behind all three, on the triangle's side, is in the shadow if it is beyond the triangle:
+/// (a×b + b×c + c×a)·d ≥ a·(b×c). Floats tell this but for what is near one of the planes; that is left to
+/// segment_touches().
+class Shadows {
+ public:
+  /// The sight must stay as it is while it is used here.
+  void set(const BlockSight& sight, const std::array<float, 3>& particle);
+
+  /// Of the nodes `wanted` of row (j, k), those that open triangles hide.
+  std::uint32_t hidden(int j, int k, std::uint32_t wanted, const std::uint64_t* open);
+
+ private:
+  struct Shadow {
+    float normal[3][3];
+    float beyond, tolerance;
+    std::uint32_t made_for;  ///< number of the particle
+  };
+  const Shadow& shadow(std::size_t triangle);
+
+  const BlockSight* sight_ = nullptr;
+  std::array<float, 3> particle_{};
+  std::uint32_t number_ = 0;
+  std::vector<Shadow> shadows_;
 };
 
 }  // namespace oilskin::surface

@@ -86,6 +86,38 @@ TEST(Input, arrays_and_obstacles_that_do_not_fit_are_refused_by_name) {
   EXPECT_EQ(message(in), "obstacle 0: triangle 0 names vertex 3; there are 3");
 }
 
+/// A triangle 4 mm under the two particles, one of its corners at x = `far`.
+std::vector<Vec3> reaching_out_to(double far) {
+  return {Vec3(-1, -1, -0.004), Vec3(-1, 1, -0.004), Vec3(far, 0, -0.004)};
+}
+
+TEST(Input, a_corner_too_far_out_for_its_numbers_is_refused_unless_it_is_nowhere_near) {
+  const std::vector<Triangle> face = {{0, 1, 2}};
+  const SurfaceOptions options;
+  SurfaceMesh mesh;
+  for (const double far : {1e15, 1e300, 12345678.9}) {
+    const std::vector<Vec3> vertices = reaching_out_to(far);
+    SurfaceInput in = input_of(two);
+    in.obstacles.push_back({vertices, face});
+    const std::string message = reconstruct_surface(in, options, &mesh).message;
+    EXPECT_EQ(message.substr(0, 39), "obstacle 0: triangle 0 has a corner at ") << message;
+  }
+  for (const double far : {1e3, 1e6}) {  // a wide floor, floats hold it exactly
+    const std::vector<Vec3> vertices = reaching_out_to(far);
+    SurfaceInput in = input_of(two);
+    in.obstacles.push_back({vertices, face});
+    const SurfaceMesh above = test::reconstruct(in, options);
+    EXPECT_TRUE(check_surface(above, in.obstacles, options.gap).clean()) << far;
+    EXPECT_GE(check_surface(above, {}, 0).components, 1u);
+  }
+  // What is wholly elsewhere changes nothing.
+  const std::vector<Vec3> elsewhere = {Vec3(1e15, 0, 0), Vec3(1e15, 1, 0), Vec3(2e15, 0, 1)};
+  SurfaceInput in = input_of(two);
+  const SurfaceMesh plain = test::reconstruct(in, options);
+  in.obstacles.push_back({elsewhere, face});
+  EXPECT_EQ(test::reconstruct(in, options).positions, plain.positions);
+}
+
 TEST(Input, no_particles_give_an_empty_mesh) {
   SurfaceOptions options;
   SurfaceMesh mesh;

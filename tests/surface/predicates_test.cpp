@@ -1,8 +1,10 @@
 // Distances of triangles and lines of sight, against other routes.
 #include <gtest/gtest.h>
 
+#include "core/closest_point.h"
 #include "support/random.h"
 #include "surface/field.h"
+#include "surface/obstacle_distance.h"
 #include "surface/separation.h"
 #include "surface/triangle_oracle.h"
 #include "surface/visibility.h"
@@ -102,9 +104,8 @@ TEST(Visibility, the_bits_of_a_block_agree_with_every_triangle_asked_by_itself) 
         low[k] = std::min(p[k], q[k]);
         high[k] = std::max(p[k], q[k]);
       }
-      for (Words* w : {&front_p, &back_p, &front_q, &back_q}) w->clear();
-      sight.add_sides(&p, 1, front_p, back_p);
-      sight.add_sides(&q, 1, front_q, back_q);
+      sight.sides(p, front_p, back_p);
+      sight.sides(q, front_q, back_q);
       const bool blocked = sight.may_hide(front_p.data(), back_p.data(), front_q.data(), back_q.data(), low,
                                           high, open.data()) &&
                            sight.hides(p, q, open.data(), last);
@@ -118,6 +119,95 @@ TEST(Visibility, the_bits_of_a_block_agree_with_every_triangle_asked_by_itself) 
   }
   EXPECT_GT(hidden, 2000u);
   EXPECT_GT(seen, 2000u);
+}
+
+/// Around a block of 8³: small and large ones, slivers, and some that share a corner.
+void add_triangles(Random& random, std::uint32_t count, std::vector<Vec3>& v, std::vector<Triangle>& t) {
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const int kind = int(random.below(10));
+    const double size = kind == 0 ? 1e5 : (kind == 1 ? 40 : (kind == 2 ? 0.05 : 2));
+    const Vec3 at = Vec3::Constant(4) + random.in_cube(7);
+    const auto first = static_cast<std::uint32_t>(v.size());
+    v.push_back(kind == 3 && first > 0 ? v[random.below(first)] : at);
+    v.push_back(at + size * random.in_cube(1));
+    v.push_back(kind == 4 ? Vec3(0.5 * (v[first] + v[first + 1]) + 1e-7 * random.in_cube(1))
+                          : Vec3(at + size * random.in_cube(1)));
+    if (kind == 5)  // in a plane of the grid
+      for (std::uint32_t n = first; n < first + 3; ++n) v[n].y() = 3;
+    t.push_back({first, first + 1, first + 2});
+  }
+}
+
+TEST(Visibility, shadows_over_a_row_agree_with_every_node_asked_by_itself) {
+  Random random(16);
+  std::size_t hidden = 0, seen = 0;
+  for (int round = 0; round < 150; ++round) {
+    std::vector<Vec3> v;
+    std::vector<Triangle> triangles;
+    const std::uint32_t n = 1 + random.below(70);
+    add_triangles(random, n, v, triangles);
+    const std::vector<ObstacleMesh> meshes = {{v, triangles}};
+    const Obstacles obstacles(meshes);
+    std::vector<std::uint32_t> all(n);
+    for (std::uint32_t t = 0; t < n; ++t) all[t] = t;
+    BlockSight sight;
+    sight.set(obstacles, all, Vec3::Zero(), 1, 4);
+    const Words open(sight.words(), ~0ull);
+    Shadows shadows;
+    for (int particle = 0; particle < 20; ++particle) {
+      std::array<float, 3> p;
+      for (float& x : p) x = static_cast<float>(random.uniform(-4, 12));
+      if (particle % 4 == 0) p[1] = 3;  // in the plane of some triangles
+      shadows.set(sight, p);
+      const int j = int(random.below(8)), k = int(random.below(8));
+      const std::uint32_t wanted = random.below(256);
+      std::uint32_t expected = 0;
+      for (int i = 0; i < side; ++i)
+        for (std::uint32_t t = 0; t < n; ++t)
+          if (segment_touches(Vec3(i, j, k), Vec3(p[0], p[1], p[2]), obstacles.corners(t), triangles[t]))
+            expected |= 1u << i;
+      ASSERT_EQ(shadows.hidden(j, k, wanted, open.data()), expected & wanted) << round << " " << particle;
+      (expected != 0 ? hidden : seen)++;
+    }
+  }
+  EXPECT_GT(hidden, 500u);
+  EXPECT_GT(seen, 500u);
+}
+
+TEST(Distances, of_nodes_are_those_of_the_closest_triangle) {
+  Random random(17);
+  std::size_t within = 0, beyond = 0;
+  for (int round = 0; round < 120; ++round) {
+    std::vector<Vec3> v;
+    std::vector<Triangle> triangles;
+    const std::uint32_t n = 1 + random.below(40);
+    add_triangles(random, n, v, triangles);
+    const std::vector<ObstacleMesh> meshes = {{v, triangles}};
+    const Obstacles obstacles(meshes);
+    NearBlock near;
+    for (std::uint32_t t = 0; t < n; ++t) near.triangles.push_back(t);
+    const double band = random.uniform(0.5, 3);
+    measure_obstacles(obstacles, Vec3::Zero(), 1, band, false, near);
+    for (int node = 0; node < nodes; ++node) {
+      const Vec3 x(node & 7, node >> 3 & 7, node >> 6);
+      double least = std::numeric_limits<double>::infinity();
+      for (std::uint32_t t = 0; t < n; ++t) {
+        const Corners c = obstacles.corners(t);
+        least = std::min(least, closest_point(x, c[0], c[1], c[2]).distance);
+      }
+      const double measured =
+          near.distance.empty() ? std::numeric_limits<double>::infinity() : near.distance[std::size_t(node)];
+      if (least <= band) {
+        ASSERT_NEAR(measured, least, 1e-6) << round << " " << node;
+        ++within;
+      } else {
+        ASSERT_TRUE(std::isinf(measured)) << round << " " << node;
+        ++beyond;
+      }
+    }
+  }
+  EXPECT_GT(within, 5000u);
+  EXPECT_GT(beyond, 5000u);
 }
 
 TEST(Eigenvalue, the_largest_root_is_one_and_none_is_larger) {
