@@ -60,8 +60,7 @@ Plan make_plan(const MeshOptions& options) {
   return plan;
 }
 
-std::vector<int> wanted_frames(const MeshOptions& options) {
-  std::vector<int> all = stored_frames(options.directory);
+std::vector<int> wanted_frames(const MeshOptions& options, const std::vector<int>& all) {
   if (options.frames.empty()) return all;
   long long first = 0, last = 0;
   char end = 0;
@@ -75,6 +74,43 @@ std::vector<int> wanted_frames(const MeshOptions& options) {
     throw SceneError("--frames " + options.frames + ": there are frames " + std::to_string(all.front()) +
                      " to " + std::to_string(all.back()));
   return chosen;
+}
+
+/// Which of the frames have no surface yet. One that was made in another way would not go with the others.
+std::vector<int> missing_frames(const MeshOptions& options, const std::vector<int>& frames,
+                                const std::string& out, const std::string& made) {
+  std::vector<int> missing;
+  for (const int number : frames) {
+    const std::string path = frame_path(out, "surface", number, "ply");
+    if (options.overwrite || !fs::exists(path)) {
+      missing.push_back(number);
+      continue;
+    }
+    const std::string there = surface_made_with(path);
+    if (there != made)
+      throw SceneError(path + ": is there already and was made with " +
+                       (there.empty() ? "options that it does not tell" : there) + ", which are not " + made +
+                       ". --overwrite makes it again, --out takes another folder");
+  }
+  return missing;
+}
+
+/// A frame whose particles are as far apart as the plan says.
+StoredFrame read_frame(const StoredFrames& stored, int number, const Plan& plan, const MeshOptions& options) {
+  StoredFrame frame = stored.read(number);
+  const std::string name =
+      options.spacing ? "--spacing" : options.directory + "/report.json: settings.fluid.spacing";
+  if (const Status s = check_spacing(frame.position, plan.spacing, name); !s.ok())
+    throw SceneError(s.message);
+  return frame;
+}
+
+SurfaceInput input_of(const StoredFrame& frame) {
+  SurfaceInput input;
+  input.positions = frame.position;
+  input.velocities = frame.velocity;
+  for (const StoredMesh& mesh : frame.obstacles) input.obstacles.push_back({mesh.vertices, mesh.triangles});
+  return input;
 }
 
 void tell(int number, const MadeSurface& made) {
@@ -93,7 +129,8 @@ void tell(int number, const MadeSurface& made) {
 }  // namespace
 
 int mesh_command(const MeshOptions& options) {
-  const std::vector<int> frames = wanted_frames(options);
+  const StoredFrames stored(options.directory);
+  const std::vector<int> frames = wanted_frames(options, stored.numbers());
   const Plan plan = make_plan(options);
   const SurfaceOptions wanted = surface_options(plan.surface, plan.spacing, options.threads);
   if (const Status s = check_water_surface(plan.surface, plan.spacing); !s.ok())
@@ -102,26 +139,24 @@ int mesh_command(const MeshOptions& options) {
   std::error_code error;
   fs::create_directories(out, error);
   if (error) throw SceneError("--out " + out + ": " + error.message());
-  int skipped = 0;
+  const std::string made_so = made_with(plan.surface, plan.spacing);
+  const std::vector<int> missing = missing_frames(options, frames, out, made_so);
+  // Of a first frame without water nothing could be told; later ones have more.
+  if (!missing.empty()) read_frame(stored, missing.back(), plan, options);
   bool good = true;
-  for (const int number : frames) {
+  for (const int number : missing) {
     const std::string path = frame_path(out, "surface", number, "ply");
-    if (!options.overwrite && fs::exists(path)) {
-      ++skipped;
-      continue;
-    }
-    const StoredFrame frame = read_frame(options.directory, number);
-    SurfaceInput input;
-    input.positions = frame.position;
-    input.velocities = frame.velocity;
-    for (const StoredMesh& mesh : frame.obstacles) input.obstacles.push_back({mesh.vertices, mesh.triangles});
-    const MadeSurface made = make_surface(input, wanted);
-    write_surface(path, made.mesh);
+    // Another process may have made it meanwhile.
+    if (!options.overwrite && fs::exists(path)) continue;
+    const StoredFrame frame = read_frame(stored, number, plan, options);
+    const MadeSurface made = make_surface(input_of(frame), wanted);
+    write_surface(path, made.mesh, made_so);
     good &= made.as_promised(wanted.contact);
     if (!options.quiet) tell(number, made);
   }
-  if (skipped > 0 && !options.quiet)
-    std::printf("%d frames were there already; --overwrite makes them again\n", skipped);
+  if (missing.size() < frames.size() && !options.quiet)
+    std::printf("%zu frames were there already; --overwrite makes them again\n",
+                frames.size() - missing.size());
   return static_cast<int>(good ? ExitCode::done : ExitCode::check_failed);
 }
 

@@ -155,7 +155,8 @@ class Run {
     MadeSurface made =
         make_surface(input, surface_options(*scene_.surface, scene_.fluid.spacing, options_.threads));
     if (scene_.pictures.frames_per_second > 0)
-      write_surface(frame_path(directory_, "surface", frame_number_, "ply"), made.mesh);
+      write_surface(frame_path(directory_, "surface", frame_number_, "ply"), made.mesh,
+                    made_with(*scene_.surface, scene_.fluid.spacing));
     surfaces_.add(made);
     return made;
   }

@@ -33,6 +33,16 @@ Json& element(Json& array, const std::string& part, const std::string& path) {
   return array[index];
 }
 
+/// Refuses what is nested deeper than any file of ours: copying it could take all of the stack.
+Json::parser_callback_t shallow(const std::string& name) {
+  return [name](int depth, Json::parse_event_t, Json&) {
+    constexpr int deepest = 64;
+    if (depth > deepest)
+      throw SceneError(name + ": is nested more than " + std::to_string(deepest) + " levels deep");
+    return true;
+  };
+}
+
 /// Cloths of one Bullet world share its sub-steps.
 void check_substeps(const Scene& scene) {
   for (std::size_t i = 1; i < scene.cloth.size(); ++i)
@@ -62,6 +72,16 @@ void check_water_acceptance(const Scene& scene) {
     throw SceneError("acceptance.dam_break.along: must be square to gravity");
 }
 
+void check_enclosed_volume(const Scene& scene) {
+  const EnclosedVolumeCheck& check = *scene.acceptance.enclosed_volume;
+  check_cloth_index(scene, check.cloth, "acceptance.enclosed_volume.cloth");
+  if (check.at_least <= check.at_most) return;
+  std::ostringstream text;
+  text << "acceptance.enclosed_volume.at_least: is " << check.at_least
+       << ", must be at most at_most, which is " << check.at_most;
+  throw SceneError(text.str());
+}
+
 void check_acceptance(const Scene& scene) {
   const Acceptance& a = scene.acceptance;
   if (a.slip_ratio) {
@@ -76,8 +96,7 @@ void check_acceptance(const Scene& scene) {
   if (a.pool_calm) check_cloth_index(scene, a.pool_calm->cloth, "acceptance.pool_calm.cloth");
   if (a.inside_constant)
     check_cloth_index(scene, a.inside_constant->cloth, "acceptance.inside_constant.cloth");
-  if (a.enclosed_volume)
-    check_cloth_index(scene, a.enclosed_volume->cloth, "acceptance.enclosed_volume.cloth");
+  if (a.enclosed_volume) check_enclosed_volume(scene);
   if (a.close_layers) check_cloth_index(scene, a.close_layers->cloth, "acceptance.close_layers.cloth");
   check_water_acceptance(scene);
 }
@@ -153,14 +172,16 @@ void apply_override(Json& scene, const std::string& assignment) {
     }
   }
   const std::string text = assignment.substr(equals + 1);
-  Json value = Json::parse(text, nullptr, false);
+  Json value = Json::parse(text, shallow("--set " + path), false);
   *place = value.is_discarded() ? Json(text) : value;
 }
 
 Json parse_json(const std::string& text, const std::string& name) {
   std::vector<std::set<std::string>> keys;
   std::string twice;
-  auto watch = [&](int, Json::parse_event_t event, Json& parsed) {
+  const Json::parser_callback_t look = shallow(name);
+  auto watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
+    look(depth, event, parsed);
     if (event == Json::parse_event_t::object_start) keys.emplace_back();
     if (event == Json::parse_event_t::object_end) keys.pop_back();
     if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)

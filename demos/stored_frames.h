@@ -2,6 +2,7 @@
 /// SceneError.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,11 +16,25 @@ struct StoredFrame {
   std::vector<StoredMesh> obstacles;     ///< cloth, then bodies
 };
 
-/// The numbers of all DIR/particles_NNNN.vtp, ascending. Throws SceneError if there are none.
-std::vector<int> stored_frames(const std::string& directory);
+class StoredFrames {
+ public:
+  /// Looks into the folder once. Throws SceneError if it holds no particles_NNNN.vtp.
+  explicit StoredFrames(const std::string& directory);
 
-/// particles_NNNN.vtp and all cloth_K_NNNN.ply and body_K_NNNN.ply beside it. Throws SceneError naming the
-/// file.
-StoredFrame read_frame(const std::string& directory, int number);
+  /// The numbers of all particles_NNNN.vtp, ascending.
+  const std::vector<int>& numbers() const { return numbers_; }
+  /// particles_NNNN.vtp and all cloth_K_NNNN.ply and body_K_NNNN.ply beside it. Throws SceneError naming the
+  /// file.
+  StoredFrame read(int number) const;
+
+ private:
+  struct Meshes {
+    std::vector<int> cloth, bodies;  // their K
+  };
+
+  std::string directory_;
+  std::vector<int> numbers_;
+  std::map<int, Meshes> meshes_;
+};
 
 }  // namespace oilskin::demo

@@ -22,9 +22,11 @@ void append(std::string& bytes, T value) {
   for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(bits >> shift & 0xff);
 }
 
-std::string header(const SurfaceMesh& mesh) {
-  std::string text =
-      "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.positions.size()) + "\n";
+const std::string comment = "comment made with ";
+
+std::string header(const SurfaceMesh& mesh, const std::string& made_with) {
+  std::string text = "ply\nformat binary_little_endian 1.0\n" + comment + made_with + "\nelement vertex " +
+                     std::to_string(mesh.positions.size()) + "\n";
   const char* names[] = {"x", "y", "z", "nx", "ny", "nz", "vx", "vy", "vz"};
   const int count = mesh.velocities.empty() ? 6 : 9;
   for (int i = 0; i < count; ++i) text += std::string("property float ") + names[i] + "\n";
@@ -50,12 +52,12 @@ std::string body(const SurfaceMesh& mesh) {
 
 }  // namespace
 
-void write_surface(const std::string& path, const SurfaceMesh& mesh) {
+void write_surface(const std::string& path, const SurfaceMesh& mesh, const std::string& made_with) {
   // Several processes may work on one folder: each has a file of its own.
   const std::string part = path + "." + std::to_string(getpid()) + ".part";
   {
     std::ofstream out(part, std::ios::binary | std::ios::trunc);
-    out << header(mesh) << body(mesh);
+    out << header(mesh, made_with) << body(mesh);
     if (!out.flush()) {
       const std::string why = std::strerror(errno);
       std::remove(part.c_str());
@@ -68,6 +70,14 @@ void write_surface(const std::string& path, const SurfaceMesh& mesh) {
     std::remove(part.c_str());
     throw OutputError(path + ": cannot be written: " + error.message());
   }
+}
+
+std::string surface_made_with(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string line;
+  for (int lines = 0; lines < 20 && std::getline(in, line) && line != "end_header"; ++lines)
+    if (line.compare(0, comment.size(), comment) == 0) return line.substr(comment.size());
+  return "";
 }
 
 }  // namespace oilskin::demo

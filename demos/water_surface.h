@@ -22,6 +22,13 @@ Status check_water_surface(const WaterSurface& wanted, double spacing);
 /// Spacing in metres.
 SurfaceOptions surface_options(const WaterSurface& wanted, double spacing, int threads);
 
+/// The options that make the mesh, as one line of JSON; equal for equal meshes of equal frames.
+std::string made_with(const WaterSurface& wanted, double spacing);
+
+/// Refuses a spacing that cannot be that of these particles; one in other units, say. `which` begins the
+/// message.
+Status check_spacing(Span<const Vec3> positions, double spacing, const std::string& which);
+
 /// Throws SceneError where the options or the input are refused.
 MadeSurface make_surface(const SurfaceInput& input, const SurfaceOptions& options);
 

@@ -77,6 +77,18 @@ TEST(BadInput, nonFiniteNumbersAreRefused) {
   expect_refused(small, {"fluid.spacing"}, {"--set", "fluid.spacing=NaN"});
 }
 
+TEST(BadInput, whatIsNestedWithoutEndIsRefused) {
+  const std::string deep(50000, '[');
+  expect_refused(deep, {"scene.json", "levels deep"});
+  expect_refused(small, {"--set fluid", "levels deep"}, {"--set", "fluid=" + deep});
+}
+
+TEST(BadInput, aVolumeThatNothingMeetsIsRefused) {
+  expect_refused(
+      R"({"cloth": [{"grid": [5, 5]}], "acceptance": {"enclosed_volume": {"at_least": 2, "at_most": 1.5}}})",
+      {"acceptance.enclosed_volume.at_least", "is 2", "1.5"});
+}
+
 TEST(BadInput, aThicknessBelowFourDeltaNamesTheSmallestThatWouldDo) {
   expect_refused(
       R"({"cloth": [{"grid": [5, 5], "thickness": 1e-5}], "kill_box": {"min": [-2, -2, -2], "max": [2, 2, 2]}})",
