@@ -120,50 +120,10 @@ void find_hidden_neighbours(std::uint32_t i, Span<const TriangleRef> triangles, 
 
 SightTest::SightTest(const SurfaceMotion& surface, std::uint32_t triangle) {
   OILSKIN_ASSERT(triangle < surface.triangles.size());
-  const Triangle& node = surface.triangles[triangle];
-  for (std::size_t k = 0; k < 3; ++k) corner_[k] = surface.x_t0[node[k]];
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t next = (k + 1) % 3;
-    reversed_[k] = node[k] > node[next];
-    edge_[k] = {static_cast<std::uint8_t>(reversed_[k] ? next : k),
-                static_cast<std::uint8_t>(reversed_[k] ? k : next)};
-  }
+  nodes_ = surface.triangles[triangle];
+  for (std::size_t k = 0; k < 3; ++k) corner_[k] = surface.x_t0[nodes_[k]];
   normal_ = (corner_[1] - corner_[0]).cross(corner_[2] - corner_[0]);
   normal_length_ = normal_.norm();
-}
-
-bool SightTest::blocks(const Vec3& p, const Vec3& q, double side_p, double side_q) const {
-  if ((side_p > 0 && side_q > 0) || (side_p < 0 && side_q < 0)) return false;
-  if (side_p == 0 && side_q == 0) return blocks_in_plane(p, q);
-  const Vec3 along = q - p;
-  bool left = true, right = true;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 &u = corner_[edge_[k][0]], &v = corner_[edge_[k][1]];
-    const double volume = along.dot((u - p).cross(v - p));
-    const double sign = reversed_[k] ? -volume : volume;
-    left &= sign >= 0;
-    right &= sign <= 0;
-  }
-  return left || right;
-}
-
-/// Both ends lie in the triangle's plane: no line along an edge or along the segment parts them there.
-bool SightTest::blocks_in_plane(const Vec3& p, const Vec3& q) const {
-  Eigen::Index drop = 0;
-  normal_.cwiseAbs().maxCoeff(&drop);
-  const Eigen::Index a = (drop + 1) % 3, b = (drop + 2) % 3;
-  // On which side of the line from → to lies x? 0 on it.
-  const auto side = [&](const Vec3& from, const Vec3& to, const Vec3& x) {
-    return (to[a] - from[a]) * (x[b] - from[b]) - (to[b] - from[b]) * (x[a] - from[a]);
-  };
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 &u = corner_[k], &v = corner_[(k + 1) % 3], &w = corner_[(k + 2) % 3];
-    const double inner = side(u, v, w), at_p = side(u, v, p), at_q = side(u, v, q);
-    if (std::max(at_p, at_q) < std::min(inner, 0.0) || std::min(at_p, at_q) > std::max(inner, 0.0))
-      return false;
-  }
-  const double s0 = side(p, q, corner_[0]), s1 = side(p, q, corner_[1]), s2 = side(p, q, corner_[2]);
-  return !(std::min({s0, s1, s2}) > 0 || std::max({s0, s1, s2}) < 0);
 }
 
 std::uint64_t remove_hidden_neighbours(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,

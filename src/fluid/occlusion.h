@@ -5,14 +5,14 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "core/segment_triangle.h"
 #include "fluid/neighbours.h"
 #include "oilskin/surface_motion.h"
 
 namespace oilskin::fluid {
 
-/// Does the closed segment meet the closed triangle? Watertight over shared edges: the sign of an edge does
-/// not depend on the triangle that asks, if both give its ends in the same order. Triangles without area hide
-/// nothing.
+/// Does the closed segment meet the closed triangle? Watertight over shared edges and vertices. Triangles
+/// without area hide nothing.
 class SightTest {
  public:
   SightTest(const SurfaceMotion& surface, std::uint32_t triangle);
@@ -25,14 +25,13 @@ class SightTest {
     return std::abs(normal_.dot(other.normal_)) > 0.999 * normal_length_ * other.normal_length_;
   }
   /// `side_p`, `side_q` as side() gave them. Symmetric in p and q up to their order; callers fix it.
-  bool blocks(const Vec3& p, const Vec3& q, double side_p, double side_q) const;
+  bool blocks(const Vec3& p, const Vec3& q, double side_p, double side_q) const {
+    return segment_touches(p, q, corner_, nodes_, normal_, side_p, side_q);
+  }
 
  private:
-  bool blocks_in_plane(const Vec3& p, const Vec3& q) const;
-
   std::array<Vec3, 3> corner_;
-  std::array<std::array<std::uint8_t, 2>, 3> edge_;  // from the node of lower index
-  std::array<bool, 3> reversed_;
+  Triangle nodes_;
   Vec3 normal_;
   double normal_length_ = 0;
 };

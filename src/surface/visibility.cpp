@@ -4,59 +4,15 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "core/segment_triangle.h"
 #include "surface/lanes.h"
 
 namespace oilskin::surface {
 
-namespace {
-
-/// Of the product of three lengths: what a volume may be off by.
-constexpr double grazes = 1e-14;
-
-/// p and q both in the plane of the triangle: no line along an edge or along the segment parts them there.
-bool touches_in_plane(const Vec3& p, const Vec3& q, const Corners& c, const Vec3& normal) {
-  Eigen::Index drop = 0;
-  normal.cwiseAbs().maxCoeff(&drop);
-  const Eigen::Index a = (drop + 1) % 3, b = (drop + 2) % 3;
-  const auto turn = [a, b](const Vec3& from, const Vec3& to, const Vec3& x) {
-    return (to[a] - from[a]) * (x[b] - from[b]) - (to[b] - from[b]) * (x[a] - from[a]);
-  };
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 &u = c[k], &v = c[(k + 1) % 3], &w = c[(k + 2) % 3];
-    const double inner = turn(u, v, w), at_p = turn(u, v, p), at_q = turn(u, v, q);
-    if (std::max(at_p, at_q) < std::min(inner, 0.0) || std::min(at_p, at_q) > std::max(inner, 0.0))
-      return false;
-  }
-  const double s0 = turn(p, q, c[0]), s1 = turn(p, q, c[1]), s2 = turn(p, q, c[2]);
-  return !(std::min({s0, s1, s2}) > 0 || std::max({s0, s1, s2}) < 0);
-}
-
-}  // namespace
-
 bool segment_touches(const Vec3& p, const Vec3& q, const Corners& c, const Triangle& indices) {
   const Vec3 normal = (c[1] - c[0]).cross(c[2] - c[0]);
   if (!(normal.squaredNorm() > 0)) return false;
-  const double at_p = normal.dot(p - c[0]), at_q = normal.dot(q - c[0]);
-  if ((at_p > 0 && at_q > 0) || (at_p < 0 && at_q < 0)) return false;
-  if (at_p == 0 && at_q == 0) return touches_in_plane(p, q, c, normal);
-  const Vec3 along = q - p;
-  const Corners r = {c[0] - p, c[1] - p, c[2] - p};
-  const double length2 = along.squaredNorm(),
-               l2[3] = {r[0].squaredNorm(), r[1].squaredNorm(), r[2].squaredNorm()};
-  bool left = true, right = true;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t next = (k + 1) % 3;
-    const bool reversed = indices[k] > indices[next];
-    const std::size_t from = reversed ? next : k, to = reversed ? k : next;
-    const double volume = along.dot(r[from].cross(r[to]));
-    // Within rounding of the edge: touched. Else a line through a vertex could slip between the rounding
-    // errors of its edges.
-    if (volume * volume <= grazes * grazes * length2 * l2[from] * l2[to]) continue;
-    const double sign = reversed ? -volume : volume;
-    left &= sign > 0;
-    right &= sign < 0;
-  }
-  return left || right;
+  return oilskin::segment_touches(p, q, c, indices, normal, normal.dot(p - c[0]), normal.dot(q - c[0]));
 }
 
 void BlockSight::set(const Obstacles& obstacles, const std::vector<std::uint32_t>& triangles,

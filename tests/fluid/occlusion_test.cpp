@@ -123,6 +123,29 @@ TEST(Occlusion, is_watertight_at_edges_and_corners) {
   EXPECT_GT(aimed, 50);
 }
 
+/// Through the middle vertex of a fan, whatever rounding makes of the volumes over its edges.
+TEST(Occlusion, no_line_slips_through_a_vertex) {
+  test::Random random(5);
+  for (int round = 0; round < 5000; ++round) {
+    const std::uint32_t n = 3 + random.below(6);
+    SurfaceMotion fan;
+    fan.x_t0 = {random.in_cube(1)};
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const double angle = 2 * M_PI * k / n;
+      fan.x_t0.push_back(fan.x_t0[0] + Vec3(std::cos(angle), std::sin(angle), random.uniform(-0.3, 0.3)));
+      fan.triangles.push_back({0, 1 + k, 1 + (k + 1) % n});
+    }
+    const Vec3 along(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), 1);
+    const Vec3 p = fan.x_t0[0] - along, q = fan.x_t0[0] + along;
+    bool blocked = false;
+    for (std::uint32_t t = 0; t < n; ++t) {
+      const SightTest test(fan, t);
+      blocked |= test.blocks(p, q, test.side(p), test.side(q));
+    }
+    ASSERT_TRUE(blocked) << "round " << round;
+  }
+}
+
 TEST(Occlusion, decides_in_the_plane_of_a_sheet) {
   test::StaticMesh mesh;
   mesh.add_rectangle(Vec3(0, 0, 0), Vec3(0.01, 0, 0), Vec3(0, 0, 0.01));
