@@ -68,7 +68,7 @@ struct Boundary::Near {
 Boundary::Boundary(double support_ratio) {
   // d ln λ/dζ grows with a.
   const double mass = lattice_mass_beyond<CubicSpline>(support_ratio), z = 0.5 / support_ratio;
-  const double slope = 2 * lattice_pull_beyond<CubicSpline>(support_ratio) / mass;
+  const double slope = settled_pull * 2 * lattice_pull_beyond<CubicSpline>(support_ratio) / mass;
   double low = 0.5, high = 0.999 / z;
   for (int k = 0; k < 60; ++k) {
     const double way = 0.5 * (low + high);
@@ -84,12 +84,14 @@ void Boundary::clear() {
   nodes_.clear();
 }
 
-void Boundary::find(double dt, double particle_mass, Span<const Vec3> x, const Neighbours& neighbours,
-                    double support_radius, Span<SurfaceMotion* const> surfaces, const Workers& workers) {
+void Boundary::find(double dt, double particle_mass, const Vec3& down, Span<const Vec3> x,
+                    const Neighbours& neighbours, double support_radius, Span<SurfaceMotion* const> surfaces,
+                    const Workers& workers) {
   OILSKIN_ASSERT(dt > 0 && particle_mass > 0 && support_radius > 0 && neighbours.size() == x.size());
   clear();
   support_radius_ = support_radius;
   mass_ = particle_mass;
+  down_ = down.cast<float>();
   surfaces_.assign(surfaces.begin(), surfaces.end());
   for (const SurfaceMotion* s : surfaces) {
     SurfaceMemory& memory = memory_[s->id];
@@ -201,10 +203,10 @@ void Boundary::integrate(const Vec3& x, Span<SurfaceMotion* const> surfaces, Spa
     wall.weight = {static_cast<float>(n.closest.weights[0]), static_cast<float>(n.closest.weights[1])};
     wall.gamma = image_way_ * image_mass_ * view.share * plane_integral_slope(image) * view.normal;
     wall.lambda = image_mass_ * view.share * plane_integral(image);
+    wall.depth = -view.distance * view.normal.dot(down_);
     OILSKIN_ASSERT(wall.lambda >= 0 && wall.gamma.allFinite());
     walls.push_back(wall);
-    point.lambda += wall.lambda;
-    point.gamma += wall.gamma;
+    point.add(wall.lambda, wall.gamma, wall.depth);
   };
   const ClosestPoint& c = near[nearest].closest;
   if (c.distance > 0 && is_plane(surfaces, near, nearest)) {
@@ -229,6 +231,7 @@ void Boundary::integrate(const Vec3& x, Span<SurfaceMotion* const> surfaces, Spa
   const float share = 1 / point.lambda;
   point.lambda = 1;
   point.gamma *= share;
+  point.lift *= share;
   for (std::size_t w = point.begin; w < walls.size(); ++w) walls[w].gamma *= share;
 }
 
@@ -271,16 +274,16 @@ void Boundary::drop_hidden(const Vec3& x, Span<SurfaceMotion* const> surfaces, S
     }
     return false;
   };
-  point.lambda = 0;
+  point.lambda = point.deepest = 0;
   point.gamma.setZero();
+  point.lift.setZero();
   std::size_t kept = point.begin;
   std::uint32_t k = 0;  // walls are in the order of `near`, some of which are none
   for (std::size_t w = point.begin; w < walls.size(); ++w, ++k) {
     while (near[k].surface != walls[w].node[0] || near[k].triangle != walls[w].node[1]) ++k;
     if (is_hidden(k)) continue;
     walls[kept] = walls[w];
-    point.lambda += walls[kept].lambda;
-    point.gamma += walls[kept].gamma;
+    point.add(walls[kept].lambda, walls[kept].gamma, walls[kept].depth);
     ++kept;
   }
   walls.resize(kept);
@@ -368,12 +371,12 @@ void Boundary::find_yielding(const Workers& workers) {
   // Walls whose nodes are all prescribed move as they are told, whatever pushes them.
   const bool yields = yields_;
   yields_ = true;
-  respond(std::vector<float>(points_.size(), 0), workers);
+  respond(std::vector<Load<float>>(points_.size()), workers);
   yields_ = yields;
 }
 
-void Boundary::respond(const std::vector<float>& theta, const Workers& workers) {
-  OILSKIN_ASSERT(theta.size() == points_.size() && wall_velocity_.size() == nodes_.size());
+void Boundary::respond(const std::vector<Load<float>>& load, const Workers& workers) {
+  OILSKIN_ASSERT(load.size() == points_.size() && wall_velocity_.size() == nodes_.size());
   if (!yields_) return;
   const auto mass = static_cast<float>(mass_);
   workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
@@ -383,7 +386,8 @@ void Boundary::respond(const std::vector<float>& theta, const Workers& workers) 
     Eigen::Vector3f impulse = node.expected;  // on the node, beyond what the host will carry
     for (std::uint32_t c = corners_begin_[n]; c < corners_begin_[n + 1]; ++c) {
       const Wall& wall = walls_[corners_[c].wall];
-      impulse += mass * theta[wall.point] * static_cast<float>(wall.share(corners_[c].corner)) * wall.gamma;
+      impulse += mass * load[wall.point].on(wall.depth) * static_cast<float>(wall.share(corners_[c].corner)) *
+                 wall.gamma;
     }
     wall_velocity_[n] -= node.inverse_mass * impulse;
   });
@@ -397,18 +401,20 @@ void Boundary::respond(const std::vector<float>& theta, const Workers& workers) 
   });
 }
 
-void Boundary::push(const std::vector<double>& theta, std::vector<Vec3>& dv, const Workers& workers) {
-  OILSKIN_ASSERT(theta.size() == points_.size() && point_of_.size() == dv.size());
+void Boundary::push(const std::vector<Load<double>>& load, std::vector<Vec3>& dv, const Workers& workers) {
+  OILSKIN_ASSERT(load.size() == points_.size() && point_of_.size() == dv.size());
   workers.for_each(points_.size(), point_chunk, [&](std::size_t k) {
     Vec3 sum = Vec3::Zero();
-    for (std::uint32_t w = points_[k].begin; w < points_[k].end; ++w) sum += walls_[w].gamma.cast<double>();
-    dv[points_[k].particle] += theta[k] * sum;
+    for (std::uint32_t w = points_[k].begin; w < points_[k].end; ++w)
+      sum += load[k].on(walls_[w].depth) * walls_[w].gamma.cast<double>();
+    dv[points_[k].particle] += sum;
   });
   workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
     Vec3 impulse = Vec3::Zero();
     for (std::uint32_t c = corners_begin_[n]; c < corners_begin_[n + 1]; ++c) {
       const Wall& wall = walls_[corners_[c].wall];
-      impulse -= mass_ * theta[wall.point] * wall.share(corners_[c].corner) * wall.gamma.cast<double>();
+      impulse -= mass_ * load[wall.point].on(wall.depth) * wall.share(corners_[c].corner) *
+                 wall.gamma.cast<double>();
     }
     SurfaceMotion& s = *surfaces_[nodes_[n].surface];
     s.velocity[nodes_[n].node] += s.inverse_mass[nodes_[n].node] * impulse;

@@ -3,19 +3,25 @@
 /// For a particle at distance z of a plane the first layer of the image stands 2 z away, and adds
 /// λ(z) = κ L(2 a z/H) to its relative density, L the kernel's integral over a plane. κ and a are such that
 /// in a lattice that ends half a spacing off the wall, a particle has its rest density and the same pressure
-/// as its neighbours: λ is what the lattice lacks, γ = −H dλ/dz twice its pull (κ = dx/H, a = 1.01 for H = 2
-/// dx, where the second layer of the image is out of reach). A triangle T does so by the share that it hides
-/// of its plane (wall_integral.h), γ_T along its normal towards the particle.
+/// as its neighbours: λ is what the lattice lacks, γ = −H dλ/dz 1.03 times twice its pull (κ = 0.52, a = 1.03
+/// for H = 2 dx, where the second layer of the image is out of reach). A triangle T does so by the share that
+/// it hides of its plane (wall_integral.h), γ_T along its normal towards the particle.
 ///
 /// A pressure model that knows of it does three things: λ_i counts in the density at the start; the density
-/// grows by approach at the rate −Σ γ_T·(v_i − v_T)/H; and its pressure pushes particle i by θ_i Σ γ_T [m/s],
-/// θ_i = p_i dt/(ρ0 H). What particles get, nodes lose.
+/// grows by approach at the rate −Σ γ_T·(v_i − v_T)/H; and its pressure pushes particle i by Σ θ_T γ_T [m/s],
+/// θ_T = p_T dt/(ρ0 H). What particles get, nodes lose.
+///
+/// p_T is the pressure at the wall: between a particle and an image that stands deeper it is that of the
+/// particle and what the water between it and the wall weighs. With p_i alone the layer on a floor would need
+/// half a layer's pressure more than it should have to carry the column.
 ///
 /// The density of a half-space of water behind the wall with mirrored pressure (method A.10.5, mode 2) has
 /// the right value and force too, but its force is twice its slope: that does work on the fluid, and columns
 /// at rest boil (0.2 m/s where this one stays below 0.02). With the image both follow from one function.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "core/archive.h"
@@ -27,23 +33,49 @@ namespace oilskin::fluid {
 
 class Boundary {
  public:
+  /// θ_T = at_particle + per_depth d_T [m/s].
+  template <class T>
+  struct Load {
+    T at_particle = 0, per_depth = 0;
+    T on(float depth) const { return at_particle + per_depth * static_cast<T>(depth); }
+    Load times(T f) const { return {f * at_particle, f * per_depth}; }
+  };
+
   /// A particle near a surface.
   struct Point {
     std::uint32_t particle = 0;
     float lambda = 0;                                 ///< Σ_T λ_T at the start, 0 … 1
     Eigen::Vector3f gamma = Eigen::Vector3f::Zero();  ///< Σ_T γ_T
-    std::uint32_t begin = 0, end = 0;                 ///< its walls
+    Eigen::Vector3f lift = Eigen::Vector3f::Zero();  ///< Σ_T d_T γ_T, d_T: how much deeper the wall is, in H
+    float deepest = 0;                               ///< of |d_T|
+    std::uint32_t begin = 0, end = 0;                ///< its walls
+
+    void add(float wall_lambda, const Eigen::Vector3f& wall_gamma, float depth) {
+      lambda += wall_lambda;
+      gamma += wall_gamma;
+      lift += depth * wall_gamma;
+      deepest = std::max(deepest, std::abs(depth));
+    }
+    Eigen::Vector3f push(const Load<float>& load) const {
+      return load.at_particle * gamma + load.per_depth * lift;
+    }
   };
 
   static constexpr std::uint32_t none = UINT32_MAX;
+
+  /// Pull of the image over that of the lattice. The first layer of settled water stands 0.525 dx off a wall,
+  /// where λ is less steep, with a few more particles than the lattice has: 1.02 to 1.04 make its pressure
+  /// that of the water around it.
+  static constexpr double settled_pull = 1.03;
 
   /// `support_ratio` H/dx of the lattice.
   explicit Boundary(double support_ratio);
 
   /// Finds points and walls at x_t0 of the surfaces, which move to x_t1 within dt [s]. `x` are the positions
-  /// that `neighbours` was searched for; particle_mass [kg].
-  void find(double dt, double particle_mass, Span<const Vec3> x, const Neighbours& neighbours,
-            double support_radius, Span<SurfaceMotion* const> surfaces, const Workers& workers);
+  /// that `neighbours` was searched for; particle_mass [kg]; `down` is the direction of gravity, or zero.
+  void find(double dt, double particle_mass, const Vec3& down, Span<const Vec3> x,
+            const Neighbours& neighbours, double support_radius, Span<SurfaceMotion* const> surfaces,
+            const Workers& workers);
   void clear();
 
   bool empty() const { return points_.empty(); }
@@ -51,16 +83,16 @@ class Boundary {
   /// Index into points(), or none. Valid for every particle if !empty().
   std::uint32_t point_of(std::size_t particle) const { return point_of_[particle]; }
 
-  /// Expected velocities of the walls at the end of the interval if particle k of points() is pushed by
-  /// theta[k] Σ γ_T; writes inflow()[k] = Σ_T γ_T·v_T [m/s].
-  void respond(const std::vector<float>& theta, const Workers& workers);
+  /// Expected velocities of the walls at the end of the interval if particle k of points() presses on them
+  /// with load[k]; writes inflow()[k] = Σ_T γ_T·v_T [m/s].
+  void respond(const std::vector<Load<float>>& load, const Workers& workers);
   const std::vector<float>& inflow() const { return inflow_; }
   /// By how much inflow falls per θ where all particles push alike [1], ≥ 0: what a pressure iteration needs
   /// to stay stable on light cloth. 0 at prescribed walls.
   const std::vector<float>& yielding() const { return yielding_; }
 
-  /// dv += θ Σ γ_T, and the nodes' velocities and impulses change by the opposite momentum.
-  void push(const std::vector<double>& theta, std::vector<Vec3>& dv, const Workers& workers);
+  /// dv += Σ θ_T γ_T, and the nodes' velocities and impulses change by the opposite momentum.
+  void push(const std::vector<Load<double>>& load, std::vector<Vec3>& dv, const Workers& workers);
 
   /// What the hosts did with the load of the last step, once per step: after they were gathered, and before
   /// they are scattered with the impulses of the step. gravity [m/s²].
@@ -77,7 +109,7 @@ class Boundary {
     std::array<std::uint32_t, 3> node{};  // of nodes_
     std::array<float, 2> weight{};        // of the first two; the third has the rest
     Eigen::Vector3f gamma = Eigen::Vector3f::Zero();
-    float lambda = 0;
+    float lambda = 0, depth = 0;  // d
     std::uint32_t point = 0;
 
     double share(int corner) const {
@@ -123,6 +155,7 @@ class Boundary {
   float image_mass_ = 0, image_way_ = 1;  // κ, 2 a
   double support_radius_ = 1;
   double mass_ = 0;  // of a particle [kg]
+  Eigen::Vector3f down_ = Eigen::Vector3f::Zero();
   bool yields_ = false;
   std::vector<Point> points_;
   std::vector<Wall> walls_;

@@ -89,8 +89,8 @@ void FluidSolver::prepare(Particles& particles, StageSeconds& seconds) {
   impl_->state.hidden_pairs = 0;
 }
 
-void FluidSolver::meet_surfaces(double dt, const Particles& particles, Span<SurfaceMotion* const> surfaces,
-                                StageSeconds& seconds) {
+void FluidSolver::meet_surfaces(double dt, const Vec3& gravity, const Particles& particles,
+                                Span<SurfaceMotion* const> surfaces, StageSeconds& seconds) {
   StepState& state = impl_->state;
   const FluidSettings& settings = impl_->settings;
   OILSKIN_ASSERT(dt > 0 && particles.size() == state.size());
@@ -102,8 +102,8 @@ void FluidSolver::meet_surfaces(double dt, const Particles& particles, Span<Surf
   }
   if (settings.boundary == BoundaryModel::mirrored) {
     const StageTimer timer(seconds.boundary);
-    state.boundary.find(dt, particle_mass(), particles.position, state.neighbours, support_radius(), surfaces,
-                        *impl_->workers);
+    state.boundary.find(dt, particle_mass(), gravity.stableNormalized(), particles.position, state.neighbours,
+                        support_radius(), surfaces, *impl_->workers);
   }
 }
 

@@ -39,8 +39,8 @@ class FluidSolver {
   /// hides neighbours behind them, finds boundary terms. They move from x_t0 to x_t1 within dt [s] and are
   /// kept until propose(), which may change their velocities and impulses: what boundary terms give to
   /// particles, nodes lose.
-  void meet_surfaces(double dt, const Particles& particles, Span<SurfaceMotion* const> surfaces,
-                     StageSeconds& seconds);
+  void meet_surfaces(double dt, const Vec3& gravity, const Particles& particles,
+                     Span<SurfaceMotion* const> surfaces, StageSeconds& seconds);
 
   /// What surfaces did with the last step's load, and what load they get in this one: boundary terms foresee
   /// how light cloth answers. Once per step, after all surfaces were gathered and before they are scattered.

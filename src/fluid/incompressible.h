@@ -57,7 +57,7 @@ class IncompressibleModel : public PressureModel {
  public:
   static constexpr double least_relaxation = 1.0 / 256;
 
-  double particle_volume() const override { return volume_; }
+  double particle_volume() const override { return settled_volume_; }
   void visit(Archive& archive) override;
 
  protected:
@@ -112,28 +112,35 @@ class IncompressibleModel : public PressureModel {
   }
 
   const FluidSettings settings_;
-  const double support_radius_, volume_;
+  const double support_radius_;
+  const double volume_;          // on the lattice at rest density: what the sums go by
+  const double settled_volume_;  // in settled water: what a particle weighs
   const ViscousWeights viscous_weights_;
   float density_scale_ = 0, self_density_ = 0;
-  double stiffness_ = 0;       // δ for φ against ρ*/ρ0 − 1
-  double relaxation_ = 1;      // ω
-  std::vector<Vec3> drift_;    // displacement without pressure, in units of H
-  std::vector<float> target_;  // ρ*/ρ0 − 1 that the step aims at, 0 but for over-compressed particles
+  double stiffness_ = 0;        // δ for φ against ρ*/ρ0 − 1
+  double full_relaxation_ = 1;  // ω
+  double relaxation_ = 1;       // of now; falls where a loop grows
+  std::vector<Vec3> drift_;     // displacement without pressure, in units of H
+  std::vector<float> target_;   // ρ*/ρ0 − 1 that the step aims at, 0 but for over-compressed particles
 
   // Boundary terms: per point of the boundary
   float push_scale_ = 0;             // displacement of a point in units of H per φ γ
   std::vector<float> wall_density_;  // λ* at the predicted positions
 
  private:
+  template <class T>
+  Boundary::Load<T> load_on_walls(const Boundary::Point& point, T phi) const;
   template <class Phi>
   void answer_of_walls(StepState& state, const Phi& phi);
+  double held_share(const StepState& state, std::size_t point, const Boundary::Load<double>& load) const;
   void keep_side(const StepState& state, Span<const PredictionContact> contacts, Vec3& displacement) const;
   bool diverges(double mean, double tolerance);
 
-  double last_mean_ = 0;      // of the previous iteration
-  int growing_ = 0;           // iterations in a row
-  std::vector<float> theta_;  // push of points of the boundary [m/s] per γ
-  std::vector<double> final_theta_;
+  double last_mean_ = 0;                     // of the previous iteration
+  int growing_ = 0;                          // iterations in a row
+  float phi_per_depth_ = 0;                  // of water at rest, per H
+  std::vector<Boundary::Load<float>> load_;  // of points of the boundary
+  std::vector<Boundary::Load<double>> final_load_;
 };
 
 template <class Correct, class Restart>
@@ -149,7 +156,7 @@ void IncompressibleModel::iterate(Loop& loop, const Correct& correct, const Rest
     if (!std::isfinite(mean) || diverges(mean, loop.tolerance)) {
       restart(std::isfinite(mean));
       loop.diverged = true;
-      relaxation_ = std::max(relaxation_ / 2, least_relaxation);  // of this step and the coming ones
+      relaxation_ = std::max(relaxation_ / 2, least_relaxation);  // begin() lets it rise again
       last_mean_ = 0;
       growing_ = 0;
     }
@@ -157,14 +164,23 @@ void IncompressibleModel::iterate(Loop& loop, const Correct& correct, const Rest
   }
 }
 
-/// Where the walls will be. a_i = (p_i/ρ0) Σ γ_T/H.
+/// In units of φ. What the water between particle and wall weighs counts up to the pressure of the particle:
+/// a drop is carried by contact.
+template <class T>
+Boundary::Load<T> IncompressibleModel::load_on_walls(const Boundary::Point& point, T phi) const {
+  const auto deepest = static_cast<T>(point.deepest), per_depth = static_cast<T>(phi_per_depth_);
+  return {phi, per_depth * deepest < phi ? per_depth : deepest > 0 ? phi / deepest : 0};
+}
+
+/// Where the walls will be. a_i = Σ (p_T/ρ0) γ_T/H.
 template <class Phi>
 void IncompressibleModel::answer_of_walls(StepState& state, const Phi& phi) {
   if (state.boundary.empty()) return;
   const float per_phi = push_scale_ * static_cast<float>(support_radius_ / state.dt);
   const auto& points = state.boundary.points();
-  for (std::size_t k = 0; k < points.size(); ++k) theta_[k] = per_phi * phi(points[k].particle);
-  state.boundary.respond(theta_, state.workers);
+  for (std::size_t k = 0; k < points.size(); ++k)
+    load_[k] = load_on_walls(points[k], phi(points[k].particle)).times(per_phi);
+  state.boundary.respond(load_, state.workers);
 }
 
 template <class Phi>
@@ -172,10 +188,12 @@ void IncompressibleModel::push_from_walls(StepState& state, const Phi& phi) {
   if (state.boundary.empty()) return;
   const double per_phi = static_cast<double>(push_scale_) * support_radius_ / state.dt;
   const auto& points = state.boundary.points();
-  final_theta_.resize(points.size());
-  for (std::size_t k = 0; k < points.size(); ++k)
-    final_theta_[k] = per_phi * static_cast<double>(phi(points[k].particle));
-  state.boundary.push(final_theta_, state.dv, state.workers);
+  final_load_.resize(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const auto load = load_on_walls(points[k], static_cast<double>(phi(points[k].particle))).times(per_phi);
+    final_load_[k] = load.times(held_share(state, k, load));
+  }
+  state.boundary.push(final_load_, state.dv, state.workers);
 }
 
 template <class Phi, class Push, class Store>
@@ -191,8 +209,10 @@ void IncompressibleModel::predict(StepState& state, const Phi& phi, const Push& 
         for (std::size_t i = begin; i < end; ++i) {
           Vec3 d = drift_[i] + push(i);
           const std::uint32_t wall = wall_of(state, i);
-          if (wall != Boundary::none)
-            d += (push_scale_ * phi(i) * state.boundary.points()[wall].gamma).template cast<double>();
+          if (wall != Boundary::none) {
+            const Boundary::Point& point = state.boundary.points()[wall];
+            d += (push_scale_ * point.push(load_on_walls(point, phi(i)))).template cast<double>();
+          }
           const PredictionContact* first = contact;
           while (contact != state.contacts.end() && contact->particle == i) ++contact;
           if (contact != first) keep_side(state, {first, static_cast<std::size_t>(contact - first)}, d);

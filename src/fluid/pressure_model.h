@@ -13,7 +13,7 @@ class PressureModel {
  public:
   virtual ~PressureModel() = default;
 
-  /// V = m/ρ0, calibrated on the lattice [m³].
+  /// m/ρ0 [m³]: the room that a particle takes in water at rest.
   virtual double particle_volume() const = 0;
 
   /// Reads the velocities; writes densities and slopes, adds viscosity and XSPH to dv.

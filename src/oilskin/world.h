@@ -62,7 +62,8 @@ class World {
                        std::uint64_t* blocked = nullptr);
 
   std::size_t particle_count() const;
-  double particle_mass() const;           ///< [kg], calibrated on the lattice
+  /// [kg], ρ0 times the room that a particle takes in water at rest: 0.994 dx³ at H = 2 dx (pcisph, dfsph)
+  double particle_mass() const;
   Span<const std::uint64_t> ids() const;  ///< in storage order, which may change every step
   Span<const Vec3> positions() const;     ///< [m]
   Span<const Vec3> velocities() const;    ///< [m/s]

@@ -42,11 +42,12 @@ void World::Impl::run_interval(double dt) {
   predict_motion();                           // x_t1 without pressure, to find contacts
   contact_report = {};
   contact->begin(dt, contact_settings, motion, surfaces, contact_report, report.seconds);
-  fluid->meet_surfaces(dt, particles, surfaces, report.seconds);  // hidden neighbours, boundary terms
-  predict_contacts(dt);                                           // bounds for the pressure solver
-  propose_motion(dt);                                             // pressure, viscosity → x_t1
-  contact->run();                                                 // impulses, meetings, zones → certificate
-  certify();                                                      // an independent check, when asked for
+  // hidden neighbours, boundary terms
+  fluid->meet_surfaces(dt, settings.gravity, particles, surfaces, report.seconds);
+  predict_contacts(dt);  // bounds for the pressure solver
+  propose_motion(dt);    // pressure, viscosity → x_t1
+  contact->run();        // impulses, meetings, zones → certificate
+  certify();             // an independent check, when asked for
   tell_observer(dt);
   commit();  // nothing live has moved since the certificate
 }

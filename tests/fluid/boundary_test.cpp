@@ -120,7 +120,7 @@ struct Layer {
     x = sorted;
     neighbours.search(x, workers);
     SurfaceMotion* surfaces[] = {&surface};
-    boundary.find(1e-3, mass, x, neighbours, h, surfaces, workers);
+    boundary.find(1e-3, mass, Vec3(0, -1, 0), x, neighbours, h, surfaces, workers);
   }
 };
 
@@ -137,7 +137,8 @@ TEST(Boundary, a_lattice_on_a_sheet_lacks_nothing) {
   EXPECT_EQ(water.boundary.points().size(), 144u) << "the first layer";
   for (const Boundary::Point& p : water.boundary.points()) {
     EXPECT_NEAR(p.lambda, lattice_mass_beyond<CubicSpline>(2), 2e-5);
-    EXPECT_NEAR(p.gamma.y(), 2 * lattice_pull_beyond<CubicSpline>(2), 2e-4) << "as much as the layer above";
+    EXPECT_NEAR(p.gamma.y(), Boundary::settled_pull * 2 * lattice_pull_beyond<CubicSpline>(2), 2e-4)
+        << "as much as the layer above of settled water";
     EXPECT_NEAR(p.gamma.x(), 0, 1e-5);
   }
 }
@@ -211,7 +212,8 @@ TEST(Boundary, sheets_that_lie_on_each_other_count_once) {
   twice.neighbours.search(sorted, twice.workers);
   SurfaceMotion other = test::surface_of(plate(0.06, 7, -0.03), 0, 2);
   SurfaceMotion* surfaces[] = {&twice.surface, &other};
-  twice.boundary.find(1e-3, Layer::mass, sorted, twice.neighbours, Layer::h, surfaces, twice.workers);
+  twice.boundary.find(1e-3, Layer::mass, Vec3::Zero(), sorted, twice.neighbours, Layer::h, surfaces,
+                      twice.workers);
   ASSERT_EQ(twice.boundary.points().size(), 16u);
   for (const Boundary::Point& p : twice.boundary.points())
     EXPECT_NEAR(p.lambda, lattice_mass_beyond<CubicSpline>(2), 5e-3);
@@ -225,10 +227,11 @@ TEST(Boundary, what_particles_get_nodes_lose) {
     Layer water(mesh, inverse_mass);
     water.fill(12, 2, 0.004);
     water.find();
-    std::vector<double> theta;
-    for (std::size_t k = 0; k < water.boundary.points().size(); ++k) theta.push_back(random.uniform());
+    std::vector<Boundary::Load<double>> load;
+    for (std::size_t k = 0; k < water.boundary.points().size(); ++k)
+      load.push_back({random.uniform(), random.uniform()});
     std::vector<Vec3> dv(water.x.size(), Vec3::Zero());
-    water.boundary.push(theta, dv, water.workers);
+    water.boundary.push(load, dv, water.workers);
     Vec3 given = Vec3::Zero(), taken = Vec3::Zero(), nodes = Vec3::Zero();
     for (const Vec3& v : dv) given += Layer::mass * v;
     for (const Vec3& j : water.surface.impulse) taken += j;
@@ -243,6 +246,25 @@ TEST(Boundary, what_particles_get_nodes_lose) {
   }
 }
 
+TEST(Boundary, a_floor_carries_what_the_water_down_to_it_weighs_and_a_ceiling_does_not) {
+  for (const double side : {1.0, -1.0}) {
+    Layer water(plate(0.12, 14, -0.03), 0);
+    water.fill(12, 1, side * 0.4 * Layer::dx);
+    water.find();
+    ASSERT_EQ(water.boundary.points().size(), 144u);
+    for (const Boundary::Point& p : water.boundary.points()) {
+      const float depth = static_cast<float>(side * 0.4 * Layer::dx / Layer::h);
+      EXPECT_NEAR(p.lift.y(), depth * p.gamma.y(), 1e-6f);
+      EXPECT_GT(p.lift.y(), 0.1f) << "upwards: a floor pushes more, a ceiling less";
+      EXPECT_NEAR(p.deepest, std::abs(depth), 1e-6f);
+    }
+    std::vector<Vec3> dv(water.x.size(), Vec3::Zero());
+    water.boundary.push({water.boundary.points().size(), {0.5, 2}}, dv, water.workers);
+    for (const Boundary::Point& p : water.boundary.points())
+      EXPECT_LT((dv[p.particle] - p.push({0.5f, 2}).cast<double>()).norm(), 1e-6);
+  }
+}
+
 TEST(Boundary, light_walls_give_way_and_heavy_ones_move_as_told) {
   test::StaticMesh mesh = plate(0.12, 14, -0.03);
   for (double inverse_mass : {0.0, 6e4}) {
@@ -251,7 +273,7 @@ TEST(Boundary, light_walls_give_way_and_heavy_ones_move_as_told) {
     water.fill(12, 1, Layer::dx / 2);
     water.find();
     const std::vector<float> still = water.boundary.inflow();
-    water.boundary.respond(std::vector<float>(water.boundary.points().size(), 0.01f), water.workers);
+    water.boundary.respond({water.boundary.points().size(), {0.01f, 0}}, water.workers);
     for (std::size_t k = 0; k < still.size(); ++k) {
       const Boundary::Point& p = water.boundary.points()[k];
       EXPECT_NEAR(still[k], 0.2f * p.gamma.y(), 1e-4f);

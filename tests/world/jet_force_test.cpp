@@ -32,6 +32,7 @@ struct Case {
   SlipSettings slip;
   double away = 0;    ///< speed of the sheet along the jet [m/s]
   double angle = 90;  ///< between jet and sheet [degrees]
+  double dt = 5e-4;   ///< [s]
 };
 
 /// Means over the window, as shares of what the theory says.
@@ -47,7 +48,7 @@ Force measure(const Case& c) {
   const Vec3 jet(0, -1, 0), along(std::sin(phi), -std::cos(phi), 0), normal(std::cos(phi), std::sin(phi), 0);
   // Long enough for the slowest way: down to the sheet, three diameters of jet, and out to its border.
   const double begin = above / (speed - u) + 6 * radius / (speed - u) + 1.5 * half / (speed - u);
-  const double end = begin + 0.3, dt = 5e-4;
+  const double end = begin + 0.3, dt = c.dt;
 
   // The border of the box is that of the sheet: water is taken away while the sheet still carries it.
   WorldSettings settings;
@@ -114,16 +115,12 @@ class JetForce : public ::testing::TestWithParam<BoundaryModel> {
 
   void SetUp() override { c.fluid = fluid(PressureSolver::pcisph, GetParam()); }
 
-  /// B.7 says 3 %. Boundary terms miss it: with them the wall's pressure stops the water, not contact, and
-  /// throws some of it back (at r = 2 to 4 cm one particle in twenty leaves at 0.4 of the jet's speed or
-  /// more). The finer the step the more: 6 % of the momentum at 0.25 spacings a step, 12 % at 0.12, 15 % at
-  /// 0.06, with half the spacing as well; DFSPH likewise. The bound keeps it from getting worse; it is not
-  /// accuracy.
-  double thrown_back() const { return GetParam() == BoundaryModel::mirrored ? 0.09 : 0.01; }
+  /// With boundary terms the wall's pressure stops the water, not contact, and throws some of it back.
+  double thrown_back() const { return GetParam() == BoundaryModel::mirrored ? 0.03 : 0.01; }
 
   void expect_theory(const Force& f) const {
     EXPECT_NEAR(f.flow, 1, 0.01);
-    EXPECT_NEAR(f.normal, 1, GetParam() == BoundaryModel::mirrored ? 0.09 : 0.03) << "B.7";
+    EXPECT_NEAR(f.normal, 1, 0.03) << "B.7";
     EXPECT_NEAR(f.normal - f.bounced, 1, 0.03) << "what is not thrown back";
     EXPECT_LT(f.bounced, thrown_back());
     EXPECT_LT(f.tangential, 0.01) << "B.7";
@@ -131,6 +128,11 @@ class JetForce : public ::testing::TestWithParam<BoundaryModel> {
 };
 
 TEST_P(JetForce, of_a_normal_jet_is_its_momentum_flow) {
+  expect_theory(measure(c));
+}
+
+TEST_P(JetForce, does_not_grow_with_shorter_steps) {
+  c.dt = 1.25e-4;
   expect_theory(measure(c));
 }
 
@@ -144,19 +146,16 @@ TEST_P(JetForce, on_an_inclined_sheet_without_friction_is_normal_to_it) {
   expect_theory(measure(c));
 }
 
+TEST_P(JetForce, dfsph_is_the_same) {
+  c.fluid.solver = PressureSolver::dfsph;
+  expect_theory(measure(c));
+}
+
 INSTANTIATE_TEST_SUITE_P(boundary, JetForce,
                          ::testing::Values(BoundaryModel::contact_only, BoundaryModel::mirrored),
                          [](const auto& made) {
                            return made.param == BoundaryModel::mirrored ? "mirrored" : "contact_only";
                          });
-
-TEST(JetForceOf, dfsph_is_the_same) {
-  Case c;
-  c.fluid = fluid(PressureSolver::dfsph, BoundaryModel::contact_only);
-  const Force f = measure(c);
-  EXPECT_NEAR(f.normal, 1, 0.03) << "B.7";
-  EXPECT_LT(f.bounced, 0.01);
-}
 
 TEST(JetForceOf, an_inclined_jet_on_a_rough_sheet_is_not_normal_to_it) {
   Case c;

@@ -81,15 +81,16 @@ double mean_square_speed(const World& w) {
 class Column : public ::testing::TestWithParam<PressureSolver> {};
 
 TEST_P(Column, stands_as_high_as_its_water_and_presses_with_its_weight) {
-  constexpr int n = 10, layers = 20;
+  constexpr int n = 14, layers = 20;
   const double dx = 0.005, dt = 1e-3;
   BoxedWater box(n, layers, 0.15, accurate(GetParam()));
   World& w = box.w;
   const std::size_t count = w.particle_count();
   const double weight = static_cast<double>(count) * w.particle_mass() * g;
+  const double depth = weight / (1000 * g * n * dx * n * dx);
 
   double impulse = 0, on_sides = 0, time = 0, begin = 0, height = 0, square = 0;
-  double pressure[layers] = {}, seen[layers] = {};
+  double pressure[layers] = {}, hydrostatic[layers] = {};
   while (w.time() < 0.7) {
     const StepReport& r = w.step(dt);
     ASSERT_LT(r.fluid.density_error_mean, 2e-3);
@@ -107,7 +108,7 @@ TEST_P(Column, stands_as_high_as_its_water_and_presses_with_its_weight) {
       const int layer = static_cast<int>(x.y() / dx);
       if (layer >= layers || std::min({x.x(), x.z(), n * dx - x.x(), n * dx - x.z()}) < 2 * dx) continue;
       pressure[layer] += w.pressures()[i];
-      ++seen[layer];
+      hydrostatic[layer] += 1000 * g * (depth - x.y());
     }
   }
   ASSERT_EQ(w.particle_count(), count);
@@ -116,21 +117,16 @@ TEST_P(Column, stands_as_high_as_its_water_and_presses_with_its_weight) {
   const double force = (impulse - (test::fluid_momentum(w).y() - begin)) / time / weight;
   EXPECT_NEAR(force, 1, 0.002) << "B.1a";
   EXPECT_NEAR(on_sides / time / weight, 0, 1e-6);
-  // Disordered water packs a percent closer than the lattice that its mass was calibrated on.
-  EXPECT_NEAR(height / (layers * dx), 0.99, 0.006) << "B.1c";
+  EXPECT_NEAR(height / depth, 1, 0.005) << "B.1c";
   EXPECT_LT(0.5 * square, 0.01 * g * dx) << "B.1e: of the energy that lifts one layer by itself";
-  const auto over_hydrostatic = [&](int layer) {
-    return pressure[layer] / seen[layer] / (1000 * g * dx * (layers - layer - 0.5));
-  };
-  std::cout << "  force/weight " << force << ", height " << height << " m of " << layers * dx
-            << ", rms speed " << std::sqrt(square)
-            << " m/s, p/hydrostatic in layers 0, 1, 2, 9: " << over_hydrostatic(0) << ' '
+  const auto over_hydrostatic = [&](int layer) { return pressure[layer] / hydrostatic[layer]; };
+  std::cout << "  force/weight " << force << ", height " << height << " m of " << depth << ", rms speed "
+            << std::sqrt(square) << " m/s, p/hydrostatic in layers 0, 1, 2, 9: " << over_hydrostatic(0) << ' '
             << over_hydrostatic(1) << ' ' << over_hydrostatic(2) << ' ' << over_hydrostatic(9) << '\n';
   double bulk = 0;
   for (int layer = 1; layer < 10; ++layer) bulk += over_hydrostatic(layer) / 9;
-  // One arrangement of 36 particles, which hardly moves: 0.04 from run to run. (0.6 with contact alone.)
-  EXPECT_NEAR(over_hydrostatic(0) / bulk, 1, 0.12) << "B.1b: the first layer is like the others";
-  EXPECT_NEAR(bulk, 1, 0.07);
+  EXPECT_NEAR(over_hydrostatic(0), 1, 0.03) << "B.1b: the first layer (0.6 with contact alone)";
+  EXPECT_NEAR(bulk, 1, 0.03) << "B.1b";
 }
 
 TEST_P(Column, is_not_thrown_apart_by_a_shorter_step) {
