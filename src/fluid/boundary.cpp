@@ -195,6 +195,13 @@ void Boundary::integrate(const Vec3& x, Span<SurfaceMotion* const> surfaces, Spa
   std::size_t nearest = 0;
   for (std::size_t k = 1; k < near.size(); ++k)
     if (near[k].closest.distance < near[nearest].closest.distance) nearest = k;
+  // Cloth that follows the water swings with what the depth adds (scene `bowl`), and is carried right
+  // without.
+  const auto yields = [&](const Near& n) {
+    const SurfaceMotion& s = *surfaces[n.surface];
+    const Triangle& t = s.triangles[n.triangle];
+    return std::any_of(t.begin(), t.end(), [&](std::uint32_t node) { return s.inverse_mass[node] > 0; });
+  };
   const auto add = [&](const Near& n, const WallView& view) {
     const float image = image_way_ * view.distance;
     if (!(image < 1) || !(view.share > 0)) return;
@@ -203,7 +210,7 @@ void Boundary::integrate(const Vec3& x, Span<SurfaceMotion* const> surfaces, Spa
     wall.weight = {static_cast<float>(n.closest.weights[0]), static_cast<float>(n.closest.weights[1])};
     wall.gamma = image_way_ * image_mass_ * view.share * plane_integral_slope(image) * view.normal;
     wall.lambda = image_mass_ * view.share * plane_integral(image);
-    wall.depth = -view.distance * view.normal.dot(down_);
+    wall.depth = yields(n) ? 0 : -view.distance * view.normal.dot(down_);
     OILSKIN_ASSERT(wall.lambda >= 0 && wall.gamma.allFinite());
     walls.push_back(wall);
     point.add(wall.lambda, wall.gamma, wall.depth);

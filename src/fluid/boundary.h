@@ -46,9 +46,10 @@ class Boundary {
     std::uint32_t particle = 0;
     float lambda = 0;                                 ///< Σ_T λ_T at the start, 0 … 1
     Eigen::Vector3f gamma = Eigen::Vector3f::Zero();  ///< Σ_T γ_T
-    Eigen::Vector3f lift = Eigen::Vector3f::Zero();  ///< Σ_T d_T γ_T, d_T: how much deeper the wall is, in H
-    float deepest = 0;                               ///< of |d_T|
-    std::uint32_t begin = 0, end = 0;                ///< its walls
+    Eigen::Vector3f lift =
+        Eigen::Vector3f::Zero();       ///< Σ_T d_T γ_T, d_T: how much deeper a prescribed wall is, in H
+    float deepest = 0;                 ///< of |d_T|
+    std::uint32_t begin = 0, end = 0;  ///< its walls
 
     void add(float wall_lambda, const Eigen::Vector3f& wall_gamma, float depth) {
       lambda += wall_lambda;
