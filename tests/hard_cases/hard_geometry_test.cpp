@@ -971,7 +971,7 @@ float largest_lambda() {
   for (std::uint32_t i : neighbours.cell_order(lattice, 0.01, workers)) x.push_back(lattice[i]);
   neighbours.search(x, workers);
   fluid::Boundary boundary{2.0};
-  boundary.find(1e-3, particle_mass, x, neighbours, 0.01, surfaces, workers);
+  boundary.find(1e-3, particle_mass, Vec3::Zero(), x, neighbours, 0.01, surfaces, workers);
   float largest = 0;
   for (const fluid::Boundary::Point& p : boundary.points()) largest = std::max(largest, p.lambda);
   return largest;
