@@ -7,9 +7,8 @@
 
 namespace oilskin {
 
-/// Does the closed segment p–q meet the closed triangle? `normal` is that of the
-/// corners in their order, not normalised and not zero, and `side_p`, `side_q` its dot products with
-/// p − corner[0] and q − corner[0].
+/// Does the closed segment p–q meet the closed triangle? `normal` is that of the corners in their order, not
+/// normalised and not zero, and `side_p`, `side_q` its dot products with p − corner[0] and q − corner[0].
 ///
 /// No line slips through where triangles share an edge: the sign of an edge does not depend on the triangle
 /// that asks (its ends are taken by ascending `nodes`, their numbers in the mesh). Nor where they share a

@@ -195,8 +195,7 @@ void Boundary::integrate(const Vec3& x, Span<SurfaceMotion* const> surfaces, Spa
   std::size_t nearest = 0;
   for (std::size_t k = 1; k < near.size(); ++k)
     if (near[k].closest.distance < near[nearest].closest.distance) nearest = k;
-  // Cloth that follows the water swings with what the depth adds (scene `bowl`), and is carried right
-  // without.
+  // Cloth that follows the water swings more with what the depth adds (docs/architecture.md).
   const auto yields = [&](const Near& n) {
     const SurfaceMotion& s = *surfaces[n.surface];
     const Triangle& t = s.triangles[n.triangle];

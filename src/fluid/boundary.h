@@ -46,8 +46,8 @@ class Boundary {
     std::uint32_t particle = 0;
     float lambda = 0;                                 ///< Σ_T λ_T at the start, 0 … 1
     Eigen::Vector3f gamma = Eigen::Vector3f::Zero();  ///< Σ_T γ_T
-    Eigen::Vector3f lift =
-        Eigen::Vector3f::Zero();       ///< Σ_T d_T γ_T, d_T: how much deeper a prescribed wall is, in H
+    /// Σ_T d_T γ_T, d_T: how much deeper the wall is than the particle, in H; 0 where the wall yields.
+    Eigen::Vector3f lift = Eigen::Vector3f::Zero();
     float deepest = 0;                 ///< of |d_T|
     std::uint32_t begin = 0, end = 0;  ///< its walls
 

@@ -122,7 +122,9 @@ TEST(Visibility, the_bits_of_a_block_agree_with_every_triangle_asked_by_itself) 
 }
 
 /// Around a block of 8³: small and large ones, slivers, and some that share a corner.
-void add_triangles(Random& random, std::uint32_t count, std::vector<Vec3>& v, std::vector<Triangle>& t) {
+Obstacles random_triangles(Random& random, std::uint32_t count) {
+  std::vector<Vec3> v;
+  std::vector<Triangle> t;
   for (std::uint32_t k = 0; k < count; ++k) {
     const int kind = int(random.below(10));
     const double size = kind == 0 ? 1e5 : (kind == 1 ? 40 : (kind == 2 ? 0.05 : 2));
@@ -136,18 +138,16 @@ void add_triangles(Random& random, std::uint32_t count, std::vector<Vec3>& v, st
       for (std::uint32_t n = first; n < first + 3; ++n) v[n].y() = 3;
     t.push_back({first, first + 1, first + 2});
   }
+  const std::vector<ObstacleMesh> meshes = {{v, t}};
+  return Obstacles(meshes);
 }
 
 TEST(Visibility, shadows_over_a_row_agree_with_every_node_asked_by_itself) {
   Random random(16);
   std::size_t hidden = 0, seen = 0;
   for (int round = 0; round < 150; ++round) {
-    std::vector<Vec3> v;
-    std::vector<Triangle> triangles;
     const std::uint32_t n = 1 + random.below(70);
-    add_triangles(random, n, v, triangles);
-    const std::vector<ObstacleMesh> meshes = {{v, triangles}};
-    const Obstacles obstacles(meshes);
+    const Obstacles obstacles = random_triangles(random, n);
     std::vector<std::uint32_t> all(n);
     for (std::uint32_t t = 0; t < n; ++t) all[t] = t;
     BlockSight sight;
@@ -164,7 +164,8 @@ TEST(Visibility, shadows_over_a_row_agree_with_every_node_asked_by_itself) {
       std::uint32_t expected = 0;
       for (int i = 0; i < side; ++i)
         for (std::uint32_t t = 0; t < n; ++t)
-          if (segment_touches(Vec3(i, j, k), Vec3(p[0], p[1], p[2]), obstacles.corners(t), triangles[t]))
+          if (segment_touches(Vec3(i, j, k), Vec3(p[0], p[1], p[2]), obstacles.corners(t),
+                              obstacles.indices(t)))
             expected |= 1u << i;
       ASSERT_EQ(shadows.hidden(j, k, wanted, open.data()), expected & wanted) << round << " " << particle;
       (expected != 0 ? hidden : seen)++;
@@ -178,12 +179,8 @@ TEST(Distances, of_nodes_are_those_of_the_closest_triangle) {
   Random random(17);
   std::size_t within = 0, beyond = 0;
   for (int round = 0; round < 120; ++round) {
-    std::vector<Vec3> v;
-    std::vector<Triangle> triangles;
     const std::uint32_t n = 1 + random.below(40);
-    add_triangles(random, n, v, triangles);
-    const std::vector<ObstacleMesh> meshes = {{v, triangles}};
-    const Obstacles obstacles(meshes);
+    const Obstacles obstacles = random_triangles(random, n);
     NearBlock near;
     for (std::uint32_t t = 0; t < n; ++t) near.triangles.push_back(t);
     const double band = random.uniform(0.5, 3);
