@@ -85,6 +85,54 @@ struct Local {
 
 }  // namespace
 
+TrianglePrism::TrianglePrism(const Corners& c) : origin_(c[0]) {
+  const Corners relative = {Vec3::Zero(), c[1] - origin_, c[2] - origin_};
+  for (const Vec3& x : relative) size_ = std::max(size_, x.cwiseAbs().maxCoeff());
+  const Vec3 cross = relative[1].cross(relative[2]);
+  const double length = cross.norm();
+  if (!(length > 0 && std::isfinite(length))) return;
+  normal_ = cross / length;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double along = normal_.dot(relative[k]);
+    low_ = std::min(low_, along);
+    high_ = std::max(high_, along);
+  }
+  is_whole_ = true;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 edge = relative[(k + 1) % 3] - relative[k], out = edge.cross(normal_);
+    // The normal of a sliver may be anything: a plane counts only if it is certain to stand on the layer.
+    if (!(out.squaredNorm() > 0.25 * edge.squaredNorm())) {
+      is_whole_ = false;
+      continue;
+    }
+    out_[k] = out.normalized();
+    reach_[k] = std::max({0.0, out_[k].dot(relative[1]), out_[k].dot(relative[2])});
+  }
+}
+
+TrianglePrism::Distance TrianglePrism::distance_from(const Corners& t) const {
+  std::array<double, 3> along, beyond;  // of each corner: along the normal, beyond the edges
+  Vec3 beside = Vec3::Constant(std::numeric_limits<double>::infinity());
+  double size = size_;
+  for (std::size_t j = 0; j < 3; ++j) {
+    const Vec3 x = t[j] - origin_;
+    size = std::max(size, x.cwiseAbs().maxCoeff());
+    along[j] = normal_.dot(x);
+    const Vec3 out(out_[0].dot(x) - reach_[0], out_[1].dot(x) - reach_[1], out_[2].dot(x) - reach_[2]);
+    beyond[j] = out.maxCoeff();
+    beside = beside.cwiseMin(out);
+  }
+  const double low = std::min({along[0], along[1], along[2]}),
+               high = std::max({along[0], along[1], along[2]}),
+               off = std::max({0.0, low - high_, low_ - high}), to_side = std::max(0.0, beside.maxCoeff());
+  bool over_face = false;
+  for (std::size_t j = 0; j < 3; ++j) over_face |= beyond[j] <= 0 && along[j] == (low > high_ ? low : high);
+  // As in gap_along(), twice; and the planes stand on each other to some ulps only.
+  constexpr double rounding = 96 * 0x1p-53;
+  const double distance = std::sqrt(off * off + to_side * to_side);
+  return {std::max(0.0, distance * (1 - rounding) - rounding * size), is_whole_ && off > 0 && over_face};
+}
+
 double certified_distance(const Corners& triangle, const Corners& other, double enough) {
   const Local l(triangle, other);
   double d = std::max(0.0, l.along_normal(l.c));

@@ -33,45 +33,77 @@ struct Neighbours {
   }
 };
 
-/// What a triangle has to spare towards the candidates, a cell at most; the nearest first, as far as a first
-/// look tells, since then most others need no more than that look.
-double spare_of(const Corners& own, Span<const std::uint32_t> candidates, const Obstacles& obstacles,
-                double gap, double cell) {
-  std::vector<std::pair<double, std::uint32_t>> order;
-  for (std::uint32_t c : candidates) order.emplace_back(certified_distance(own, obstacles.corners(c), 0), c);
-  std::sort(order.begin(), order.end());
-  double least = cell;
-  for (const auto& [bound, c] : order) {
-    const Corners other = obstacles.corners(c);
-    const double rounding = rounding_of(other);
-    // A pair that has more to spare changes nothing.
-    const double enough = (least + gap + rounding) * (1 + 1e-9);
-    if (bound < enough) least = std::min(least, certified_distance(own, other, enough) - gap - rounding);
+/// What triangles have to spare towards an obstacle, a cell at most.
+class Spare {
+ public:
+  Spare(const Obstacles& obstacles, double gap, double cell) : obstacles_(obstacles), cell_(cell) {
+    walls_.reserve(obstacles.size());
+    for (std::uint32_t t = 0; t < obstacles.size(); ++t) {
+      const Corners c = obstacles.corners(t);
+      walls_.push_back({TrianglePrism(c), gap + rounding_of(c)});
+    }
   }
-  return least;
-}
+  /// Of what is left of a bound that costs little, `loss` may be lost for not looking closer.
+  double of(const Corners& own, Span<const std::uint32_t> candidates) const {
+    std::vector<std::pair<double, std::uint32_t>> order;
+    order.reserve(candidates.size());
+    double least = cell_;
+    for (std::uint32_t c : candidates) {
+      const TrianglePrism::Distance d = walls_[c].prism.distance_from(own);
+      const double bound = d.at_least - walls_[c].limit;
+      if (d.is_exact) least = std::min(least, bound);
+      if (bound < least) order.emplace_back(bound, c);
+    }
+    std::sort(order.begin(), order.end());
+    for (const auto& [bound, c] : order) {
+      if (bound >= (1 - loss) * least) return std::min(least, bound);
+      const double limit = walls_[c].limit;
+      const double exact =
+          certified_distance(own, obstacles_.corners(c), (least + limit) * (1 + 1e-9)) - limit;
+      least = std::min(least, std::max(bound, exact));
+    }
+    return std::max(0.0, least);
+  }
 
-/// How far each vertex may move [m]: what the nearest of its triangles has to spare, and a cell at most, so
-/// that what is farther away does not matter.
-std::vector<float> budgets(const Obstacles& obstacles, double gap, double cell, const RawMesh& mesh,
-                           const Workers& workers) {
-  std::vector<float> spare(mesh.triangles.size(), static_cast<float>(cell));
-  for_near_pairs(mesh.positions, mesh.triangles, nullptr, obstacles, gap + 1.01 * cell, workers,
-                 [&](std::uint32_t t, Span<const std::uint32_t> candidates) {
-                   const Corners own = stored_corners(mesh.positions, mesh.triangles[t]);
-                   spare[t] =
-                       static_cast<float>(std::max(0.0, spare_of(own, candidates, obstacles, gap, cell)));
-                 });
-  std::vector<float> budget(mesh.positions.size(), static_cast<float>(cell));
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (std::uint32_t v : mesh.triangles[t]) budget[v] = std::min(budget[v], spare[t]);
-  for (std::size_t v = 0; v < budget.size(); ++v) {
-    float ulp = 0;
-    for (float x : mesh.positions[v]) ulp = std::max(ulp, std::abs(x) * 0x1p-22f);
-    budget[v] = std::max(0.0f, 0.999f * budget[v] - ulp);
+ private:
+  static constexpr double loss = 0.2;
+  struct Wall {
+    TrianglePrism prism;
+    double limit;  ///< the gap, and what rounding may take
+  };
+  const Obstacles& obstacles_;
+  double cell_;
+  std::vector<Wall> walls_;
+};
+
+/// How far vertices may move [m]: as far as the nearest of their triangles has to spare, and a cell at most,
+/// so that what is farther away does not matter.
+struct Budgets {
+  std::vector<float> of_vertex;
+  std::vector<std::uint32_t> near;  ///< the triangles that have less than a cell to spare
+
+  Budgets(const Obstacles& obstacles, double gap, double cell, const RawMesh& mesh, const Workers& workers) {
+    const Spare spares(obstacles, gap, cell);
+    const auto most = static_cast<float>(cell);
+    std::vector<float> spare(mesh.triangles.size(), most);
+    for_near_pairs(mesh.positions, mesh.triangles, nullptr, obstacles, gap + 1.01 * cell, workers,
+                   [&](std::uint32_t t, Span<const std::uint32_t> candidates) {
+                     const Corners own = stored_corners(mesh.positions, mesh.triangles[t]);
+                     spare[t] = static_cast<float>(spares.of(own, candidates));
+                   });
+    of_vertex.assign(mesh.positions.size(), most);
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (spare[t] == most) continue;
+      near.push_back(t);
+      for (std::uint32_t v : mesh.triangles[t]) of_vertex[v] = std::min(of_vertex[v], spare[t]);
+    }
+    for (std::size_t v = 0; v < of_vertex.size(); ++v) {
+      float ulp = 0;
+      for (float x : mesh.positions[v]) ulp = std::max(ulp, std::abs(x) * 0x1p-22f);
+      of_vertex[v] = std::max(0.0f, 0.999f * of_vertex[v] - ulp);
+    }
   }
-  return budget;
-}
+};
 
 // How far a vertex may go without leaving the box; 0 on its sides, which stay flat.
 float room_in(const Box& clip, const Float3& p, double margin) {
@@ -104,13 +136,14 @@ void move(double factor, const Neighbours& neighbours, const std::vector<Float3>
   });
 }
 
-/// Puts back what does not pass; a vertex put back may spoil a neighbour's triangle, so until all pass.
-std::size_t put_back(const Obstacles& obstacles, double gap, const std::vector<Float3>& start, RawMesh& mesh,
-                     const Workers& workers) {
+/// Puts back what does not pass, which only rounding could be the cause of; a vertex put back may spoil a
+/// neighbour's triangle, so until all pass.
+std::size_t put_back(const Obstacles& obstacles, double gap, const std::vector<std::uint32_t>& near,
+                     const std::vector<Float3>& start, RawMesh& mesh, const Workers& workers) {
   std::vector<std::uint8_t> held(mesh.positions.size(), 0);
   for (;;) {
     std::vector<std::uint8_t> failed(mesh.triangles.size(), 0);
-    for_near_pairs(mesh.positions, mesh.triangles, nullptr, obstacles, 1.01 * gap + 1e-30, workers,
+    for_near_pairs(mesh.positions, mesh.triangles, &near, obstacles, 1.01 * gap + 1e-30, workers,
                    [&](std::uint32_t t, Span<const std::uint32_t> candidates) {
                      const Corners own = stored_corners(mesh.positions, mesh.triangles[t]);
                      for (std::uint32_t c : candidates) {
@@ -140,8 +173,10 @@ SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, d
   if (iterations == 0 || mesh.positions.empty()) return report;
   const Neighbours neighbours(mesh);
   const std::vector<Float3> start = mesh.positions;
+  std::optional<Budgets> budgets;
+  if (obstacles) budgets.emplace(*obstacles, gap, cell, mesh, workers);
   std::vector<float> budget;
-  if (obstacles) budget = budgets(*obstacles, gap, cell, mesh, workers);
+  if (budgets) budget = std::move(budgets->of_vertex);
   if (clip) {
     if (budget.empty()) budget.assign(start.size(), static_cast<float>(cell));
     for (std::size_t v = 0; v < start.size(); ++v)
@@ -153,7 +188,7 @@ SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, d
     move(lambda, neighbours, start, limit, mesh.positions, other, workers);
     move(mu, neighbours, start, limit, other, mesh.positions, workers);
   }
-  if (obstacles) report.held = put_back(*obstacles, gap, start, mesh, workers);
+  if (budgets) report.held = put_back(*obstacles, gap, budgets->near, start, mesh, workers);
   return report;
 }
 

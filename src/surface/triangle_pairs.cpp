@@ -7,12 +7,13 @@ void for_near_pairs(const std::vector<std::array<float, 3>>& positions,
                     const Obstacles& obstacles, double reach, const Workers& workers,
                     const std::function<void(std::uint32_t, Span<const std::uint32_t>)>& f) {
   if (obstacles.empty()) return;
-  constexpr std::size_t batch = 1 << 12, chunk = 8;
+  constexpr std::size_t batch = 1 << 12, chunk = 16;
   const std::size_t n = only ? only->size() : triangles.size();
   const Box bounds = obstacles.bounds();
   const auto number = [only](std::size_t k) { return only ? (*only)[k] : static_cast<std::uint32_t>(k); };
   workers.for_chunks(n, batch, [&](std::size_t from, std::size_t to, std::size_t) {
     std::vector<std::uint32_t> candidates, own;
+    std::vector<Box> candidate_boxes;
     for (std::size_t k = from; k < to; k += chunk) {
       // Neighbours in the list are neighbours in space: one search for a few of them.
       Box all;
@@ -27,13 +28,12 @@ void for_near_pairs(const std::vector<std::array<float, 3>>& positions,
       candidates.clear();
       obstacles.query(all, candidates);
       if (candidates.empty()) continue;
+      candidate_boxes.clear();
+      for (std::uint32_t c : candidates) candidate_boxes.push_back(obstacles.box(c));
       for (std::size_t m = k; m < end; ++m) {
         own.clear();
-        for (std::uint32_t c : candidates) {
-          Box box;
-          for (const Vec3& x : obstacles.corners(c)) box.add(x);
-          if (box.overlaps(boxes[m - k])) own.push_back(c);
-        }
+        for (std::size_t c = 0; c < candidates.size(); ++c)
+          if (candidate_boxes[c].overlaps(boxes[m - k])) own.push_back(candidates[c]);
         if (!own.empty()) f(number(m), own);
       }
     }

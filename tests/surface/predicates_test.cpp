@@ -42,6 +42,31 @@ TEST(Separation, never_says_more_than_the_distance_and_hardly_less) {
   EXPECT_GT(exactly, 39900u);
 }
 
+TEST(Separation, a_prism_is_never_farther_than_its_triangle_and_knows_when_it_is_as_far) {
+  Random random(11);
+  std::size_t exact = 0, apart = 0;
+  double kept = 0;
+  for (int round = 0; round < 40000; ++round) {
+    const int kind = int(random.below(5));
+    const Corners a = random_triangle(random, kind), b = random_triangle(random, round % 2 ? 2 : 0);
+    const double size = 1 + a[0].norm() + a[1].norm() + a[2].norm();
+    const double distance = test::triangle_distance(a, b);
+    const TrianglePrism::Distance d = TrianglePrism(a).distance_from(b);
+    ASSERT_LE(d.at_least, distance * (1 + 1e-12)) << round;
+    ASSERT_GE(d.at_least, 0) << round;
+    if (distance > 0 && kind < 3) {
+      ++apart;
+      kept += d.at_least / distance;
+    }
+    if (!d.is_exact) continue;
+    ++exact;
+    EXPECT_GE(d.at_least, distance * (1 - 1e-6) - 1e-12 * size) << round << " of kind " << kind;
+  }
+  EXPECT_GT(exact, 2000u);
+  EXPECT_GT(apart, 15000u);
+  EXPECT_GT(kept, 0.6 * double(apart));
+}
+
 TEST(Separation, triangles_that_touch_are_not_apart) {
   const Corners a = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
   EXPECT_FALSE(certified_apart(a, {Vec3(1, 0, 0), Vec3(2, 1, 0), Vec3(2, -1, 1)}, 0));  // in a corner
