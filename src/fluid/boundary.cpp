@@ -23,6 +23,9 @@ constexpr double plane_cosine = 0.996, plane_distance = 0.06;
 /// shakes; longer, and it feels a load that is no more.
 constexpr double memory_time = 0.05;
 
+/// How exactly the answers of light sheets are solved for, and up to which ratio of stiffnesses.
+constexpr double solve_tolerance = 0.3, most_condition = 50;
+
 /// Triangles that have the nodes of an earlier one.
 std::vector<std::uint8_t> repeated_triangles(const SurfaceMotion& s) {
   std::vector<std::pair<Triangle, std::uint32_t>> sorted;
@@ -384,27 +387,83 @@ void Boundary::find_yielding(const Workers& workers) {
 void Boundary::respond(const std::vector<Load<float>>& load, const Workers& workers) {
   OILSKIN_ASSERT(load.size() == points_.size() && wall_velocity_.size() == nodes_.size());
   if (!yields_) return;
-  const auto mass = static_cast<float>(mass_);
   workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
     const Node& node = nodes_[n];
     wall_velocity_[n] = node.velocity;
     if (node.inverse_mass == 0) return;
-    Eigen::Vector3f impulse = node.expected;  // on the node, beyond what the host will carry
-    for (std::uint32_t c = corners_begin_[n]; c < corners_begin_[n + 1]; ++c) {
-      const Wall& wall = walls_[corners_[c].wall];
-      impulse += mass * load[wall.point].on(wall.depth) * static_cast<float>(wall.share(corners_[c].corner)) *
-                 wall.gamma;
-    }
-    wall_velocity_[n] -= node.inverse_mass * impulse;
+    const auto load_of = [&](const Wall& wall) { return load[wall.point].on(wall.depth); };
+    // Beyond what the host will carry.
+    wall_velocity_[n] -= node.inverse_mass * (node.expected + impulse_on(n, load_of));
   });
-  workers.for_each(points_.size(), point_chunk, [&](std::size_t k) {
-    float sum = 0;
-    for (std::uint32_t w = points_[k].begin; w < points_[k].end; ++w)
-      for (int c = 0; c < 3; ++c)
-        sum += static_cast<float>(walls_[w].share(c)) *
-               walls_[w].gamma.dot(wall_velocity_[walls_[w].node[static_cast<std::size_t>(c)]]);
-    inflow_[k] = sum;
+  workers.for_each(points_.size(), point_chunk, [&](std::size_t k) { inflow_[k] = inflow_at(k); });
+}
+
+/// [N s] if the particles press on the walls with these loads [m/s].
+template <class LoadOf>
+Eigen::Vector3f Boundary::impulse_on(std::size_t node, const LoadOf& load_of) const {
+  const auto mass = static_cast<float>(mass_);
+  Eigen::Vector3f impulse = Eigen::Vector3f::Zero();
+  for (std::uint32_t c = corners_begin_[node]; c < corners_begin_[node + 1]; ++c) {
+    const Wall& wall = walls_[corners_[c].wall];
+    impulse += mass * load_of(wall) * static_cast<float>(wall.share(corners_[c].corner)) * wall.gamma;
+  }
+  return impulse;
+}
+
+float Boundary::inflow_at(std::size_t point) const {
+  float sum = 0;
+  for (std::uint32_t w = points_[point].begin; w < points_[point].end; ++w)
+    for (int c = 0; c < 3; ++c)
+      sum += static_cast<float>(walls_[w].share(c)) *
+             walls_[w].gamma.dot(wall_velocity_[walls_[w].node[static_cast<std::size_t>(c)]]);
+  return sum;
+}
+
+/// Chebyshev's iteration, preconditioned with the row sums, with which the spectrum lies in (0, 1]. The
+/// residual of no mode that is in the interval grows beyond the tolerance, and of what lies below it, none is
+/// overshot.
+void Boundary::solve_yielding(float scale, const std::vector<float>& step, std::vector<float>& change,
+                              const Workers& workers) {
+  OILSKIN_ASSERT(step.size() == points_.size() && change.size() == points_.size());
+  if (!yields_) {
+    for (std::size_t k = 0; k < change.size(); ++k) change[k] *= step[k];
+    return;
+  }
+  float stiffest = 1;
+  for (std::size_t k = 0; k < step.size(); ++k)
+    stiffest = std::max(stiffest, 1 + step[k] * scale * yielding_[k]);
+  const double condition = std::min(static_cast<double>(stiffest), most_condition),
+               root = std::sqrt(condition);
+  const int iterations =
+      root > 1
+          ? static_cast<int>(std::ceil(std::log(2 / solve_tolerance) / std::log((root + 1) / (root - 1))))
+          : 1;
+  const double middle = 0.5 * (1 + 1 / condition), half = 0.5 * (1 - 1 / condition);
+  solve_step_.resize(step.size());
+  solve_residual_.resize(step.size());
+  solve_direction_.resize(step.size());
+  workers.for_each(step.size(), point_chunk, [&](std::size_t k) {
+    solve_step_[k] = step[k] / (1 + step[k] * scale * yielding_[k]);
+    solve_residual_[k] = solve_step_[k] * change[k];
+    change[k] = solve_direction_[k] = solve_residual_[k] / static_cast<float>(middle);
   });
+  double rho = half / middle;
+  for (int i = 1; i < iterations; ++i) {
+    workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
+      const auto load_of = [&](const Wall& wall) { return solve_direction_[wall.point]; };
+      wall_velocity_[n] = nodes_[n].inverse_mass * impulse_on(n, load_of);
+    });
+    const double next = 1 / (2 * middle / half - rho);
+    const auto keep = static_cast<float>(next * rho), add = static_cast<float>(2 * next / half);
+    rho = next;
+    workers.for_each(step.size(), point_chunk, [&](std::size_t k) {
+      if (step[k] == 0) return;
+      float& d = solve_direction_[k];
+      solve_residual_[k] -= solve_step_[k] * (d / step[k] + scale * inflow_at(k));
+      d = keep * d + add * solve_residual_[k];
+      change[k] += d;
+    });
+  }
 }
 
 void Boundary::push(const std::vector<Load<double>>& load, std::vector<Vec3>& dv, const Workers& workers) {

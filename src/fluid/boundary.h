@@ -92,6 +92,12 @@ class Boundary {
   /// to stay stable on light cloth. 0 at prescribed walls.
   const std::vector<float>& yielding() const { return yielding_; }
 
+  /// Of a pressure iteration that leaves the residuals r: the change x of the particles' pressures with
+  /// x_k/step_k + scale Σ_l Y_kl x_l = r_k, Y = −∂ inflow/∂θ, to about a third; x and r share `change`. Where
+  /// step_k is 0 the pressure stays.
+  void solve_yielding(float scale, const std::vector<float>& step, std::vector<float>& change,
+                      const Workers& workers);
+
   /// dv += Σ θ_T γ_T, and the nodes' velocities and impulses change by the opposite momentum.
   void push(const std::vector<Load<double>>& load, std::vector<Vec3>& dv, const Workers& workers);
 
@@ -152,6 +158,9 @@ class Boundary {
   bool is_plane(Span<SurfaceMotion* const> surfaces, Span<const Near> near, std::size_t nearest) const;
   void number_nodes(double dt, Span<SurfaceMotion* const> surfaces);
   void find_yielding(const Workers& workers);
+  template <class LoadOf>
+  Eigen::Vector3f impulse_on(std::size_t node, const LoadOf& load_of) const;
+  float inflow_at(std::size_t point) const;
 
   float image_mass_ = 0, image_way_ = 1;  // κ, 2 a
   double support_radius_ = 1;
@@ -165,6 +174,7 @@ class Boundary {
   std::vector<WallCorner> corners_;  // of every node
   std::vector<std::uint32_t> point_of_;
   std::vector<float> inflow_, yielding_;
+  std::vector<float> solve_step_, solve_residual_, solve_direction_;
   std::vector<Eigen::Vector3f> wall_velocity_;  // of every node
   std::vector<SurfaceMotion*> surfaces_;
   std::map<std::uint64_t, SurfaceMemory> memory_;  // by surface id

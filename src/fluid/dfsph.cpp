@@ -66,7 +66,7 @@ class Dfsph : public IncompressibleModel {
   template <class ErrorOf>
   void solve(StepState& state, Loop& loop, const ErrorOf& error_of);
   template <class ErrorOf>
-  Errors correct(const StepState& state, const ErrorOf& error_of);
+  Errors correct(StepState& state, const ErrorOf& error_of);
   void displace(StepState& state);
   template <class Sum>
   Vec3 push(const StepState& state, std::size_t i) const;
@@ -138,7 +138,7 @@ void Dfsph::resize(const StepState& state) {
 }
 
 /// By how much the density of particle i falls per φ_i, 1/α of Bender, Koschier 2015, Eq. 8, in our units.
-/// The image of a particle behind a wall has its pressure; a light wall gives way.
+/// The image of a particle behind a wall has its pressure.
 float Dfsph::response(const StepState& state, std::size_t i) const {
   const Record& g = gradient_[i];
   const Eigen::Vector3f pull = density_scale_ * Eigen::Vector3f(g.x, g.y, g.z);
@@ -146,7 +146,7 @@ float Dfsph::response(const StepState& state, std::size_t i) const {
   const std::uint32_t wall = wall_of(state, i);
   if (wall == Boundary::none) return of_neighbours + push_scale_ * pull.squaredNorm();
   const Eigen::Vector3f& gamma = state.boundary.points()[wall].gamma;
-  return of_neighbours + push_scale_ * ((pull - gamma).squaredNorm() + state.boundary.yielding()[wall]);
+  return of_neighbours + push_scale_ * (pull - gamma).squaredNorm();
 }
 
 /// Steps of the Jacobi iteration. Neighbours correct the same compression at the same time, so a step is half
@@ -256,21 +256,31 @@ void Dfsph::solve(StepState& state, Loop& loop, const ErrorOf& error_of) {
 /// −1/6. That matters: with a warm start of one half, steps in time whose solves overshoot by more than 0.2
 /// make the pressure swing from step to step. The clamp belongs inside the loop, or free surfaces contract.
 template <class ErrorOf>
-Errors Dfsph::correct(const StepState& state, const ErrorOf& error_of) {
+Errors Dfsph::correct(StepState& state, const ErrorOf& error_of) {
   const float k = static_cast<float>(corrections_++), a = polynomial_order;
   const float weight = 2 * (k + a) / (k + 2 * a), momentum = weight - 1;
   const float relaxation = weight * static_cast<float>(relaxation_);
-  return state.workers.ordered_sum(
+  const auto add = [&](std::size_t i, float correction) {
+    const float change = relaxation * correction + momentum * (phi_[i] - previous_phi_[i]);
+    previous_phi_[i] = phi_[i];
+    phi_[i] = std::max(least_phi_[i], phi_[i] + change);
+  };
+  start_at_walls(state);
+  const Errors result = state.workers.ordered_sum(
       state.size(), Neighbours::chunk_size, Errors{}, [&](std::size_t begin, std::size_t end) {
         Errors errors;
         for (std::size_t i = begin; i < end; ++i) {
-          const float change =
-              relaxation * step_[i] * error_of(errors, i) + momentum * (phi_[i] - previous_phi_[i]);
-          previous_phi_[i] = phi_[i];
-          phi_[i] = std::max(least_phi_[i], phi_[i] + change);
+          const float error = error_of(errors, i);
+          const std::uint32_t wall = wall_of(state, i);
+          if (wall == Boundary::none)
+            add(i, step_[i] * error);
+          else
+            leave_to_walls(wall, phi_[i] > least_phi_[i] || error > 0 ? step_[i] : 0, error);
         }
         return errors;
       });
+  correct_at_walls(state, add);
+  return result;
 }
 
 /// Where the pressures of now lead.

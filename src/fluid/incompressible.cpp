@@ -156,6 +156,11 @@ void IncompressibleModel::write(const Loop& density, FluidReport& report) {
   report.diverged |= density.diverged;
 }
 
+void IncompressibleModel::start_at_walls(const StepState& state) {
+  wall_step_.assign(state.boundary.points().size(), 0);
+  wall_change_.assign(state.boundary.points().size(), 0);
+}
+
 /// Removes what approaches a sheet beyond the bound, one contact after the other; twice, since the later may
 /// undo the earlier in a corner.
 void IncompressibleModel::keep_side(const StepState& state, Span<const PredictionContact> contacts,

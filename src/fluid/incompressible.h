@@ -106,6 +106,18 @@ class IncompressibleModel : public PressureModel {
   template <class Phi>
   void push_from_walls(StepState& state, const Phi& phi);
 
+  /// Particles at walls share nodes, which may be light: what one pressure changes others feel more than
+  /// their own. So a loop's correction leaves their errors, with the steps that φ takes per error where walls
+  /// do not give way, or 0 where it can neither rise nor fall; and add(i, change of φ) follows for all of
+  /// them.
+  void start_at_walls(const StepState& state);
+  void leave_to_walls(std::uint32_t point, float step, float error) {
+    wall_step_[point] = step;
+    wall_change_[point] = error;
+  }
+  template <class Add>
+  void correct_at_walls(StepState& state, const Add& add);
+
   /// Point of the boundary of particle i, or none.
   static std::uint32_t wall_of(const StepState& state, std::size_t i) {
     return state.boundary.empty() ? Boundary::none : state.boundary.point_of(i);
@@ -141,6 +153,7 @@ class IncompressibleModel : public PressureModel {
   float phi_per_depth_ = 0;                  // of water at rest, per H
   std::vector<Boundary::Load<float>> load_;  // of points of the boundary
   std::vector<Boundary::Load<double>> final_load_;
+  std::vector<float> wall_step_, wall_change_;
 };
 
 template <class Correct, class Restart>
@@ -194,6 +207,14 @@ void IncompressibleModel::push_from_walls(StepState& state, const Phi& phi) {
     final_load_[k] = load.times(held_share(state, k, load));
   }
   state.boundary.push(final_load_, state.dv, state.workers);
+}
+
+template <class Add>
+void IncompressibleModel::correct_at_walls(StepState& state, const Add& add) {
+  if (state.boundary.empty()) return;
+  state.boundary.solve_yielding(push_scale_, wall_step_, wall_change_, state.workers);
+  const auto& points = state.boundary.points();
+  for (std::size_t k = 0; k < points.size(); ++k) add(points[k].particle, wall_change_[k]);
 }
 
 template <class Phi, class Push, class Store>

@@ -76,18 +76,19 @@ void Pcisph::predict_positions(StepState& state) {
       });
 }
 
-/// A light sheet gives way, and a corner of walls pushes more than the lattice for which δ was made: the
-/// step shrinks by what the density answers to the particle's pressure through its walls.
+/// A corner of walls pushes more than the lattice for which δ was made: the step shrinks by what the density
+/// answers to the particle's pressure through its walls.
 float Pcisph::boundary_step(const Boundary& boundary, std::uint32_t point, float step) const {
   const float corner = std::max(0.0f, boundary.points()[point].gamma.squaredNorm() - plane_gamma2);
-  return step / (1 + step * push_scale_ * (corner + boundary.yielding()[point]));
+  return step / (1 + step * push_scale_ * corner);
 }
 
 /// p ← max(0, p + ω δ (ρ* − ρ0)) at the predicted positions; the clamp belongs inside the loop, or free
 /// surfaces contract.
 Errors Pcisph::correct(StepState& state) {
   const float step = static_cast<float>(relaxation_ * stiffness_);
-  return state.workers.ordered_sum(
+  start_at_walls(state);
+  const Errors result = state.workers.ordered_sum(
       state.size(), Neighbours::chunk_size, Errors{}, [&](std::size_t b, std::size_t e) {
         Errors errors;
         for (std::size_t i = b; i < e; ++i) {
@@ -99,12 +100,21 @@ Errors Pcisph::correct(StepState& state) {
           // |S|² of the modes (lattice.h) grows with the square of the number density: so must ω δ shrink.
           const float compressed = std::max(1.0f, state.relative_density[i]);
           float own_step = step / (compressed * compressed);
-          if (wall != Boundary::none) own_step = boundary_step(state.boundary, wall, own_step);
-          phi = std::max(0.0f, phi + own_step * (density - 1 - target_[i]));
+          const float error = density - 1 - target_[i];
+          if (wall == Boundary::none)
+            phi = std::max(0.0f, phi + own_step * error);
+          else
+            leave_to_walls(wall, phi > 0 || error > 0 ? boundary_step(state.boundary, wall, own_step) : 0,
+                           error);
           errors.add(static_cast<double>(density) - 1, static_cast<double>(target_[i]), settings_.tolerance);
         }
         return errors;
       });
+  correct_at_walls(state, [&](std::size_t i, float correction) {
+    float& phi = state.position()[i].w;
+    phi = std::max(0.0f, phi + correction);
+  });
+  return result;
 }
 
 }  // namespace

@@ -286,8 +286,75 @@ TEST(Boundary, light_walls_give_way_and_heavy_ones_move_as_told) {
   }
 }
 
+/// The distance of a guess from the solution of A x = b over the distance of 0, in the norm of A.
+double relative_error(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& guess) {
+  const Eigen::VectorXd x = a.ldlt().solve(b), error = guess - x;
+  return std::sqrt(error.dot(a * error) / x.dot(a * x));
+}
+
+TEST(Boundary, the_answer_of_light_walls_is_solved_for) {
+  test::StaticMesh mesh = plate(0.12, 14, -0.03);
+  constexpr float scale = 0.3f;
+  for (double inverse_mass : {0.0, 1e3, 6e4, 1e9}) {
+    Layer water(mesh, inverse_mass);
+    water.fill(12, 1, Layer::dx / 2);
+    water.find();
+    const auto n = static_cast<Eigen::Index>(water.boundary.points().size());
+    ASSERT_EQ(n, 144);
+    Eigen::MatrixXd a(n, n);
+    const std::vector<float> still = water.boundary.inflow();
+    for (Eigen::Index l = 0; l < n; ++l) {
+      std::vector<Boundary::Load<float>> load(static_cast<std::size_t>(n));
+      load[static_cast<std::size_t>(l)] = {1, 0};
+      water.boundary.respond(load, water.workers);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const auto at = static_cast<std::size_t>(k);
+        a(k, l) = scale * (still[at] - water.boundary.inflow()[at]);
+      }
+    }
+    test::Random random(17);
+    std::vector<float> step, change;
+    Eigen::VectorXd residual(n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      step.push_back(k % 5 == 0 ? 0.0f : 0.1f + 0.3f * static_cast<float>(random.uniform()));
+      change.push_back(static_cast<float>(random.uniform() - 0.3));
+      residual[k] = static_cast<double>(change.back());
+    }
+    water.boundary.solve_yielding(scale, step, change, water.workers);
+    // Where the step is 0 the pressure stays, and the others do not count on it.
+    std::vector<Eigen::Index> moved;
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      if (step[at] > 0) {
+        moved.push_back(k);
+        a(k, k) += 1 / static_cast<double>(step[at]);
+      } else {
+        EXPECT_EQ(change[at], 0);
+      }
+    }
+    Eigen::VectorXd guess(n);
+    for (Eigen::Index k = 0; k < n; ++k) guess[k] = static_cast<double>(change[static_cast<std::size_t>(k)]);
+    const double error = relative_error(a(moved, moved), residual(moved), guess(moved));
+    const double without = relative_error(a(moved, moved), residual(moved), [&] {
+      Eigen::VectorXd rows = residual;
+      for (Eigen::Index k : moved)
+        rows[k] /= 1 / static_cast<double>(step[static_cast<std::size_t>(k)]) +
+                   static_cast<double>(scale * water.boundary.yielding()[static_cast<std::size_t>(k)]);
+      return Eigen::VectorXd(rows(moved));
+    }());
+    if (inverse_mass == 0) {
+      EXPECT_LT(error, 1e-6) << "the step is all there is to do";
+    } else if (inverse_mass < 1e8) {
+      EXPECT_LT(error, 0.3) << inverse_mass;
+    } else {
+      EXPECT_LT(error, 1) << "what is too stiff is approached";
+    }
+    EXPECT_LE(error, without + 1e-6) << "as row sums would do";
+  }
+}
+
 TEST(Boundary, does_not_depend_on_threads) {
-  std::vector<float> lambda[2], yielding[2];
+  std::vector<float> lambda[2], yielding[2], change[2];
   for (int threads : {1, 2}) {
     test::StaticMesh mesh = plate(0.1, 17);
     test::Random random(8);
@@ -298,10 +365,15 @@ TEST(Boundary, does_not_depend_on_threads) {
     water.find();
     for (const Boundary::Point& p : water.boundary.points()) lambda[threads - 1].push_back(p.lambda);
     yielding[threads - 1] = water.boundary.yielding();
+    change[threads - 1] = lambda[threads - 1];
+    water.boundary.solve_yielding(0.3f, std::vector<float>(change[0].size(), 0.2f), change[threads - 1],
+                                  water.workers);
   }
   EXPECT_GT(lambda[0].size(), 1000u);
   EXPECT_EQ(lambda[0], lambda[1]);
   EXPECT_EQ(yielding[0], yielding[1]);
+  EXPECT_EQ(change[0], change[1]);
+  EXPECT_NE(change[0], lambda[0]);
 }
 
 }  // namespace

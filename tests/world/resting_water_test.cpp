@@ -308,6 +308,23 @@ TEST(LightCloth, that_is_free_falls_with_the_water_on_it) {
   EXPECT_LT(fastest, 1) << "the water's pressure does not fling cloth that is a hundred times lighter";
 }
 
+TEST(LightCloth, takes_few_more_iterations_than_heavy_cloth) {
+  // A layer of water on cloth 25 times lighter than it, and four times heavier.
+  for (PressureSolver solver : {PressureSolver::pcisph, PressureSolver::dfsph}) {
+    int iterations[2] = {0, 0};
+    for (bool light : {false, true}) {
+      ClothFloor pool(1, light ? 0.2 : 20, accurate(solver));
+      while (pool.w.time() < 0.15) {
+        const StepReport& r = pool.w.step(1e-3);
+        ASSERT_TRUE(r.status.ok());
+        EXPECT_TRUE(r.fluid.converged);
+        iterations[light] += r.fluid.iterations;
+      }
+    }
+    EXPECT_LT(iterations[1], 2.5 * iterations[0]) << "with steps by row sums it was 3.4 times";
+  }
+}
+
 TEST(Settings, boundary_terms_need_a_pressure_solver_that_has_them) {
   FluidSettings s = accurate(PressureSolver::mcg03);
   EXPECT_FALSE(s.validate().ok());
