@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/assert.h"
 #include "core/closest_point.h"
@@ -109,6 +110,7 @@ void Boundary::find(double dt, double particle_mass, const Vec3& down, Span<cons
   make_points(x, surfaces, workers, found);
   if (points_.empty()) return;
   number_nodes(dt, surfaces);
+  couple(workers);
   find_yielding(workers);
 }
 
@@ -354,6 +356,41 @@ void Boundary::number_nodes(double dt, Span<SurfaceMotion* const> surfaces) {
     for (std::uint8_t k = 0; k < 3; ++k) corners_[at[walls_[w].node[k]]++] = {w, k};
 }
 
+/// Walls of a point share most of their nodes: the iterations read each pair of point and node once.
+void Boundary::couple(const Workers& workers) {
+  std::vector<std::vector<Coupling>> found((points_.size() + point_chunk - 1) / point_chunk);
+  of_point_begin_.assign(points_.size() + 1, 0);
+  workers.for_chunks(points_.size(), point_chunk, [&](std::size_t begin, std::size_t end, std::size_t chunk) {
+    std::vector<Coupling>& list = found[chunk];
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t first = list.size();
+      for (std::uint32_t w = points_[k].begin; w < points_[k].end; ++w)
+        for (int c = 0; c < 3; ++c) {
+          const std::uint32_t node = walls_[w].node[static_cast<std::size_t>(c)];
+          const Eigen::Vector3f gamma = static_cast<float>(walls_[w].share(c)) * walls_[w].gamma;
+          const auto same = std::find_if(list.begin() + static_cast<std::ptrdiff_t>(first), list.end(),
+                                         [node](const Coupling& o) { return o.other == node; });
+          if (same != list.end())
+            same->gamma += gamma;
+          else
+            list.push_back({node, gamma});
+        }
+      of_point_begin_[k + 1] = static_cast<std::uint32_t>(list.size() - first);
+    }
+  });
+  std::partial_sum(of_point_begin_.begin(), of_point_begin_.end(), of_point_begin_.begin());
+  of_point_.clear();
+  for (const auto& list : found) of_point_.insert(of_point_.end(), list.begin(), list.end());
+  of_node_begin_.assign(nodes_.size() + 1, 0);
+  for (const Coupling& c : of_point_) ++of_node_begin_[c.other + 1];
+  std::partial_sum(of_node_begin_.begin(), of_node_begin_.end(), of_node_begin_.begin());
+  of_node_.resize(of_point_.size());
+  std::vector<std::uint32_t> at(of_node_begin_.begin(), of_node_begin_.end() - 1);
+  for (std::uint32_t k = 0; k < points_.size(); ++k)
+    for (std::uint32_t c = of_point_begin_[k]; c < of_point_begin_[k + 1]; ++c)
+      of_node_[at[of_point_[c].other]++] = {k, of_point_[c].gamma};
+}
+
 /// Row sums of |∂ inflow/∂θ|: an upper bound of its eigenvalues.
 void Boundary::find_yielding(const Workers& workers) {
   yields_ = std::any_of(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.inverse_mass > 0; });
@@ -364,17 +401,13 @@ void Boundary::find_yielding(const Workers& workers) {
     std::vector<float> per_node(nodes_.size());
     workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
       float sum = 0;
-      for (std::uint32_t c = corners_begin_[n]; c < corners_begin_[n + 1]; ++c) {
-        const Wall& wall = walls_[corners_[c].wall];
-        sum += static_cast<float>(wall.share(corners_[c].corner)) * wall.gamma.norm();
-      }
+      for (std::uint32_t c = of_node_begin_[n]; c < of_node_begin_[n + 1]; ++c)
+        sum += of_node_[c].gamma.norm();
       per_node[n] = nodes_[n].inverse_mass * static_cast<float>(mass_) * sum;
     });
     workers.for_each(points_.size(), point_chunk, [&](std::size_t k) {
-      for (std::uint32_t w = points_[k].begin; w < points_[k].end; ++w)
-        for (int c = 0; c < 3; ++c)
-          yielding_[k] += walls_[w].gamma.norm() * static_cast<float>(walls_[w].share(c)) *
-                          per_node[walls_[w].node[static_cast<std::size_t>(c)]];
+      for (std::uint32_t c = of_point_begin_[k]; c < of_point_begin_[k + 1]; ++c)
+        yielding_[k] += of_point_[c].gamma.norm() * per_node[of_point_[c].other];
     });
   }
   // Walls whose nodes are all prescribed move as they are told, whatever pushes them.
@@ -391,31 +424,26 @@ void Boundary::respond(const std::vector<Load<float>>& load, const Workers& work
     const Node& node = nodes_[n];
     wall_velocity_[n] = node.velocity;
     if (node.inverse_mass == 0) return;
-    const auto load_of = [&](const Wall& wall) { return load[wall.point].on(wall.depth); };
-    // Beyond what the host will carry.
-    wall_velocity_[n] -= node.inverse_mass * (node.expected + impulse_on(n, load_of));
+    // Beyond what the host will carry. Walls with a node that is free have no depth.
+    const auto theta_of = [&](std::uint32_t k) { return load[k].at_particle; };
+    wall_velocity_[n] -= node.inverse_mass * (node.expected + impulse_on(n, theta_of));
   });
   workers.for_each(points_.size(), point_chunk, [&](std::size_t k) { inflow_[k] = inflow_at(k); });
 }
 
-/// [N s] if the particles press on the walls with these loads [m/s].
-template <class LoadOf>
-Eigen::Vector3f Boundary::impulse_on(std::size_t node, const LoadOf& load_of) const {
-  const auto mass = static_cast<float>(mass_);
-  Eigen::Vector3f impulse = Eigen::Vector3f::Zero();
-  for (std::uint32_t c = corners_begin_[node]; c < corners_begin_[node + 1]; ++c) {
-    const Wall& wall = walls_[corners_[c].wall];
-    impulse += mass * load_of(wall) * static_cast<float>(wall.share(corners_[c].corner)) * wall.gamma;
-  }
-  return impulse;
+/// [N s] if point k presses with theta_of(k) [m/s].
+template <class ThetaOf>
+Eigen::Vector3f Boundary::impulse_on(std::size_t node, const ThetaOf& theta_of) const {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (std::uint32_t c = of_node_begin_[node]; c < of_node_begin_[node + 1]; ++c)
+    sum += theta_of(of_node_[c].other) * of_node_[c].gamma;
+  return static_cast<float>(mass_) * sum;
 }
 
 float Boundary::inflow_at(std::size_t point) const {
   float sum = 0;
-  for (std::uint32_t w = points_[point].begin; w < points_[point].end; ++w)
-    for (int c = 0; c < 3; ++c)
-      sum += static_cast<float>(walls_[w].share(c)) *
-             walls_[w].gamma.dot(wall_velocity_[walls_[w].node[static_cast<std::size_t>(c)]]);
+  for (std::uint32_t c = of_point_begin_[point]; c < of_point_begin_[point + 1]; ++c)
+    sum += of_point_[c].gamma.dot(wall_velocity_[of_point_[c].other]);
   return sum;
 }
 
@@ -450,8 +478,8 @@ void Boundary::solve_yielding(float scale, const std::vector<float>& step, std::
   double rho = half / middle;
   for (int i = 1; i < iterations; ++i) {
     workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
-      const auto load_of = [&](const Wall& wall) { return solve_direction_[wall.point]; };
-      wall_velocity_[n] = nodes_[n].inverse_mass * impulse_on(n, load_of);
+      const auto theta_of = [&](std::uint32_t k) { return solve_direction_[k]; };
+      wall_velocity_[n] = nodes_[n].inverse_mass * impulse_on(n, theta_of);
     });
     const double next = 1 / (2 * middle / half - rho);
     const auto keep = static_cast<float>(next * rho), add = static_cast<float>(2 * next / half);

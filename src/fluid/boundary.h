@@ -134,6 +134,12 @@ class Boundary {
     std::uint32_t wall;
     std::uint8_t corner;
   };
+  /// What the walls of a point and of a node have in common: Σ share γ. `other` is the node, in a list of a
+  /// point, or the point.
+  struct Coupling {
+    std::uint32_t other;
+    Eigen::Vector3f gamma;
+  };
   /// What is kept of a node from step to step. Forces are means over the last few steps.
   struct NodeMemory {
     Vec3 velocity_left = Vec3::Zero();  // [m/s]
@@ -158,8 +164,9 @@ class Boundary {
   bool is_plane(Span<SurfaceMotion* const> surfaces, Span<const Near> near, std::size_t nearest) const;
   void number_nodes(double dt, Span<SurfaceMotion* const> surfaces);
   void find_yielding(const Workers& workers);
-  template <class LoadOf>
-  Eigen::Vector3f impulse_on(std::size_t node, const LoadOf& load_of) const;
+  void couple(const Workers& workers);
+  template <class ThetaOf>
+  Eigen::Vector3f impulse_on(std::size_t node, const ThetaOf& theta_of) const;
   float inflow_at(std::size_t point) const;
 
   float image_mass_ = 0, image_way_ = 1;  // κ, 2 a
@@ -172,6 +179,8 @@ class Boundary {
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> corners_begin_;
   std::vector<WallCorner> corners_;  // of every node
+  std::vector<std::uint32_t> of_point_begin_, of_node_begin_;
+  std::vector<Coupling> of_point_, of_node_;
   std::vector<std::uint32_t> point_of_;
   std::vector<float> inflow_, yielding_;
   std::vector<float> solve_step_, solve_residual_, solve_direction_;
