@@ -145,14 +145,16 @@ double end_gap(const Context& context, const ContactRecord& r) {
 namespace {
 
 // Does the way from a point come nearer than h to the triangle? The distance from a convex set is convex
-// along a line.
+// along a line, and grows by no more than the way does: far triangles of a hub take one look.
 bool comes_within(const Vec3& from, const Vec3& way, const Vec3& a, const Vec3& b, const Vec3& c, double h) {
   double low = 0, high = 1;
+  const double length = way.norm();
   for (int k = 0; k < 40; ++k) {
-    const double s = low + (high - low) / 3, t = high - (high - low) / 3;
+    const double third = (high - low) / 3, s = low + third, t = high - third;
     const double at_s = closest_point(from + s * way, a, b, c).distance;
     const double at_t = closest_point(from + t * way, a, b, c).distance;
     if (std::min(at_s, at_t) < h) return true;
+    if (std::min(at_s, at_t) - third * length > h) return false;
     (at_s < at_t ? high : low) = at_s < at_t ? t : s;
   }
   return false;

@@ -27,8 +27,8 @@ struct Row {
 /// The row of a record at the start positions.
 Row row_of_record(const Context& context, const ContactRecord& record);
 
-/// A particle between two layers nearer than the thickness cannot keep it from both: rows that face each
-/// other share their gap, so that it comes to rest in the middle. Rows of records, ordered by particle.
+/// A particle between two layers less than two thicknesses apart cannot keep one from both: rows that face
+/// each other share their gap, so that it comes to rest in the middle. Rows of records, ordered by particle.
 void share_gaps(const Context& context, std::vector<Row>& rows);
 
 /// Sweeps over rows in their order: impulses to velocities (both ways), displacements to end positions.
