@@ -413,30 +413,28 @@ void Boundary::find_yielding(const Workers& workers) {
   // Walls whose nodes are all prescribed move as they are told, whatever pushes them.
   const bool yields = yields_;
   yields_ = true;
-  respond(std::vector<Load<float>>(points_.size()), workers);
+  respond(std::vector<float>(points_.size()), workers);
   yields_ = yields;
 }
 
-void Boundary::respond(const std::vector<Load<float>>& load, const Workers& workers) {
-  OILSKIN_ASSERT(load.size() == points_.size() && wall_velocity_.size() == nodes_.size());
+void Boundary::respond(const std::vector<float>& theta, const Workers& workers) {
+  OILSKIN_ASSERT(theta.size() == points_.size() && wall_velocity_.size() == nodes_.size());
   if (!yields_) return;
   workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
     const Node& node = nodes_[n];
     wall_velocity_[n] = node.velocity;
     if (node.inverse_mass == 0) return;
-    // Beyond what the host will carry. Walls with a node that is free have no depth.
-    const auto theta_of = [&](std::uint32_t k) { return load[k].at_particle; };
-    wall_velocity_[n] -= node.inverse_mass * (node.expected + impulse_on(n, theta_of));
+    // Beyond what the host will carry.
+    wall_velocity_[n] -= node.inverse_mass * (node.expected + impulse_on(n, theta));
   });
   workers.for_each(points_.size(), point_chunk, [&](std::size_t k) { inflow_[k] = inflow_at(k); });
 }
 
-/// [N s] if point k presses with theta_of(k) [m/s].
-template <class ThetaOf>
-Eigen::Vector3f Boundary::impulse_on(std::size_t node, const ThetaOf& theta_of) const {
+/// [N s] if point k presses with theta[k] [m/s].
+Eigen::Vector3f Boundary::impulse_on(std::size_t node, const std::vector<float>& theta) const {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   for (std::uint32_t c = of_node_begin_[node]; c < of_node_begin_[node + 1]; ++c)
-    sum += theta_of(of_node_[c].other) * of_node_[c].gamma;
+    sum += theta[of_node_[c].other] * of_node_[c].gamma;
   return static_cast<float>(mass_) * sum;
 }
 
@@ -478,8 +476,7 @@ void Boundary::solve_yielding(float scale, const std::vector<float>& step, std::
   double rho = half / middle;
   for (int i = 1; i < iterations; ++i) {
     workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
-      const auto theta_of = [&](std::uint32_t k) { return solve_direction_[k]; };
-      wall_velocity_[n] = nodes_[n].inverse_mass * impulse_on(n, theta_of);
+      wall_velocity_[n] = nodes_[n].inverse_mass * impulse_on(n, solve_direction_);
     });
     const double next = 1 / (2 * middle / half - rho);
     const auto keep = static_cast<float>(next * rho), add = static_cast<float>(2 * next / half);

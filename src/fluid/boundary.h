@@ -85,11 +85,11 @@ class Boundary {
   std::uint32_t point_of(std::size_t particle) const { return point_of_[particle]; }
 
   /// Expected velocities of the walls at the end of the interval if particle k of points() presses on them
-  /// with load[k]; writes inflow()[k] = Σ_T γ_T·v_T [m/s].
-  void respond(const std::vector<Load<float>>& load, const Workers& workers);
+  /// with theta[k] (walls that yield have no depth); writes inflow()[k] = Σ_T γ_T·v_T [m/s].
+  void respond(const std::vector<float>& theta, const Workers& workers);
   const std::vector<float>& inflow() const { return inflow_; }
-  /// By how much inflow falls per θ where all particles push alike [1], ≥ 0: what a pressure iteration needs
-  /// to stay stable on light cloth. 0 at prescribed walls.
+  /// By how much inflow falls per θ where all particles push alike [1], ≥ 0: a bound of what any of them,
+  /// with whatever sign, make of it. 0 at prescribed walls.
   const std::vector<float>& yielding() const { return yielding_; }
 
   /// Of a pressure iteration that leaves the residuals r: the change x of the particles' pressures with
@@ -165,8 +165,7 @@ class Boundary {
   void number_nodes(double dt, Span<SurfaceMotion* const> surfaces);
   void find_yielding(const Workers& workers);
   void couple(const Workers& workers);
-  template <class ThetaOf>
-  Eigen::Vector3f impulse_on(std::size_t node, const ThetaOf& theta_of) const;
+  Eigen::Vector3f impulse_on(std::size_t node, const std::vector<float>& theta) const;
   float inflow_at(std::size_t point) const;
 
   float image_mass_ = 0, image_way_ = 1;  // κ, 2 a

@@ -265,7 +265,6 @@ Errors Dfsph::correct(StepState& state, const ErrorOf& error_of) {
     previous_phi_[i] = phi_[i];
     phi_[i] = std::max(least_phi_[i], phi_[i] + change);
   };
-  start_at_walls(state);
   const Errors result = state.workers.ordered_sum(
       state.size(), Neighbours::chunk_size, Errors{}, [&](std::size_t begin, std::size_t end) {
         Errors errors;

@@ -128,8 +128,9 @@ void IncompressibleModel::begin(StepState& state) {
   relaxation_ = std::min(relaxation_rise * relaxation_, full_relaxation_);
   phi_per_depth_ = static_cast<float>(settings_.rest_density * state.gravity.norm() * support_radius_ *
                                       phi_per_pascal(state.dt));
-  load_.resize(state.boundary.points().size());
-  wall_density_.assign(state.boundary.points().size(), 0);
+  const std::size_t points = state.boundary.points().size();
+  for (std::vector<float>* of_points : {&theta_, &wall_step_, &wall_change_}) of_points->resize(points);
+  wall_density_.assign(points, 0);
   drift_.resize(state.size());
   target_.resize(state.size());
   state.for_each([&](std::size_t i) {
@@ -154,11 +155,6 @@ void IncompressibleModel::write(const Loop& density, FluidReport& report) {
   report.density_error_max = density.errors.largest;
   report.converged = density.converged;
   report.diverged |= density.diverged;
-}
-
-void IncompressibleModel::start_at_walls(const StepState& state) {
-  wall_step_.assign(state.boundary.points().size(), 0);
-  wall_change_.assign(state.boundary.points().size(), 0);
 }
 
 /// Removes what approaches a sheet beyond the bound, one contact after the other; twice, since the later may

@@ -97,8 +97,7 @@ class IncompressibleModel : public PressureModel {
   static void write(const Loop& density, FluidReport& report);
 
   /// store(i, displacement of i in units of H) with the pressures phi(i) of now, which push i by push(i):
-  /// drift
-  /// + push, with the walls, and held on its side of the sheets.
+  /// drift + push, with the walls, and held on its side of the sheets.
   template <class Phi, class Push, class Store>
   void predict(StepState& state, const Phi& phi, const Push& push, const Store& store);
 
@@ -110,7 +109,6 @@ class IncompressibleModel : public PressureModel {
   /// their own. So a loop's correction leaves their errors, with the steps that φ takes per error where walls
   /// do not give way, or 0 where it can neither rise nor fall; and add(i, change of φ) follows for all of
   /// them.
-  void start_at_walls(const StepState& state);
   void leave_to_walls(std::uint32_t point, float step, float error) {
     wall_step_[point] = step;
     wall_change_[point] = error;
@@ -148,10 +146,11 @@ class IncompressibleModel : public PressureModel {
   void keep_side(const StepState& state, Span<const PredictionContact> contacts, Vec3& displacement) const;
   bool diverges(double mean, double tolerance);
 
-  double last_mean_ = 0;                     // of the previous iteration
-  int growing_ = 0;                          // iterations in a row
-  float phi_per_depth_ = 0;                  // of water at rest, per H
-  std::vector<Boundary::Load<float>> load_;  // of points of the boundary
+  double last_mean_ = 0;     // of the previous iteration
+  int growing_ = 0;          // iterations in a row
+  float phi_per_depth_ = 0;  // of water at rest, per H
+  // Of points of the boundary
+  std::vector<float> theta_;  // pressure on walls [m/s]
   std::vector<Boundary::Load<double>> final_load_;
   std::vector<float> wall_step_, wall_change_;
 };
@@ -185,17 +184,17 @@ Boundary::Load<T> IncompressibleModel::load_on_walls(const Boundary::Point& poin
   return {phi, per_depth * deepest < phi ? per_depth : deepest > 0 ? phi / deepest : 0};
 }
 
-/// Where the walls will be. a_i = Σ (p_T/ρ0) γ_T/H.
+/// Where the walls will be.
 template <class Phi>
 void IncompressibleModel::answer_of_walls(StepState& state, const Phi& phi) {
   if (state.boundary.empty()) return;
   const float per_phi = push_scale_ * static_cast<float>(support_radius_ / state.dt);
   const auto& points = state.boundary.points();
-  for (std::size_t k = 0; k < points.size(); ++k)
-    load_[k] = load_on_walls(points[k], phi(points[k].particle)).times(per_phi);
-  state.boundary.respond(load_, state.workers);
+  for (std::size_t k = 0; k < points.size(); ++k) theta_[k] = per_phi * phi(points[k].particle);
+  state.boundary.respond(theta_, state.workers);
 }
 
+/// a_i = Σ (p_T/ρ0) γ_T/H.
 template <class Phi>
 void IncompressibleModel::push_from_walls(StepState& state, const Phi& phi) {
   if (state.boundary.empty()) return;

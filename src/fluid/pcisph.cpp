@@ -87,7 +87,6 @@ float Pcisph::boundary_step(const Boundary& boundary, std::uint32_t point, float
 /// surfaces contract.
 Errors Pcisph::correct(StepState& state) {
   const float step = static_cast<float>(relaxation_ * stiffness_);
-  start_at_walls(state);
   const Errors result = state.workers.ordered_sum(
       state.size(), Neighbours::chunk_size, Errors{}, [&](std::size_t b, std::size_t e) {
         Errors errors;

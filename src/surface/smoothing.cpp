@@ -79,9 +79,10 @@ class Spare {
 /// How far vertices may move [m]: as far as the nearest of their triangles has to spare, and a cell at most,
 /// so that what is farther away does not matter.
 struct Budgets {
-  std::vector<float> of_vertex;
+  std::vector<float> of_vertex;     ///< none where nothing limits them
   std::vector<std::uint32_t> near;  ///< the triangles that have less than a cell to spare
 
+  Budgets() = default;
   Budgets(const Obstacles& obstacles, double gap, double cell, const RawMesh& mesh, const Workers& workers) {
     const Spare spares(obstacles, gap, cell);
     const auto most = static_cast<float>(cell);
@@ -173,10 +174,8 @@ SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, d
   if (iterations == 0 || mesh.positions.empty()) return report;
   const Neighbours neighbours(mesh);
   const std::vector<Float3> start = mesh.positions;
-  std::optional<Budgets> budgets;
-  if (obstacles) budgets.emplace(*obstacles, gap, cell, mesh, workers);
-  std::vector<float> budget;
-  if (budgets) budget = std::move(budgets->of_vertex);
+  Budgets budgets = obstacles ? Budgets(*obstacles, gap, cell, mesh, workers) : Budgets();
+  std::vector<float>& budget = budgets.of_vertex;
   if (clip) {
     if (budget.empty()) budget.assign(start.size(), static_cast<float>(cell));
     for (std::size_t v = 0; v < start.size(); ++v)
@@ -188,7 +187,7 @@ SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, d
     move(lambda, neighbours, start, limit, mesh.positions, other, workers);
     move(mu, neighbours, start, limit, other, mesh.positions, workers);
   }
-  if (budgets) report.held = put_back(*obstacles, gap, budgets->near, start, mesh, workers);
+  if (obstacles) report.held = put_back(*obstacles, gap, budgets.near, start, mesh, workers);
   return report;
 }
 
