@@ -77,6 +77,14 @@ struct Lazy {
 
 /// Times of no great accuracy are asked for in steps of this part of the step.
 constexpr double kGrid = 0x1p52;
+/// More than Surd::near is off for times of the step, and how far apart two of them must be to differ for
+/// certain.
+constexpr double kTimeError = 0x1p-46, kTimeMargin = 0x1p-45;
+
+/// Multiples of 1 / kGrid: not after a root, and after it.
+struct GridSpan {
+  double low = 0, high = 0;
+};
 
 class ExactQuery {
  public:
@@ -112,6 +120,8 @@ class ExactQuery {
 
   double estimate(const Coplanarity& root);
   double rounded_down(const Coplanarity& root);
+  double bracketed(const Coplanarity& root, double guess);
+  void narrow(const Coplanarity& root, GridSpan* span);
   bool not_after(double grid_time, const Coplanarity& root);
 
   Workspace& workspace_;
@@ -297,16 +307,18 @@ int ExactQuery::extrema_before(const Surd& t, bool* at_extremum) {
 /// −1, 0, 1 as t is before, at or after the root.
 int ExactQuery::compare_with(const Coplanarity& root, const Surd& t) {
   OILSKIN_ASSERT(!root.known);
-  constexpr double kMargin = 0x1p-45;
-  if (t.near < break_[root.piece].near - kMargin) return -1;
-  if (t.near > break_[root.piece + 1].near + kMargin) return 1;
-  if (algebra_.compare_with_fraction(t, begin_) <= 0) return -1;
-  if (algebra_.compare_with_fraction(t, end_) >= 0) return 1;
-  if (breaks_ > 2) {
-    bool at_extremum = false;
-    const int piece = extrema_before(t, &at_extremum) - extrema_at_or_before_start_;
-    if (at_extremum) return piece < root.piece ? -1 : 1;
-    if (piece != root.piece) return piece < root.piece ? -1 : 1;
+  const Surd &from = break_[root.piece], &to = break_[root.piece + 1];
+  if (t.near < from.near - kTimeMargin) return -1;
+  if (t.near > to.near + kTimeMargin) return 1;
+  if (t.near < from.near + kTimeMargin || t.near > to.near - kTimeMargin) {
+    if (algebra_.compare_with_fraction(t, begin_) <= 0) return -1;
+    if (algebra_.compare_with_fraction(t, end_) >= 0) return 1;
+    if (breaks_ > 2) {
+      bool at_extremum = false;
+      const int piece = extrema_before(t, &at_extremum) - extrema_at_or_before_start_;
+      if (at_extremum) return piece < root.piece ? -1 : 1;
+      if (piece != root.piece) return piece < root.piece ? -1 : 1;
+    }
   }
   const int sign = algebra_.sign_at(cubic_, t);
   return sign == 0 ? 0 : (sign == sign_at_break_[root.piece] ? -1 : 1);
@@ -384,9 +396,8 @@ void ExactQuery::meet_at_roots(const Polynomial& q, Meeting* first) {
     const Coplanarity root{true, roots.at[i], 0};
     const bool in_step = algebra_.compare_with_fraction(root.at, begin_) >= 0 &&
                          algebra_.compare_with_fraction(root.at, end_) <= 0;
-    if (!in_step || !inside(root)) continue;
-    const double time = rounded_down(root);
-    *first = {true, first->hit ? std::min(first->time, time) : time};
+    if (!in_step || (first->hit && not_after(first->time * kGrid, root)) || !inside(root)) continue;
+    *first = {true, rounded_down(root)};
   }
 }
 
@@ -441,27 +452,61 @@ bool ExactQuery::not_after(double grid_time, const Coplanarity& root) {
   return root.known ? algebra_.compare_with_fraction(root.at, t) >= 0 : compare_with(root, t) <= 0;
 }
 
-/// A multiple of 2⁻⁵² that is certainly not after the root and close to it. The estimate is bracketed, and
-/// where it was bad (near multiple roots) the bracket is halved until it is narrow.
+/// A multiple of 2⁻⁵² that is certainly not after the root and close to it.
 double ExactQuery::rounded_down(const Coplanarity& root) {
-  constexpr double kWide = 4096;
   const double guess = std::floor(estimate(root) * kGrid);
-  double low = 0, high = kGrid + 1;  // not after, and after
-  for (double reach = 1; low < guess - reach; reach *= 64) {
-    (not_after(guess - reach, root) ? low : high) = guess - reach;
-    if (low == guess - reach) break;
+  double time = guess;
+  if (!root.known) {
+    time = bracketed(root, guess);
+  } else if (!not_after(guess, root)) {
+    time = std::max(guess - std::ceil(kTimeError * kGrid), 0.0);
   }
-  for (double reach = 1; guess + reach < high; reach *= 64) {
-    (not_after(guess + reach, root) ? low : high) = guess + reach;
-    if (high == guess + reach) break;
+  OILSKIN_ASSERT(time >= 0 && time <= kGrid);
+  return time / kGrid;
+}
+
+/// From a guess that may be bad, for near multiple roots the rounded cubic says little.
+double ExactQuery::bracketed(const Coplanarity& root, double guess) {
+  constexpr double kWide = 4096;
+  GridSpan span{std::max(std::floor((break_[root.piece].near - kTimeError) * kGrid), 0.0),
+                std::ceil((break_[root.piece + 1].near + kTimeError) * kGrid)};
+  const auto look_at_time = [&](double time) { (not_after(time, root) ? span.low : span.high) = time; };
+  for (double reach = 1; span.low < guess - reach; reach *= 64) look_at_time(guess - reach);
+  for (double reach = 1; guess + reach < span.high; reach *= 64) look_at_time(guess + reach);
+  while (span.high - span.low > kWide) {
+    const double width = span.high - span.low;
+    narrow(root, &span);
+    if (span.high - span.low > 0.5 * width) look_at_time(std::floor(0.5 * (span.low + span.high)));
   }
-  while (high - low > kWide) {
-    const double middle = std::floor(0.5 * (low + high));
-    (not_after(middle, root) ? low : high) = middle;
+  if (span.low < guess && guess < span.high) look_at_time(guess);
+  return span.low;
+}
+
+/// Stretched to the span the cubic has coefficients as large as its values there, so that once rounded it
+/// still tells on which side of the root most of the span is.
+void ExactQuery::narrow(const Coplanarity& root, GridSpan* span) {
+  const double first = std::max(span->low, std::ceil((break_[root.piece].near + kTimeMargin) * kGrid)),
+               last = std::min(span->high, std::floor((break_[root.piece + 1].near - kTimeMargin) * kGrid));
+  if (!(first < last)) return;
+  const Workspace::Scope scope(&workspace_);
+  const auto whole = [this](double x) { return workspace_.from_double(x, 0); };
+  const RoundedPolynomial cubic(
+      algebra_.stretched(cubic_.exact, whole(first), whole(last - first), whole(kGrid)));
+  const int before = sign_at_break_[root.piece];
+  const auto sign_at = [&](double time) {
+    const double t = (time - first) / (last - first);
+    return cubic.sign_between(t, t);
+  };
+  // The last time that is certainly before the root, the first that is certainly after it.
+  for (const int sign : {before, -before}) {
+    double known = sign == before ? first : last, unknown = sign == before ? last : first;
+    if (sign_at(known) != sign) continue;
+    while (std::abs(unknown - known) > 1) {
+      const double middle = std::floor(0.5 * (known + unknown));
+      (sign_at(middle) == sign ? known : unknown) = middle;
+    }
+    (sign == before ? span->low : span->high) = known;
   }
-  if (not_after(guess, root)) low = std::max(low, guess);
-  OILSKIN_ASSERT(low >= 0 && low <= kGrid);
-  return low / kGrid;
 }
 
 bool finite(const PointTriangleMotion& m) {

@@ -59,6 +59,20 @@ Polynomial Algebra::derivative(const Polynomial& f) {
   return g;
 }
 
+/// Horner's rule in s.
+Polynomial Algebra::stretched(const Polynomial& f, const Whole& start, const Whole& width,
+                              const Whole& denominator) {
+  if (f.degree < 0) return {};
+  std::array<Whole, 4> c{f.c[f.degree]};
+  Whole power = denominator;
+  for (int i = f.degree - 1; i >= 0; --i) {
+    for (int k = f.degree - i; k > 0; --k) c[k] = sum(product(c[k], start), product(c[k - 1], width));
+    c[0] = sum(product(c[0], start), product(f.c[i], power));
+    if (i > 0) power = product(power, denominator);
+  }
+  return Polynomial(c);
+}
+
 Surd Algebra::fraction(const Whole& numerator, const Whole& denominator) {
   OILSKIN_ASSERT(denominator.sign != 0 || workspace_.exhausted());
   const bool flip = denominator.sign < 0;

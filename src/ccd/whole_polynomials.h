@@ -76,6 +76,8 @@ class Algebra {
 
   Polynomial sum(const Polynomial& f, const Polynomial& g);
   Polynomial derivative(const Polynomial& f);
+  /// d^degree f((start + width s) / d), a polynomial in s.
+  Polynomial stretched(const Polynomial& f, const Whole& start, const Whole& width, const Whole& d);
 
   Surd fraction(const Whole& numerator, const Whole& denominator);
   /// Of a polynomial of degree one or two.

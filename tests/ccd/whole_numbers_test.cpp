@@ -16,6 +16,7 @@ namespace {
 using ccd::detail::Algebra;
 using ccd::detail::Function;
 using ccd::detail::Polynomial;
+using ccd::detail::RoundedPolynomial;
 using ccd::detail::Surd;
 using ccd::detail::Whole;
 using ccd::detail::Workspace;
@@ -147,6 +148,36 @@ TEST(WholeNumbers, SignsAtSurdsAreExact) {
     EXPECT_EQ(algebra.sign_at(golden, t), side);
     EXPECT_EQ(algebra.compare_with_fraction(roots.at[1], t), -side);
   }
+}
+
+/// (t − ⅓)³ 27 on [⅓ − 2⁻³⁰, ⅓ + 2⁻³⁰] or so: as a polynomial in t its values there are lost in rounding, as
+/// one in s they are not.
+TEST(WholeNumbers, StretchedPolynomialsKeepTheirSigns) {
+  const auto workspace = std::make_unique<Workspace>();
+  Algebra algebra(workspace.get());
+  const Function cubic(polynomial(workspace.get(), {-1, 9, -27, 27}));
+  constexpr double kGrid = 0x1p52, kWidth = 0x1p23;
+  const double start = std::floor(kGrid / 3) - 0x1p22;
+  const auto whole = [&](double x) { return workspace->from_double(x, 0); };
+  const Polynomial stretched = algebra.stretched(cubic.exact, whole(start), whole(kWidth), whole(kGrid));
+  const RoundedPolynomial rounded(stretched);
+  int certain = 0;
+  for (int i = 0; i <= 1024; ++i) {
+    const double s = i / 1024.0, t = (start + s * kWidth) / kGrid;
+    EXPECT_EQ(cubic.rounded.sign_between(t, t), 0);
+    const int sign = rounded.sign_between(s, s);
+    const Surd exact = algebra.fraction(whole(start + s * kWidth), whole(kGrid));
+    EXPECT_TRUE(sign == 0 || sign == algebra.sign_at(cubic, exact)) << i;
+    certain += sign != 0 ? 1 : 0;
+  }
+  EXPECT_GE(certain, 1020);
+  EXPECT_EQ(algebra.stretched({}, whole(1), whole(1), whole(1)).degree, -1);
+  // 1 + 2 t on [3, 5] / 4 is (10 + 4 s) / 4.
+  const Polynomial line =
+      algebra.stretched(polynomial(workspace.get(), {1, 2, 0, 0}), whole(3), whole(2), whole(4));
+  ASSERT_EQ(line.degree, 1);
+  EXPECT_EQ(compare_magnitudes(line.c[0], whole(10)), 0);
+  EXPECT_EQ(compare_magnitudes(line.c[1], whole(4)), 0);
 }
 
 }  // namespace
