@@ -37,8 +37,8 @@ struct FluidSettings {
   bool contact_aware = true;  ///< PCISPH, DFSPH predict no position behind a sheet in contact (method of A.3)
   /// Nothing acts through a surface: neighbours whose connecting segment meets one are left out of every sum.
   bool occlusion = true;
-  /// Mirrored: for water that rests or flows on sheets. The fluid takes three times as long; a jet on light
-  /// cloth converges badly with it (five times), and comes off a rigid sheet with 1 to 3 % of its speed.
+  /// Mirrored: for water that rests or flows on sheets. The fluid takes three times as long; a jet comes off a
+  /// rigid sheet with 1 to 3 % of its speed, and on light cloth the layer that it strikes is too dense.
   BoundaryModel boundary = BoundaryModel::contact_only;
   double cfl = 0.4;  ///< way of whatever is fastest within a sub-step, in spacings, > 0
   int max_substeps =
