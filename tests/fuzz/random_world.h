@@ -20,7 +20,8 @@ struct WorldVerdict {
   std::uint64_t stalled = 0, followed = 0, removed = 0, allowed = 0, reseeded = 0, quarantined = 0,
                 blocked = 0;
   std::uint64_t false_alarms = 0;  ///< steps in which verify found more than were allowed to pass
-  double worst_momentum = 0;       ///< residual over Σ|p|
+  std::uint64_t not_judged = 0;    ///< steps whose residual of momentum may be rounding of what is not told
+  double worst_momentum = 0;       ///< residual over Σ|p|, where it is judged
 };
 
 /// `large` worlds have more particles than one task of a parallel loop takes.

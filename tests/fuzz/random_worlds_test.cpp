@@ -57,6 +57,7 @@ TEST(RandomWorlds, keep_every_invariant) {
     sum.quarantined += v.quarantined;
     sum.blocked += v.blocked;
     sum.false_alarms += v.false_alarms;
+    sum.not_judged += v.not_judged;
     sum.worst_momentum = std::max(sum.worst_momentum, v.worst_momentum);
   }
   std::cout << "  " << count << " worlds, " << promised << " with the promise, " << sum.steps << " steps of "
@@ -66,8 +67,9 @@ TEST(RandomWorlds, keep_every_invariant) {
             << ", followed " << sum.followed << ", removed " << sum.removed << ", allowed " << sum.allowed
             << ", reseeded " << sum.reseeded << ", quarantined " << sum.quarantined << ", blocked "
             << sum.blocked << "; " << sum.false_alarms << " false alarms of verify; momentum to "
-            << sum.worst_momentum << "\n";
+            << sum.worst_momentum << ", " << sum.not_judged << " not judged\n";
   EXPECT_LE(sum.false_alarms, 1 + count / 1000) << "verify errs on the safe side, but hardly ever";
+  EXPECT_LE(sum.not_judged, 1 + count / 10000);
   if (count < 500) return;
   EXPECT_GT(sum.meetings, 0u);
   EXPECT_GT(sum.zone_steps, 0u);
