@@ -93,6 +93,8 @@ class ExactQuery {
   Meeting first_meeting(const TimeSpan& span, bool time_matters);
 
  private:
+  Whole whole(double x) { return workspace_.from_double(x, 0); }
+  Surd at_grid_time(double time) { return algebra_.fraction(whole(time), whole(kGrid)); }
   void look_at(const TimeSpan& span);
   Meeting first_of_cubic(bool time_matters);
   void find_breaks();
@@ -265,9 +267,8 @@ Meeting ExactQuery::first_meeting(const TimeSpan& span, bool time_matters) {
 
 /// From `span` outwards to the grid.
 void ExactQuery::look_at(const TimeSpan& span) {
-  const Whole grid = workspace_.from_double(kGrid, 0);
-  begin_ = algebra_.fraction(workspace_.from_double(std::floor(span.begin * kGrid), 0), grid);
-  end_ = algebra_.fraction(workspace_.from_double(std::ceil(span.end * kGrid), 0), grid);
+  begin_ = at_grid_time(std::floor(span.begin * kGrid));
+  end_ = at_grid_time(std::ceil(span.end * kGrid));
 }
 
 // ---- Times of coplanarity ----
@@ -446,9 +447,7 @@ double ExactQuery::estimate(const Coplanarity& root) {
 
 bool ExactQuery::not_after(double grid_time, const Coplanarity& root) {
   const Workspace::Scope scope(&workspace_);
-  const Whole numerator = workspace_.from_double(grid_time, 0),
-              denominator = workspace_.from_double(kGrid, 0);
-  const Surd t = algebra_.fraction(numerator, denominator);
+  const Surd t = at_grid_time(grid_time);
   return root.known ? algebra_.compare_with_fraction(root.at, t) >= 0 : compare_with(root, t) <= 0;
 }
 
@@ -459,7 +458,7 @@ double ExactQuery::rounded_down(const Coplanarity& root) {
   if (!root.known) {
     time = bracketed(root, guess);
   } else if (!not_after(guess, root)) {
-    time = std::max(guess - std::ceil(kTimeError * kGrid), 0.0);
+    time = std::max(guess - kTimeError * kGrid, 0.0);
   }
   OILSKIN_ASSERT(time >= 0 && time <= kGrid);
   return time / kGrid;
@@ -489,7 +488,6 @@ void ExactQuery::narrow(const Coplanarity& root, GridSpan* span) {
                last = std::min(span->high, std::floor((break_[root.piece + 1].near - kTimeMargin) * kGrid));
   if (!(first < last)) return;
   const Workspace::Scope scope(&workspace_);
-  const auto whole = [this](double x) { return workspace_.from_double(x, 0); };
   const RoundedPolynomial cubic(
       algebra_.stretched(cubic_.exact, whole(first), whole(last - first), whole(kGrid)));
   const int before = sign_at_break_[root.piece];

@@ -60,15 +60,14 @@ Polynomial Algebra::derivative(const Polynomial& f) {
 }
 
 /// Horner's rule in s.
-Polynomial Algebra::stretched(const Polynomial& f, const Whole& start, const Whole& width,
-                              const Whole& denominator) {
+Polynomial Algebra::stretched(const Polynomial& f, const Whole& start, const Whole& width, const Whole& d) {
   if (f.degree < 0) return {};
   std::array<Whole, 4> c{f.c[f.degree]};
-  Whole power = denominator;
+  Whole power = d;
   for (int i = f.degree - 1; i >= 0; --i) {
     for (int k = f.degree - i; k > 0; --k) c[k] = sum(product(c[k], start), product(c[k - 1], width));
     c[0] = sum(product(c[0], start), product(f.c[i], power));
-    if (i > 0) power = product(power, denominator);
+    if (i > 0) power = product(power, d);
   }
   return Polynomial(c);
 }
