@@ -10,6 +10,7 @@
 #include "ccd_command.h"
 #include "fields.h"
 #include "mesh_command.h"
+#include "oilskin/version.h"
 #include "options.h"
 #include "output_error.h"
 #include "runner.h"
@@ -70,6 +71,7 @@ struct CommandLine {
 
 CommandLine::CommandLine() {
   app.require_subcommand(1);
+  app.set_version_flag("--version", "oilskin " OILSKIN_VERSION_STRING);
   list = app.add_subcommand("list", "the scenes that come with it");
   ccd = app.add_subcommand("ccd",
                            "answers every vertex-face query of the files and compares with their labels");
