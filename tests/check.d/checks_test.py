@@ -44,7 +44,7 @@ class Links(Tree):
     def test_dead_paths_are_found(self):
         self.write('src/core/hash.h', '')
         page = ('`src/core/hash.h` `src/core/hash.h:12` `core/hash.h` `hash.{h}` `btSoftBody.h` `build/x/y.h`\n'
-                '`src/core/gone.h`\n`gone.cpp`\n`src/core/{hash,gone}.h`\n`src/*/hash.h` `out/frame_NNNN.md`\n')
+                '`src/core/gone.h`\n`gone.cpp`\n`src/core/{hash,gone}.h`\n`src/*/hash.h` `out/frame_NNNN.md` `tests/MODULE`\n')
         self.assertEqual(self.lines_with_faults(page), [2, 3, 4])
 
     def test_documents_named_in_comments_exist(self):

@@ -57,7 +57,7 @@ def expand(path):
 def bad_path(span, known):
     """What is wrong with a text in backticks that looks like a path of this repository."""
     span = re.sub(r':\d+(-\d+)?$', '', span.strip())
-    if re.search(r'[\s<>…$]|NNNN|NAME', span) or re.search(r'\b[A-Z]\b', span):
+    if re.search(r'[\s<>…$]|NNNN|(^|/)[A-Z]+(/|$)', span):
         return ''
     for path in expand(span):
         if path.startswith(TOP):
