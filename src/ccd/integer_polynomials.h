@@ -30,7 +30,7 @@ Polynomial::Polynomial(const std::array<BigInteger, Count>& terms) {
   }
 }
 
-/// The time (p ± √D) / d with d > 0 and D ≥ 0.
+/// The time (p ± √D) / d with d > 0 and D ≥ 0 (T.13).
 struct Surd {
   BigInteger p, d, D;
   int side = 1;     ///< the sign before the root

@@ -18,7 +18,7 @@ Vec3 relative_velocity(const Context& context, const Contact& c) {
   return v;
 }
 
-// v_p += J/m_p, v_i −= w_i u_i J. The share of a prescribed node, −w_i J, is the reaction of its support.
+// (C.11). The share of a prescribed node is the reaction of its support.
 void apply_impulse(Context& context, const Contact& c, const Vec3& impulse, bool moves_particle) {
   SurfaceMotion& s = *context.surfaces[c.surface];
   OILSKIN_ASSERT(impulse.allFinite());
@@ -36,8 +36,8 @@ void apply_impulse(Context& context, const Contact& c, const Vec3& impulse, bool
   }
 }
 
-// Inelastic stop: v_n ≥ 0 with λ ≥ 0 accumulated (method A.9.2; Eq. 2 of the paper with the effective mass of
-// A.7.2).
+// Inelastic stop (C.12): v_n ≥ 0 with an accumulated impulse ≥ 0. [Huber2013] Eq. 2 with the effective mass
+// of (C.10).
 void stop(Context& context, ContactConstraint& constraint, bool moves_particle) {
   const double vn = relative_velocity(context, constraint.contact).dot(constraint.contact.normal);
   const double lambda = std::max(constraint.normal_impulse - vn / constraint.k, 0.0);
@@ -48,7 +48,7 @@ void stop(Context& context, ContactConstraint& constraint, bool moves_particle) 
   apply_impulse(context, constraint.contact, change * constraint.contact.normal, moves_particle);
 }
 
-// Spring repulsion of Bridson et al. 2002 with its cap (Eq. 4 of the paper has none and is unstable).
+// Spring repulsion of [Bridson2002] with its cap (C.15); [Huber2013] Eq. 4 has none and is unstable.
 void spring(Context& context, ContactConstraint& constraint) {
   if (!(constraint.overlap > 0)) return;
   const double vn = relative_velocity(context, constraint.contact).dot(constraint.contact.normal);
@@ -62,8 +62,8 @@ void spring(Context& context, ContactConstraint& constraint) {
   apply_impulse(context, constraint.contact, change * constraint.contact.normal, true);
 }
 
-// Split repulsion: displaces without adding velocity. Accumulated like an impulse, so that many particles on
-// one node remove a tenth of the overlap together, not a tenth each.
+// Split repulsion (C.14): displaces without adding velocity. Accumulated like an impulse, so that many
+// particles on one node remove a tenth of the overlap together, not a tenth each.
 void push_apart(Context& context, ContactConstraint& constraint) {
   if (!(constraint.k_position > 0)) return;
   const Contact& c = constraint.contact;
@@ -97,11 +97,11 @@ void apply_friction(Context& context, ContactConstraint& constraint) {
   const Vec3 change = impulse - constraint.tangential_impulse;
   if (change.isZero(0)) return;
   constraint.tangential_impulse = impulse;
-  // The particle is ours: what it loses in speed along the sheet it loses in way too.
+  // The particle's displacement changes with its velocity; the host moves its nodes itself.
   apply_impulse(context, constraint.contact, change, true);
 }
 
-// Split repulsion removes a tenth of the overlap in a step.
+// (C.13): split repulsion removes a tenth of the overlap in a step.
 double target_gap(double distance, double thickness) {
   return distance >= thickness ? thickness : distance + 0.1 * (thickness - distance);
 }

@@ -20,7 +20,7 @@ struct ContactConstraint {
   Vec3 tangential_impulse = Vec3::Zero();
 
   // of the masses
-  double k = 0;           ///< K = 1/m_p + Σ w_i² u_i [1/kg]
+  double k = 0;           ///< K (C.10) [1/kg]
   double k_position = 0;  ///< the same where nodes may be moved, else 1/m_p
 };
 
@@ -28,7 +28,8 @@ struct ContactConstraint {
 ContactConstraint make_constraint(const Context& context, const Contact& contact);
 
 /// A particle between two layers less than two thicknesses apart cannot keep one from both: rows that face
-/// each other share their gap, so that it comes to rest in the middle. Rows of records, ordered by particle.
+/// each other share their gap (C.20), so that it comes to rest in the middle. Rows of records, ordered by
+/// particle.
 void split_gap_between_opposing_contacts(const Context& context, std::vector<ContactConstraint>& constraints);
 
 /// Sweeps over rows in their order: impulses to velocities (both ways), displacements to end positions.

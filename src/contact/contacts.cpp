@@ -55,7 +55,7 @@ void find_for_particle(const Context& context, const CandidateSet& candidates,
       vertices;  // of the surface, each judged once: thousands of triangles may share it
   for (std::uint32_t s = 0; s < context.surfaces.size(); ++s) {
     const SurfaceMotion& motion = *context.surfaces[s];
-    // Beyond h + dx no record acts, and none whose gap the ways of both sides cannot bring below h.
+    // (C.4): beyond h + dx no contact acts, and none whose gap the motion cannot bring below h.
     const double acts = motion.thickness + std::min(particles.spacing, displacement + longest[s]);
     const double reach = std::max(acts, wall_layer(particles, motion));
     const std::size_t first = out.size();
@@ -189,7 +189,7 @@ bool passes_beside(const Context& context, const Contact& r, double h) {
 }  // namespace
 
 bool comes_within_thickness(const Context& context, const Contact& r) {
-  // d0 + n·(D_p − Σ w_i D_i) is the end gap along n, because d0 = n·(x0_p − Σ w_i x0_i).
+  // (C.5), (C.6).
   const double h = context.surfaces[r.surface]->thickness;
   if (r.distance < h) return true;
   return context.settings->ccd && end_gap(context, r) < h && !passes_beside(context, r, h);

@@ -9,8 +9,8 @@ namespace oilskin::contact {
 
 namespace {
 
-/// Where the water begins in front of a surface: half a spacing before the layer that rests at the thickness,
-/// at the sheet itself if that is nearer.
+/// z₀ of (C.18). Where the water begins in front of a surface: half a spacing before the layer that rests at
+/// the thickness, at the sheet itself if that is nearer.
 double wall_offset(const ParticleMotion& particles, const SurfaceMotion& surface) {
   OILSKIN_ASSERT(particles.spacing > 0 && surface.thickness > 0);
   return std::max(0.0, surface.thickness - 0.5 * particles.spacing);
@@ -122,7 +122,7 @@ Vec3 tangential_impulse(const Context& context, const ContactConstraint& constra
     case SlipModel::sticking:
       return sticking;
     case SlipModel::viscous_wall: {
-      // J = −c dt v_t(after), c = μ_f A/(z + ℓ): implicit, so it never reverses the velocity.
+      // (C.17): implicit, so it never reverses the velocity.
       const ParticleMotion& p = *context.particles;
       const double z = std::max(constraint.contact.distance - wall_offset(p, surface), 0.25 * p.spacing);
       const double drag =

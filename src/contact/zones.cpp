@@ -196,7 +196,8 @@ void Zones::escalate(const ZoneViolation& c) {
   }
 }
 
-// First an affine follow of the triangle, certified like any end; if that is bad too, by policy.
+// First try moving the particle with the triangle (C.27), certified like any end; if that violates, too,
+// apply settings.infeasible.
 void Zones::resolve_infeasible(const Violation& b) {
   const std::uint32_t p = b.particle;
   OILSKIN_ASSERT(p < carried_in_round_.size() && (b.paths_intersect || b.too_close));

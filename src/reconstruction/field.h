@@ -67,8 +67,8 @@ class FieldBlock {
   Shadows shadows_;
 };
 
-/// V_i in s³: of a particle that is alone 1 / W(0), in the middle of the water 1. One value for each particle
-/// of the blocks of which `wanted` is set; 1 for the others.
+/// V_i (R.3) in s³: of a particle that is alone 1 / W(0), in the middle of the water 1. One value for each
+/// particle of the blocks of which `wanted` is set; 1 for the others.
 std::vector<float> particle_volumes(const ParticleBlocks& particles, const FieldParameters& parameters,
                                     const std::vector<std::uint8_t>& wanted, const Workers& workers);
 
