@@ -22,7 +22,7 @@ CheckResult crossings(const Totals& totals) {
 }
 
 CheckResult finite_state(const Totals& totals, const Measurements& measured) {
-  return at_most("not_finite", static_cast<double>(measured.not_finite + totals.quarantined), 0);
+  return at_most("not_finite", static_cast<double>(measured.not_finite + totals.removed_invalid), 0);
 }
 
 /// A surface that was left out stops nothing any more.
@@ -72,7 +72,7 @@ CheckResult sag_below_dry(const Scene& scene, const Measurements& measured, cons
 }
 
 CheckResult slip_ratio(const Scene& scene, const Measurements& m) {
-  auto mean = [&](int s) { return ratio(m.slip_way[s], m.slip_time[s]); };
+  auto mean = [&](int s) { return ratio(m.sliding_distance[s], m.slip_time[s]); };
   const bool seen = m.slip_time[0] > 0 && m.slip_time[1] > 0;
   return at_least("slip_ratio", seen ? ratio(mean(0), mean(1)) : 0, scene.acceptance.slip_ratio->at_least);
 }
@@ -124,9 +124,9 @@ void inside_constant(const Measurements& m, std::vector<CheckResult>* checks) {
 
 void enclosed_volume(const Scene& scene, const Measurements& m, std::vector<CheckResult>* checks) {
   const EnclosedVolumeCheck& check = *scene.acceptance.enclosed_volume;
-  const bool seen = m.largest_volume > 0;
-  checks->push_back(at_least("least_volume", seen ? m.least_volume : 0, check.at_least));
-  checks->push_back(at_most("largest_volume", seen ? m.largest_volume : never, check.at_most));
+  const bool seen = m.max_volume > 0;
+  checks->push_back(at_least("least_volume", seen ? m.min_volume : 0, check.at_least));
+  checks->push_back(at_most("largest_volume", seen ? m.max_volume : never, check.at_most));
 }
 
 /// Windows that overlap or were never reached show no decay.
@@ -185,8 +185,8 @@ void check_surfaces(const Scene& scene, const SurfaceTotals& surfaces, std::vect
     checks.push_back(at_most(name, static_cast<double>(count), 0));
   };
   none("surface_flaws", surfaces.flaws);
-  const SurfaceContact mode = scene.surface->mode;
-  if (mode == SurfaceContact::overlap) return;
+  const ObstacleMode mode = scene.surface->mode;
+  if (mode == ObstacleMode::overlap) return;
   none("surface_intersections", surfaces.intersecting_pairs);
   none("surface_submerged", surfaces.submerged);
   none("surface_below_gap", surfaces.near_pairs);

@@ -134,7 +134,7 @@ void Measurer::measure_shadow(Simulation& simulation) {
 void Measurer::measure_slip(Simulation& simulation, double t) {
   const SlipRatioCheck& check = *scene_.acceptance.slip_ratio;
   if (t <= scene_.duration - check.window) return;
-  const std::array<int, 2> sheets = {check.free, check.no_slip};
+  const std::array<int, 2> sheets = {check.free, check.sticking};
   for (int s = 0; s < 2; ++s) {
     const SurfaceMotion* motion = simulation.cloth(static_cast<std::size_t>(sheets[s]));
     if (motion == nullptr) continue;
@@ -147,7 +147,7 @@ void Measurer::measure_slip(Simulation& simulation, double t) {
       Vec3 u = world.velocities()[i];
       for (int k = 0; k < 3; ++k) u -= hit.point.weights[k] * motion->velocity[hit.nodes[k]];
       const Vec3 n = hit.point.offset / hit.point.distance;
-      result_.slip_way[s] += since_look_ * (u - n * n.dot(u)).norm();
+      result_.sliding_distance[s] += since_look_ * (u - n * n.dot(u)).norm();
       result_.slip_time[s] += since_look_;
     }
   }
@@ -238,8 +238,8 @@ void Measurer::measure_volume(Simulation& simulation) {
   const double water = water_volume(simulation);
   if (motion == nullptr || !(water > 0)) return;
   const double ratio = ClosedSurface(*motion).volume() / water;
-  result_.least_volume = std::min(result_.least_volume, ratio);
-  result_.largest_volume = std::max(result_.largest_volume, ratio);
+  result_.min_volume = std::min(result_.min_volume, ratio);
+  result_.max_volume = std::max(result_.max_volume, ratio);
 }
 
 /// Of what can move: water and the free nodes of cloth.

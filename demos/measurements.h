@@ -14,19 +14,19 @@ struct Measurements {
   double largest_stretch = 1;                  ///< edge over rest length
   std::unordered_set<std::uint64_t> over_rim;  ///< ids seen outside and below cloth 0
   std::uint64_t in_shadow = 0;                 ///< particles seen below the cloth, summed over looks
-  std::array<double, 2> slip_way{};   ///< Σ speed × time next to the free and the no-slip sheet [m]
-  std::array<double, 2> slip_time{};  ///< Σ over particles and looks [s]
-  double reaction_impulse = 0;        ///< of the pins, upwards, in the window [N s]
-  double weight_impulse = 0;          ///< of free cloth and water over the window [N s]
-  double above_pool_sum = 0;          ///< fraction of the water above the pool × time [s]
-  double pool_energy_sum = 0;         ///< kinetic energy over one layer's energy × time [s]
+  std::array<double, 2> sliding_distance{};  ///< Σ speed × time next to the free and the no-slip sheet [m]
+  std::array<double, 2> slip_time{};         ///< Σ over particles and looks [s]
+  double reaction_impulse = 0;               ///< of the pins, upwards, in the window [N s]
+  double weight_impulse = 0;                 ///< of free cloth and water over the window [N s]
+  double above_pool_sum = 0;                 ///< fraction of the water above the pool × time [s]
+  double pool_energy_sum = 0;                ///< kinetic energy over one layer's energy × time [s]
   double above_pool_time = 0, pool_energy_time = 0;  ///< [s]
   std::vector<double> rest_speed;  ///< per check of rest, the largest seen [m/s]; < 0 before a look
   std::vector<DamMoment> dam;
   std::uint64_t inside = 0;          ///< particles inside the closed cloth at the first look
   std::uint64_t inside_changed = 0;  ///< that came, went or changed sides since, summed over looks
   std::uint64_t inside_looks = 0;
-  double least_volume = never, largest_volume = 0;  ///< enclosed, over that of the water
+  double min_volume = never, max_volume = 0;  ///< enclosed, over that of the water
   std::array<double, 2>
       energy_sum{};  ///< kinetic energy per mass × time in the first and last window [J s/kg]
   std::array<double, 2> energy_time{};  ///< [s]

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "oilskin/emitter.h"
+#include "oilskin/reconstruction.h"
 #include "oilskin/settings.h"
-#include "oilskin/surface_mesh.h"
 
 namespace oilskin::demo {
 
@@ -101,10 +101,10 @@ using Emitter = std::variant<DiscEmitter, BoxEmitter, PlacedMeshEmitter, RainEmi
 
 /// Mean tangential speed of the particles next to two sheets, compared.
 struct SlipRatioCheck {
-  int free = 0, no_slip = 1;  ///< indices of cloths
-  double at_least = 5;        ///< speed next to `free` over speed next to `no_slip`
-  double window = 0.1;        ///< the last seconds of the run
-  double within = 0.75;       ///< of the sheet [spacings]
+  int free = 0, sticking = 1;  ///< indices of cloths
+  double at_least = 5;         ///< speed next to `free` over speed next to `sticking`
+  double window = 0.1;         ///< the last seconds of the run
+  double within = 0.75;        ///< of the sheet [spacings]
 };
 
 /// Mean vertical pin reaction against the weight of cloth and water.
@@ -200,12 +200,12 @@ struct Acceptance {
   std::optional<double> memory_growth;  ///< of resident memory after a fifth of the run, relative
 };
 
-/// The water's surface as triangles, for every frame (oilskin/surface_mesh.h).
+/// The water's surface as triangles, for every frame (oilskin/reconstruction.h).
 struct WaterSurface {
   double cell = 0;  ///< edge of a grid cell [m]; 0 = half a spacing
   double gap = 0;   ///< to cloth and bodies [m]
-  SurfaceContact mode = SurfaceContact::gap;
-  SurfaceField field = SurfaceField::density_decay;
+  ObstacleMode mode = ObstacleMode::gap;
+  ReconstructionField field = ReconstructionField::density_decay;
   double touch_range = 1;    ///< in spacings
   double overlap_depth = 0;  ///< [m]
   int smoothing = 10;        ///< iterations

@@ -86,7 +86,7 @@ void check_acceptance(const Scene& scene) {
   const Acceptance& a = scene.acceptance;
   if (a.slip_ratio) {
     check_cloth_index(scene, a.slip_ratio->free, "acceptance.slip_ratio.free");
-    check_cloth_index(scene, a.slip_ratio->no_slip, "acceptance.slip_ratio.no_slip");
+    check_cloth_index(scene, a.slip_ratio->sticking, "acceptance.slip_ratio.no_slip");
   }
   if (a.dry_shadow) check_cloth_index(scene, a.dry_shadow->cloth, "acceptance.dry_shadow.cloth");
   if (a.sag_below_dry) check_cloth_index(scene, 0, "acceptance.sag_below_dry");

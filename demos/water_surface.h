@@ -1,26 +1,26 @@
 /// The surface of the water at one moment, as the scene wants it, and what it is worth.
 #pragma once
 
-#include "oilskin/surface_mesh.h"
+#include "oilskin/reconstruction.h"
 #include "scene.h"
 
 namespace oilskin::demo {
 
 struct MadeSurface {
-  SurfaceMesh mesh;
-  SurfaceReport report;
-  SurfaceCheck check;
+  WaterMesh mesh;
+  ReconstructionReport report;
+  MeshCheck check;
   double seconds = 0;  ///< of the reconstruction, the check not counted
 
   /// The mesh keeps away from obstacles, as asked; always true for modes that do not promise it.
-  bool as_promised(SurfaceContact mode) const;
+  bool as_promised(ObstacleMode mode) const;
 };
 
 /// Accepted, or what is wrong, in metres.
 Status check_water_surface(const WaterSurface& wanted, double spacing);
 
 /// Spacing in metres.
-SurfaceOptions surface_options(const WaterSurface& wanted, double spacing, int threads);
+ReconstructionOptions surface_options(const WaterSurface& wanted, double spacing, int threads);
 
 /// The options that make the mesh, as one line of JSON; equal for equal meshes of equal frames.
 std::string made_with(const WaterSurface& wanted, double spacing);
@@ -30,13 +30,13 @@ std::string made_with(const WaterSurface& wanted, double spacing);
 Status check_spacing(Span<const Vec3> positions, double spacing, const std::string& which);
 
 /// Throws SceneError where the options or the input are refused.
-MadeSurface make_surface(const SurfaceInput& input, const SurfaceOptions& options);
+MadeSurface make_surface(const ReconstructionInput& input, const ReconstructionOptions& options);
 
 /// What all surfaces of a run come to.
 struct SurfaceTotals {
   std::uint64_t frames = 0, triangles = 0;  ///< triangles of the last frame
   std::uint64_t intersecting_pairs = 0, near_pairs = 0, submerged = 0, flaws = 0;  ///< flaws: edges, vertices
-  double least_distance = std::numeric_limits<double>::infinity();                 ///< [m]
+  double min_distance = std::numeric_limits<double>::infinity();                   ///< [m]
   double seconds = 0;
 
   void add(const MadeSurface& made);

@@ -11,9 +11,9 @@ constexpr double pi = 3.14159265358979323846;
 
 /// What divides by q sees at least this: pairs closer than 1e-6 H feel a force that fades to 0 with r, and
 /// coincident ones none.
-constexpr float least_q = 1e-6f;
+constexpr float min_q = 1e-6f;
 
-/// Müller, Charypar, Gross 2003, Eq. 20.
+/// [Mueller2003] Eq. 20.
 struct Poly6 {
   static constexpr double norm = 315 / (64 * pi);
   template <class T>
@@ -33,7 +33,7 @@ struct Poly6 {
   }
 };
 
-/// Desbrun, Gascuel 1996; Müller et al. 2003, Eq. 21.
+/// [Desbrun1996]; [Mueller2003] Eq. 21.
 struct Spiky {
   static constexpr double norm = 15 / pi;
   template <class T>
@@ -44,11 +44,11 @@ struct Spiky {
   template <class T>
   static T dw_over_q(T q) {
     const T u = larger(T(1) - q, T(0));
-    return T(-3) * u * u / larger(q, T(least_q));
+    return T(-3) * u * u / larger(q, T(min_q));
   }
 };
 
-/// Müller et al. 2003, Eq. 22. W is infinite at 0; only the Laplacian is meant for use.
+/// [Mueller2003] Eq. 22. W is infinite at 0; only the Laplacian is meant for use.
 struct ViscosityKernel {
   static constexpr double norm = 15 / (2 * pi);
   template <class T>
@@ -56,12 +56,12 @@ struct ViscosityKernel {
     // −q³/2 + q² + 1/(2q) − 1 = (1−q)² ((1+q)/(2q) − q/2 …) loses digits near q = 1; (1−q)³(1+q)/(2q) does
     // not.
     const T u = larger(T(1) - q, T(0));
-    return u * u * u * (T(1) + q) / (T(2) * larger(q, T(least_q)));
+    return u * u * u * (T(1) + q) / (T(2) * larger(q, T(min_q)));
   }
   template <class T>
   static T dw_over_q(T q) {
     // w' = −3q²/2 + 2q − 1/(2q²) = −(1−q)² (3q² + 2q + 1)/(2q²)
-    const T u = larger(T(1) - q, T(0)), s = larger(q, T(least_q));
+    const T u = larger(T(1) - q, T(0)), s = larger(q, T(min_q));
     return T(-1) * u * u * (T(3) * q * q + T(2) * q + T(1)) / (T(2) * s * s * s);
   }
   template <class T>
@@ -70,7 +70,7 @@ struct ViscosityKernel {
   }
 };
 
-/// Monaghan 1992. w = 6(q³−q²)+1 for q ≤ ½, 2(1−q)³ above: both are 2(1−q)³₊ − 8(½−q)³₊.
+/// [Monaghan1992], (F.3): w = 6(q³−q²)+1 for q ≤ ½, 2(1−q)³ above: both are 2(1−q)³₊ − 8(½−q)³₊.
 struct CubicSpline {
   static constexpr double norm = 8 / pi;
   template <class T>
@@ -81,11 +81,11 @@ struct CubicSpline {
   template <class T>
   static T dw_over_q(T q) {
     const T u = larger(T(1) - q, T(0)), v = larger(T(0.5f) - q, T(0));
-    return (T(24) * v * v - T(6) * u * u) / larger(q, T(least_q));
+    return (T(24) * v * v - T(6) * u * u) / larger(q, T(min_q));
   }
 };
 
-/// Wendland 1995, C².
+/// [Wendland1995] C².
 struct WendlandC2 {
   static constexpr double norm = 21 / (2 * pi);
   template <class T>
@@ -100,7 +100,7 @@ struct WendlandC2 {
   }
 };
 
-/// Wendland 1995, C⁴.
+/// [Wendland1995] C⁴.
 struct WendlandC4 {
   static constexpr double norm = 495 / (32 * pi);
   template <class T>

@@ -1,4 +1,4 @@
-// Tables 1 and 2 of the paper with our stages: what a smaller thickness and no-slip cost over the scene
+// Tables 1 and 2 of [Huber2013] with our stages: what a smaller thickness and no-slip cost over the scene
 // `jet`. One row for each thickness and slip law; seconds of wall time over the whole run, without `verify`
 // and pictures.
 //
@@ -39,7 +39,7 @@ void print_row(const Row& row, double duration, int threads) {
               row.thickness, row.slip, simulation->host_seconds(), fluid, contact, s.proximity, s.impulses,
               s.ccd, s.zones, s.gather, contact / fluid,
               static_cast<unsigned long long>(totals.contact.contacts),
-              static_cast<unsigned long long>(totals.contact.meetings),
+              static_cast<unsigned long long>(totals.contact.impacts),
               static_cast<unsigned long long>(totals.contact.zone_rounds));
   std::fflush(stdout);
 }

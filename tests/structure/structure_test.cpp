@@ -24,14 +24,13 @@ const std::map<std::string, std::set<std::string>> may_see = {
     {"src/proximity", {"core"}},
     {"src/ccd", {"core"}},
     {"src/contact", {"core", "fluid", "proximity", "ccd"}},
-    {"src/effects", {"core", "fluid", "proximity", "ccd", "contact"}},
-    {"src/surface", {"core", "proximity"}},
-    {"src/world", {"core", "fluid", "proximity", "ccd", "contact", "effects", "surface", "world"}},
+    {"src/reconstruction", {"core", "proximity"}},
+    {"src/world", {"core", "fluid", "proximity", "ccd", "contact", "reconstruction", "world"}},
     {"bullet_adapter", {"core"}},
 };
 
-const std::set<std::string> rooms = {"core",    "fluid",   "proximity", "ccd",
-                                     "contact", "effects", "surface",   "world"};
+const std::set<std::string> rooms = {"core",    "fluid",          "proximity", "ccd",
+                                     "contact", "reconstruction", "world"};
 
 /// Libraries and the only places that may include them.
 const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> fenced = {
@@ -119,8 +118,8 @@ std::size_t faults_with(const std::string& file, const std::string& include) {
 
 TEST(Structure, theTestItselfCatchesBackEdges) {
   EXPECT_EQ(faults_with("src/core/a.h", "#include \"fluid/particles.h\""), 1u);
-  EXPECT_EQ(faults_with("src/fluid/a.cpp", "#  include \"contact/records.h\""), 1u);
-  EXPECT_EQ(faults_with("src/surface/a.cpp", "#include \"contact/records.h\""), 1u);
+  EXPECT_EQ(faults_with("src/fluid/a.cpp", "#  include \"contact/contacts.h\""), 1u);
+  EXPECT_EQ(faults_with("src/reconstruction/a.cpp", "#include \"contact/contacts.h\""), 1u);
   EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"world/world_impl.h\""), 1u);
   EXPECT_EQ(faults_with("src/oilskin/a.h", "#include \"core/parallel.h\""), 1u);
   EXPECT_EQ(faults_with("src/world/a.cpp", "#include <BulletSoftBody/btSoftBody.h>"), 1u);
@@ -133,8 +132,8 @@ TEST(Structure, theTestItselfCatchesBackEdges) {
 TEST(Structure, theTestItselfLetsForwardEdgesPass) {
   EXPECT_EQ(faults_with("src/fluid/a.cpp", "#include \"core/hash.h\""), 0u);
   EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"ccd/point_triangle.h\""), 0u);
-  EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"contact/records.h\""), 0u);
-  EXPECT_EQ(faults_with("src/world/a.cpp", "#include \"contact/records.h\""), 0u);
+  EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"contact/contacts.h\""), 0u);
+  EXPECT_EQ(faults_with("src/world/a.cpp", "#include \"contact/contacts.h\""), 0u);
   EXPECT_EQ(faults_with("src/core/a.cpp", "// #include \"fluid/particles.h\""), 0u);
 }
 
