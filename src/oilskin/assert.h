@@ -1,3 +1,4 @@
+/// @file
 /// What happens when an assertion of the library fails: a mistake of the calling program or a broken
 /// invariant. Assertions are compiled in if the library is built without NDEBUG or with OILSKIN_ASSERTS.
 #pragma once

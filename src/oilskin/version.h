@@ -1,8 +1,12 @@
+/// @file
 /// The version of Oilskin. CMake reads the three numbers from this file; they stand nowhere else.
 #pragma once
 
+/// The major number.
 #define OILSKIN_VERSION_MAJOR 0
+/// The minor number.
 #define OILSKIN_VERSION_MINOR 1
+/// The patch number.
 #define OILSKIN_VERSION_PATCH 0
 
 #define OILSKIN_DETAIL_QUOTE(x) #x
@@ -16,11 +20,16 @@ namespace oilskin {
 
 /// A version number; versions that differ in the minor number before 1.0 are not compatible.
 struct Version {
+  /// The major number.
   int major = 0;
+  /// The minor number.
   int minor = 0;
+  /// The patch number.
   int patch = 0;
 
+  /// Whether all three numbers are equal.
   bool operator==(const Version& o) const { return major == o.major && minor == o.minor && patch == o.patch; }
+  /// Whether a number differs.
   bool operator!=(const Version& o) const { return !(*this == o); }
 };
 
