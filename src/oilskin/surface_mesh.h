@@ -4,7 +4,8 @@
 /// The field is that of [Zhu, Bridson 2005] with the decay of [Onderik, Chládek, Ďurikovič 2011] or of
 /// [Solenthaler, Schläfli, Pajarola 2007], polygonised by marching cubes [Lorensen, Cline 1987]; at contact
 /// the visibility criterion of [Huber, Eberhardt, Weiskopf 2013, section 4], cells cut by the cloth, and a
-/// loop that repairs what is left. docs/surface.md says what is promised and why it holds.
+/// loop that repairs what is left. docs/manual/water_mesh.md has the promise,
+/// docs/theory/reconstruction.md the method.
 ///
 ///     SurfaceInput input;
 ///     input.positions = world.positions();
