@@ -1,4 +1,4 @@
-/// A jet of water on a cloth in a Bullet world: the smallest complete program.
+// A jet of water on a cloth in a Bullet world: the smallest complete program.
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
@@ -10,7 +10,7 @@
 
 namespace {
 
-/// A square cloth of 21 × 21 nodes, 30 g, pinned at its four corners.
+// A square cloth of 21 × 21 nodes, 30 g, pinned at its four corners.
 btSoftBody* make_cloth(btSoftBodyWorldInfo& world_info) {
   const btScalar r = btScalar(0.15);
   btSoftBody* cloth = btSoftBodyHelpers::CreatePatch(world_info, {-r, 0, -r}, {r, 0, -r}, {-r, 0, r},
