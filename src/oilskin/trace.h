@@ -1,5 +1,6 @@
 /// @file
-/// The motion of certified intervals, for independent auditors (format: "Motion trace" in the documents).
+/// The motion of certified intervals, for independent auditors (format: docs/manual/commands_and_formats.md,
+/// "Motion trace").
 #pragma once
 
 #include <iosfwd>
