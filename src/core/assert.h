@@ -4,8 +4,12 @@
 #include "oilskin/assert.h"
 
 namespace oilskin::detail {
+// A handler may return, but what holds after it is not worth analysing.
+#ifdef __clang_analyzer__
+[[noreturn]]
+#endif
 void assert_failed(const char* expression, const char* file, int line);
-}
+}  // namespace oilskin::detail
 
 #if !defined(NDEBUG) || defined(OILSKIN_ASSERTS)
 #define OILSKIN_ASSERT(e) \

@@ -78,6 +78,8 @@ def check_page(page, known):
     plain = FENCE.sub(lambda m: repository.blank(m.group()), content)
     for match in LINK.finditer(SPAN.sub(lambda m: repository.blank(m.group()), plain)):
         yield line_of(content, match.start()), bad_link(page, match.group(1))
+    if page == 'CHANGELOG.md':  # names what there was
+        return
     for match in SPAN.finditer(plain):
         yield line_of(content, match.start()), bad_path(match.group(1), known)
 
@@ -96,7 +98,7 @@ def main():
              for line, fault in check_page(page, known) if fault]
     sources = ('.h', '.cpp', '.txt', '.cmake', '.in', '.py', '.sh', '.yml', 'run', 'check')
     found += [f'{name}:{line}: {fault}' for name in repository.files(*sources)
-              for line, fault in check_source(name) if fault]
+              if name != 'tests/check.d/checks_test.py' for line, fault in check_source(name) if fault]
     print('\n'.join(found), end='\n' if found else '')
     return 1 if found else 0
 
