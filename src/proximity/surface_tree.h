@@ -1,4 +1,5 @@
-/// Which triangles of a moving surface may a moving particle meet? FCL finds candidates; it decides nothing.
+/// Candidates: the triangles of a moving surface that a moving particle may touch. FCL finds them; contact
+/// decides.
 #pragma once
 
 #include <memory>

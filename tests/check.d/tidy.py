@@ -67,11 +67,12 @@ def changed_since(revision):
     return set(names + new)
 
 
-def run_tidy(name, database):
-    """The warnings of one file, or why it could not be read; empty when clean."""
+def run_tidy(name, database, mark):
+    """The warnings of one file, or why it could not be read; writes the mark and is empty when clean."""
     done = subprocess.run(['clang-tidy', '--quiet', '-p', os.path.dirname(database), name], cwd=repository.ROOT,
                           capture_output=True, text=True)
     if done.returncode == 0 and not re.search(r'(warning|error): ', done.stdout):
+        open(mark, 'w', encoding='utf-8').close()
         return ''
     return done.stdout + done.stderr
 
@@ -99,12 +100,11 @@ def main():
 
     faulty = 0
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-        for name, warnings in zip(todo, pool.map(lambda n: run_tidy(n, options.database), todo)):
+        checks = pool.map(lambda n: run_tidy(n, options.database, paths[n]), todo)
+        for name, warnings in zip(todo, checks):
             if warnings:
                 faulty += 1
                 print(f'{name}:\n{warnings}', flush=True)
-            else:
-                open(paths[name], 'w').close()
     return 1 if faulty else 0
 
 
