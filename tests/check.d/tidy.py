@@ -55,7 +55,7 @@ class Sources:
         digest = hashlib.sha256(salt)
         for part in sorted(self.reach(name)):
             digest.update(part.encode() + b'\0' + repository.text(part).encode())
-        digest.update('\n'.join(sorted(self.commands[name])).encode())
+        digest.update('\n'.join(sorted(self.commands[name])).replace(repository.ROOT, '.').encode())
         return digest.hexdigest()
 
 
