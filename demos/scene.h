@@ -1,4 +1,4 @@
-/// A scene as plain data: what a scene file says, with every default in place (docs/scene_file.md).
+/// A scene as plain data: what a scene file says, with every default in place (docs/manual/scene_file.md).
 #pragma once
 
 #include <limits>

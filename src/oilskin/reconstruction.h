@@ -1,5 +1,5 @@
 /// A triangle mesh of the water's surface from its particles, and one that never cuts the cloth. Works for
-/// any particles and any triangle meshes; knows nothing of the simulation. Target: oilskin::surface.
+/// any particles and any triangle meshes; knows nothing of the simulation. Target: oilskin::reconstruction.
 ///
 /// The field is that of [Zhu2005] with the decay of [Onderik2011] or of [Solenthaler2007], polygonised by
 /// marching cubes [Lorensen1987]; at obstacles the visibility criterion of [Huber2013] section 4, cut cells,

@@ -1,4 +1,4 @@
-/// The motion of certified intervals, for auditors that do not trust us (docs/manual/commands_and_formats.md,
+/// The motion of certified intervals, for independent auditors (docs/manual/commands_and_formats.md:
 /// "Motion trace").
 #pragma once
 

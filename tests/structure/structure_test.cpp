@@ -137,7 +137,7 @@ TEST(Structure, theTestItselfLetsForwardEdgesPass) {
   EXPECT_EQ(faults_with("src/core/a.cpp", "// #include \"fluid/particles.h\""), 0u);
 }
 
-// --- docs/no_crossing.md names tests as proof: each must exist.
+// --- docs/theory/contact.md names tests as proof: each must exist.
 
 std::string text_of(const fs::path& file) {
   std::ifstream in(file);
@@ -168,11 +168,11 @@ std::string definitions(const fs::path& tests) {
 TEST(Structure, testsThatTheProofNamesExist) {
   const fs::path root = OILSKIN_ROOT;
   const std::string sources = definitions(root / "tests");
-  const auto named = tests_named_in(text_of(root / "docs/no_crossing.md"));
+  const auto named = tests_named_in(text_of(root / "docs/theory/contact.md"));
   EXPECT_GT(named.size(), 10u);
   for (const auto& [suite, test] : named)
     EXPECT_NE(sources.find("(" + suite + "," + test + ")"), std::string::npos)
-        << "docs/no_crossing.md names " << suite << "." << test << ", which no test defines";
+        << "docs/theory/contact.md names " << suite << "." << test << ", which no test defines";
 }
 
 }  // namespace
