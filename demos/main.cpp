@@ -156,6 +156,7 @@ int run_program(int argc, char** argv) {
 }  // namespace
 }  // namespace oilskin::demo
 
+// NOLINTNEXTLINE(bugprone-exception-escape): std::terminate prints the message of an unexpected exception
 int main(int argc, char** argv) {
   return oilskin::demo::run_program(argc, argv);
 }
