@@ -18,7 +18,7 @@ class CollisionObjectHost : public SurfaceHost {
   /// Reads transform and scaling anew. Refuses shapes without triangles, planes outside the kill box and
   /// transforms that are not finite.
   Gathered gather(double dt, SurfaceMotion& motion) override;
-  /// Impulses do not move the object; restores x_t1 to where it is.
+  /// The object does not answer; puts back where it is.
   void scatter(SurfaceMotion& motion) override;
 
   void set_kill_box(const Box& kill_box);

@@ -14,7 +14,7 @@ namespace oilskin {
 /// as zero and empty, so a visit goes on to its end and asks ok() there. Nothing is allocated for more values
 /// than there are bytes left.
 ///
-/// Numbers are copied as they lie in memory. The caller stores the byte order.
+/// Numbers are copied as they lie in memory; whoever frames the bytes says in which order that is.
 class Archive {
  public:
   explicit Archive(std::vector<std::uint8_t>& out) : out_(&out) {}

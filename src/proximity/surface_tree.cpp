@@ -167,7 +167,7 @@ void SurfaceTree::Impl::query_block(Span<const Box> block, Scratch& scratch, std
   for (std::size_t i = 0; i < block.size(); ++i) {
     const std::size_t before = out.size();
     if (is_empty(block[i])) {
-      // has none; its infinities must not overlap anything
+      // has none; its infinities must not meet anything
     } else if (shared) {
       for (std::uint32_t t : scratch.found)
         if (boxes[t].overlaps(block[i])) out.push_back(t);

@@ -1,5 +1,4 @@
-/// Candidates: the triangles of a moving surface that a moving particle may touch. FCL finds them; contact
-/// decides.
+/// Which triangles of a moving surface may a moving particle meet? FCL finds candidates; it decides nothing.
 #pragma once
 
 #include <memory>
