@@ -60,7 +60,7 @@ class Sources:
 
 
 def changed_since(revision):
-    names = subprocess.run(['git', 'diff', '--name-only', revision, '--'], cwd=repository.ROOT, check=True,
+    names = subprocess.run(['git', 'diff', '--merge-base', '--name-only', revision, '--'], cwd=repository.ROOT, check=True,
                            capture_output=True, text=True).stdout.split()
     new = subprocess.run(['git', 'ls-files', '--others', '--exclude-standard'], cwd=repository.ROOT, check=True,
                          capture_output=True, text=True).stdout.split()
