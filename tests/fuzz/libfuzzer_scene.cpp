@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "fuzz/fuzz_target.h"
-#include "obj_reader.h"
-#include "scene_reader.h"
+#include "scene/obj_reader.h"
+#include "scene/scene_reader.h"
 
 namespace oilskin::fuzz {
 
