@@ -1,6 +1,6 @@
 """Renders the PLY files of a run with refracting water, in Blender (tried with Debian 12's 3.4: apt-get install blender).
 
-    blender --background --python demos/blender_water.py -- out/jet [options]
+    blender --background --python demos/tools/blender_water.py -- out/jet [options]
 
 reads DIR/surface_NNNN.ply (water), DIR/cloth_K_NNNN.ply and DIR/body_K_NNNN.ply, and writes DIR/render_NNNN.png. Options:
     --frames A:B     only these frames, both included (default: all that have a surface)
@@ -46,7 +46,7 @@ def picture_size(text):
 
 def arguments():
     own = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
-    parser = argparse.ArgumentParser(prog="blender --background --python demos/blender_water.py --")
+    parser = argparse.ArgumentParser(prog="blender --background --python demos/tools/blender_water.py --")
     parser.add_argument("directory")
     parser.add_argument("--frames", type=frame_range)
     parser.add_argument("--size", type=picture_size, default=(960, 720))
