@@ -1,5 +1,5 @@
 // The dam break's measures: on columns of lattice points, and on made-up fronts.
-#include "checks/dam_break.h"
+#include "checks/martin_moyce.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Prescribed surfaces that close on water: what each policy does with it, and that report.json tells.
 #include <gtest/gtest.h>
 
-#include "scenes/program.h"
+#include "app/program.h"
 
 namespace oilskin::test {
 namespace {

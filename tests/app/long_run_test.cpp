@@ -2,7 +2,7 @@
 // also in a few hundred steps, for every day.
 #include <gtest/gtest.h>
 
-#include "scenes/program.h"
+#include "app/program.h"
 
 namespace oilskin::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "scenes/program.h"
+#include "app/program.h"
 
 namespace oilskin::test {
 namespace {

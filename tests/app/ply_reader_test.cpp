@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "app/program.h"
 #include "output/surface_file.h"
 #include "scene/fields.h"
-#include "scenes/program.h"
 
 namespace oilskin::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "scenes/program.h"
+#include "app/program.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

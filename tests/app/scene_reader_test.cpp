@@ -9,12 +9,16 @@
 #include <set>
 #include <sstream>
 
+#include "checks/acceptance.h"
+#include "checks/check_table.h"
+
 namespace oilskin::demo {
 namespace {
 
 std::string message_of(const std::string& json) {
   try {
-    read_scene(parse_json(json, "test"), ".");
+    const Scene scene = read_scene(parse_json(json, "test"), ".");
+    Acceptance acceptance(scene);
   } catch (const SceneError& e) {
     return e.what();
   }
@@ -53,29 +57,22 @@ Scene everything() {
   body.shape = *mesh.mesh;
   box.motion.stop = 3;
   scene.bodies = {box, sphere, plane, body};
-  scene.acceptance.min_emitted = 1;
-  scene.acceptance.min_over_rim = 1;
-  scene.acceptance.vertical_momentum = 0.03;
-  scene.acceptance.sag_below_dry = 0.02;
-  scene.acceptance.max_stretch = 2;
-  scene.acceptance.slip_ratio.emplace();
-  scene.acceptance.pin_reaction.emplace();
-  scene.acceptance.dry_shadow.emplace();
-  scene.acceptance.pool_level.emplace();
-  scene.acceptance.pool_calm.emplace();
-  scene.acceptance.at_rest = {{{Vec3::Zero(), Vec3::Ones()}, 0.5, 1, 0.02}};
-  scene.acceptance.dam_break.emplace();
-  scene.acceptance.dam_break->height = 0.05;
-  scene.acceptance.inside_constant.emplace();
-  scene.acceptance.enclosed_volume.emplace().at_most = 2;
-  scene.acceptance.energy_decay.emplace();
-  scene.acceptance.close_layers.emplace();
-  scene.acceptance.memory_growth = 0.05;
+  scene.acceptance = Json::parse(R"({
+    "min_emitted": 1, "min_over_rim": 1, "vertical_momentum": 0.03, "sag_below_dry": 0.02, "max_stretch": 2,
+    "slip_ratio": {}, "pin_reaction": {}, "dry_shadow": {}, "pool_level": {}, "pool_calm": {},
+    "at_rest": [{"within": {"min": [0, 0, 0], "max": [1, 1, 1]}, "from": 0.5, "to": 1, "speed": 0.02}],
+    "dam_break": {"height": 0.05}, "inside_constant": {}, "enclosed_volume": {"at_most": 2},
+    "energy_decay": {}, "close_layers": {}, "memory_growth": 0.05})");
   scene.pictures.views.emplace_back();
   scene.pictures.views.back().slice.emplace();
   scene.pictures.views.back().colour = WaterColour::density;
   scene.pictures.views.back().orthographic = 0.3;
   return scene;
+}
+
+/// The scene with every value as resolved.
+Json resolved(const Scene& scene) {
+  return resolved_scene(scene, Acceptance(scene));
 }
 
 void collect_keys(const Json& json, std::set<std::string>& keys) {
@@ -86,9 +83,10 @@ void collect_keys(const Json& json, std::set<std::string>& keys) {
 }
 
 TEST(SceneReader, whatIsWrittenIsReadBack) {
-  const Json written = write_scene(everything());
+  const Json written = resolved(everything());
   const Scene again = read_scene(written, OILSKIN_SCENES);
-  EXPECT_EQ(write_scene(again), written);
+  EXPECT_EQ(resolved(again), written);
+  EXPECT_EQ(resolved(again).dump(), written.dump()) << "the same order";
 }
 
 TEST(SceneReader, defaultsSurviveAnEmptyFile) {
@@ -104,10 +102,17 @@ TEST(SceneReader, everyShippedSceneReads) {
     const Scene scene = read_scene(read_json_file(entry.path().string()), OILSKIN_SCENES);
     EXPECT_EQ(scene.name, entry.path().stem().string());
     EXPECT_FALSE(scene.description.empty()) << scene.name;
+    EXPECT_NO_THROW(Acceptance{scene}) << scene.name;
     EXPECT_TRUE(scene.contact.verify) << scene.name << ": shipped scenes verify";
     ++count;
   }
   EXPECT_GE(count, 11);
+}
+
+TEST(SceneReader, theTestsSceneAsksForEveryCheck) {
+  const Json asked = resolved(everything())["acceptance"];
+  for (const CheckEntry& entry : check_table())
+    if (entry.key != nullptr) EXPECT_TRUE(asked.contains(entry.key)) << entry.key;
 }
 
 TEST(SceneReader, everyKeyIsDocumented) {
@@ -115,7 +120,7 @@ TEST(SceneReader, everyKeyIsDocumented) {
   std::stringstream text;
   text << in.rdbuf();
   std::set<std::string> keys;
-  collect_keys(write_scene(everything()), keys);
+  collect_keys(resolved(everything()), keys);
   EXPECT_GT(keys.size(), 80u);
   for (const std::string& key : keys)
     EXPECT_NE(text.str().find("`" + key + "`"), std::string::npos) << key << " is not in docs/scene_file.md";
@@ -137,6 +142,16 @@ TEST(SceneReader, pinsMoveAfterTheyAreHeldAndAreLetGoAfterThat) {
             "cloth.0.pins.0.motion.start: is before \"hold\": nodes that are not held yet cannot be moved");
   EXPECT_EQ(message_of(pins(R"("hold": 0.5, "release": 0.5)")),
             "cloth.0.pins.0.release: must be after \"hold\"");
+}
+
+TEST(SceneReader, keysOfChecksAreChecked) {
+  EXPECT_EQ(message_of(R"({"acceptance": 3})"), "acceptance: is 3, must be an object");
+  EXPECT_EQ(message_of(R"({"acceptance": {"dam_brake": {}}})"),
+            "acceptance.dam_brake: this key is not known; the nearest known one is \"dam_break\"");
+  EXPECT_EQ(message_of(R"({"acceptance": {"min_emitted": 1.5}})"),
+            "acceptance.min_emitted: is 1.5, must be a whole number, from 0 to 2e+09");
+  EXPECT_EQ(message_of(R"({"acceptance": {"dry_shadow": {"margine": 1}}})"),
+            "acceptance.dry_shadow.margine: this key is not known; the nearest known one is \"margin\"");
 }
 
 TEST(SceneReader, checksThatCouldNeverBeLookedAtAreRefused) {

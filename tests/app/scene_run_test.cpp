@@ -4,7 +4,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "scenes/program.h"
+#include "app/program.h"
 
 namespace oilskin::test {
 namespace {

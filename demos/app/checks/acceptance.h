@@ -1,26 +1,31 @@
 /// The checks by which a scene says whether it did what it should.
 #pragma once
 
-#include "checks/measurements.h"
-#include "checks/totals.h"
-#include "output/water_surface.h"
+#include "checks/check.h"
 
 namespace oilskin::demo {
 
-struct CheckResult {
-  std::string name;
-  double value = 0, limit = 0;
-  bool ok = false;
+/// The checks of one run of a scene.
+class Acceptance {
+ public:
+  /// Reads the settings from the scene's `acceptance`. Throws SceneError. The scene must stay where it is.
+  explicit Acceptance(const Scene& scene);
+
+  /// The object `acceptance` with every value as resolved.
+  Json settings() const;
+
+  /// Once after every step of dt [s].
+  void after_step(Simulation& simulation, double dt);
+  /// Once after the last step.
+  std::vector<CheckResult> results(const RunEnd& end);
+
+ private:
+  const Scene& scene_;
+  std::vector<std::unique_ptr<Check>> checks_;
+  double since_look_ = 0;  // [s]
 };
 
-/// Every check that applies to the scene, after the run. `simulation` is as the last step left it.
-std::vector<CheckResult> check_acceptance(const Scene& scene, const Totals& totals,
-                                          const Measurements& measured, Simulation& simulation,
-                                          const SimulationOptions& options,
-                                          const MakeSimulation& make_simulation);
-
-/// Of every frame's surface: closed, apart from cloth and bodies by the gap. Modes that do not keep away fail
-/// where they cut.
-void check_surfaces(const Scene& scene, const SurfaceTotals& surfaces, std::vector<CheckResult>& checks);
+/// The scene with every value as resolved, its acceptance included.
+Json resolved_scene(const Scene& scene, const Acceptance& acceptance);
 
 }  // namespace oilskin::demo

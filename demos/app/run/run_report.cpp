@@ -142,7 +142,7 @@ std::uint64_t peak_memory_bytes() {
 
 Json acceptance(const RunSummary& s) {
   Json checks = Json::array();
-  for (const CheckResult& c : s.acceptance)
+  for (const CheckResult& c : s.checks)
     checks.push_back({{"name", c.name}, {"value", c.value}, {"limit", c.limit}, {"ok", c.ok}});
   return checks;
 }
@@ -160,7 +160,7 @@ Json make_report(const RunSummary& s) {
   const double steps = static_cast<double>(std::max<std::uint64_t>(1, t.steps));
   Json report;
   report["scene"] = s.scene.name;
-  report["settings"] = write_scene(s.scene);
+  report["settings"] = resolved_scene(s.scene, s.acceptance);
   report["machine"] = machine(s);
   report["steps"] = t.steps;
   report["substeps"] = t.substeps;
@@ -180,8 +180,8 @@ Json make_report(const RunSummary& s) {
   report["mass"] = mass(s);
   report["state_hash"] = hexadecimal(s.simulation.world().state_hash());
   report["peak_memory_bytes"] = peak_memory_bytes();
-  report["resident_memory_bytes"] = {{"after_a_fifth", s.measured.resident_at_fifth},
-                                     {"at_end", s.measured.resident_at_end}};
+  report["resident_memory_bytes"] = {{"after_a_fifth", s.memory.after_a_fifth()},
+                                     {"at_end", s.memory.at_end()}};
   report["acceptance"] = acceptance(s);
   report["flags"] = flag_texts(t.flags);
   report["messages"] = t.messages;

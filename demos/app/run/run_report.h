@@ -12,8 +12,9 @@ namespace oilskin::demo {
 struct RunSummary {
   const Scene& scene;
   const Totals& totals;
-  const Measurements& measured;
-  const std::vector<CheckResult>& acceptance;
+  const ResidentMemory& memory;
+  const Acceptance& acceptance;
+  const std::vector<CheckResult>& checks;
   Simulation& simulation;
   const SurfaceTotals& surfaces;
   int threads = 0;

@@ -66,9 +66,9 @@ class Run {
       : scene_(scene),
         options_(options),
         make_simulation_(make_simulation),
+        acceptance_(scene),
         progress_(options.quiet, options.trace == "-"),
         directory_(prepare_directory(scene, options)),
-        measurer_(scene),
         plan_(scene) {
     simulation_options_.threads = options.threads;
     simulation_ = make_simulation(scene, simulation_options_);
@@ -118,7 +118,8 @@ class Run {
     if (!report.status.ok()) throw SceneError("step " + std::to_string(s) + ": " + report.status.message);
     totals_.add(report);
     if (trace_) trace_->check();
-    measurer_.after_step(*simulation_, report);
+    memory_.after_step(simulation_->time().value(), scene_.duration);
+    acceptance_.after_step(*simulation_, report.dt);
     const double rate = scene_.pictures.frames_per_second > 0 ? scene_.pictures.frames_per_second : 30;
     if (plan_.reached(simulation_->time().value(), frame_number_ / rate)) write_frame();
   }
@@ -164,15 +165,14 @@ class Run {
   }
 
   int finish() {
-    measurer_.finish(*simulation_);
+    memory_.finish();
     const double wall = seconds_since(start_);
     std::vector<CheckResult> checks;
     if (caught_signal() == 0)
-      checks = check_acceptance(scene_, totals_, measurer_.result(), *simulation_, simulation_options_,
-                                make_simulation_);
-    if (caught_signal() == 0 && surfaces_.frames > 0) check_surfaces(scene_, surfaces_, checks);
-    RunSummary summary{scene_,           totals_, measurer_.result(), checks,         *simulation_, surfaces_,
-                       options_.threads, wall,    output_seconds_,    caught_signal()};
+      checks = acceptance_.results(
+          {scene_, totals_, surfaces_, memory_, *simulation_, simulation_options_, make_simulation_});
+    RunSummary summary{scene_,    totals_,          memory_, acceptance_,     checks,         *simulation_,
+                       surfaces_, options_.threads, wall,    output_seconds_, caught_signal()};
     write_report(make_report(summary), directory_);
     tell(checks, wall);
     if (caught_signal() != 0) return static_cast<int>(ExitCode::signalled) + caught_signal();
@@ -200,6 +200,7 @@ class Run {
   const Scene& scene_;
   const RunOptions& options_;
   const MakeSimulation& make_simulation_;
+  Acceptance acceptance_;
   Progress progress_;
   std::string directory_;
   SimulationOptions simulation_options_;
@@ -207,7 +208,7 @@ class Run {
   std::unique_ptr<Simulation> simulation_;
   std::unique_ptr<Frames> frames_;
   Totals totals_;
-  Measurer measurer_;
+  ResidentMemory memory_;
   StepPlan plan_;
   Clock::time_point start_;
   SurfaceTotals surfaces_;

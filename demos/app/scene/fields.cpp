@@ -223,6 +223,15 @@ void Fields::object(const char* key, const Describe& describe) {
   inner.finish();
 }
 
+void Fields::json_object(const char* key, Json& value) {
+  if (out_ != nullptr) {
+    (*out_)[key] = value;
+  } else if (const Json* found = find(key)) {
+    if (!found->is_object()) fail(key, "is " + shown(*found) + ", must be an object");
+    value = *found;
+  }
+}
+
 void Fields::optional_number(const char* key, std::optional<double>& value, const Range& range) {
   if (out_ != nullptr ? !value : !has(key)) {
     known_.push_back(key);

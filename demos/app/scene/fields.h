@@ -83,6 +83,8 @@ class Fields {
   /// A corner of a box beside its other keys; check_box() afterwards.
   void check_box(const Box& value) const;
   void object(const char* key, const Describe& describe);
+  /// An object that somebody else reads.
+  void json_object(const char* key, Json& value);
 
   void optional_number(const char* key, std::optional<double>& value, const Range& range);
   void optional_integer(const char* key, std::optional<int>& value, const Range& range);

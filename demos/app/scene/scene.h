@@ -10,6 +10,7 @@
 #include "oilskin/emitter.h"
 #include "oilskin/settings.h"
 #include "oilskin/surface_mesh.h"
+#include "scene/fields.h"
 
 namespace oilskin::demo {
 
@@ -99,107 +100,6 @@ struct PlacedMeshEmitter {
 
 using Emitter = std::variant<DiscEmitter, BoxEmitter, PlacedMeshEmitter, RainEmitter>;
 
-/// Mean tangential speed of the particles next to two sheets, compared.
-struct SlipRatioCheck {
-  int free = 0, no_slip = 1;  ///< indices of cloths
-  double at_least = 5;        ///< speed next to `free` over speed next to `no_slip`
-  double window = 0.1;        ///< the last seconds of the run
-  double within = 0.75;       ///< of the sheet [spacings]
-};
-
-/// Mean vertical pin reaction against the weight of cloth and water.
-struct PinReactionCheck {
-  double tolerance = 0.01;
-  double window = 1;  ///< the last seconds of the run
-};
-
-/// No particle below a cloth, inside its outline shrunk by a margin.
-struct DryShadowCheck {
-  int cloth = 0;
-  double margin = 0.05;  ///< [m]
-};
-
-/// The water's surface is level: little of it is above the pool that it would be at rest.
-struct PoolLevelCheck {
-  int cloth = 0;           ///< the basin
-  double middle = 0.05;    ///< the level is looked at so far about the basin's deepest node [m]
-  double above = 1;        ///< counts what is farther above the level [spacings]
-  double fraction = 0.05;  ///< of the water, mean over the window, at most
-  double window = 0.1;     ///< the last seconds of the run
-};
-
-/// The water's kinetic energy against what lifts the pool's top layer by its own thickness.
-struct PoolCalmCheck {
-  int cloth = 0;           ///< the basin
-  double fraction = 0.01;  ///< of one layer's energy, mean over the window, at most
-  double window = 0.1;     ///< the last seconds of the run
-};
-
-/// Water inside a box stays still for a while.
-struct AtRestCheck {
-  Box within;
-  double from = 0, to = never;  ///< [s]
-  double speed = 0.05;          ///< largest root of the mean square at any moment [m/s]
-};
-
-/// A column that collapses along a floor, against Martin and Moyce's experiment (dam_break.h).
-struct DamBreakCheck {
-  Vec3 foot = Vec3::Zero();      ///< of the column, at the wall that stays [m]
-  Vec3 along = Vec3(1, 0, 0);    ///< the way that it runs
-  double width = 0.05715;        ///< a of the column; it is 2a high [m]
-  double breadth = 0.05;         ///< of the tank, across the run [m]
-  double front = 0.1;            ///< largest relative difference of the front
-  double shift = 0.15;           ///< time by which it may be early or late [sqrt(a/2g)]
-  std::optional<double> height;  ///< largest relative difference of the column's height at the wall
-};
-
-/// The water inside a closed cloth stays inside, and the rest outside.
-struct InsideConstantCheck {
-  int cloth = 0;
-  int every = 10;  ///< steps from look to look
-};
-
-/// The volume that a closed cloth encloses over the volume of the water.
-struct EnclosedVolumeCheck {
-  int cloth = 0;
-  double at_least = 0.95, at_most = never;  ///< at every look
-  double from = 0;                          ///< [s]
-};
-
-/// What moved comes to rest: kinetic energy of water and cloth per mass, at the end against earlier.
-struct EnergyDecayCheck {
-  double from = 0;        ///< begin of the first window [s]
-  double fraction = 0.5;  ///< mean over the last window over that of the first, at most
-  double window = 0.1;    ///< [s]
-};
-
-/// Layers of a cloth lie closer together than its thickness.
-struct CloseLayersCheck {
-  int cloth = 0;
-  int at_least = 1;  ///< most nodes seen at a time so close to a node of another layer
-};
-
-/// What a scene promises besides what is always checked.
-struct Acceptance {
-  std::optional<int> min_emitted;
-  std::optional<int> min_over_rim;
-  std::optional<double> vertical_momentum;  ///< largest relative difference
-  std::optional<double> sag_below_dry;      ///< [m]
-  std::optional<double> max_stretch;        ///< longest edge over rest length
-  std::optional<SlipRatioCheck> slip_ratio;
-  std::optional<PinReactionCheck> pin_reaction;
-  std::optional<DryShadowCheck> dry_shadow;
-  std::optional<PoolLevelCheck> pool_level;
-  std::optional<PoolCalmCheck> pool_calm;
-  std::vector<AtRestCheck> at_rest;
-  std::optional<DamBreakCheck> dam_break;
-  std::optional<InsideConstantCheck> inside_constant;
-  std::optional<EnclosedVolumeCheck> enclosed_volume;
-  std::optional<EnergyDecayCheck> energy_decay;
-  std::optional<CloseLayersCheck> close_layers;
-  std::optional<double> memory_growth;  ///< of resident memory after a fifth of the run, relative
-};
-
 /// The water's surface as triangles, for every frame (oilskin/surface_mesh.h).
 struct WaterSurface {
   double cell = 0;  ///< edge of a grid cell [m]; 0 = half a spacing
@@ -258,7 +158,7 @@ struct Scene {
   std::vector<Cloth> cloth;
   std::vector<Body> bodies;
   std::optional<WaterSurface> surface;
-  Acceptance acceptance;
+  Json acceptance = Json::object();  ///< the checks of a run, as the file has them (checks/acceptance.h)
   Pictures pictures;
 };
 

@@ -269,81 +269,6 @@ void describe(Fields& f, ContactSettings& s) {
   f.boolean("verify", s.verify);
 }
 
-void describe(Fields& f, AtRestCheck& c) {
-  f.box("within", c.within);
-  if (f.reading() && !f.has("within")) f.fail("within", "is missing: the box whose water is to be at rest");
-  f.number("from", c.from, not_negative());
-  f.number("to", c.to, not_negative());
-  f.number("speed", c.speed, positive());
-}
-
-void describe(Fields& f, DamBreakCheck& c) {
-  f.vec3("foot", c.foot);
-  f.direction("along", c.along);
-  f.number("width", c.width, positive());
-  f.number("breadth", c.breadth, positive());
-  f.number("front", c.front, positive());
-  f.number("shift", c.shift, between(0, 1));
-  f.optional_number("height", c.height, positive());
-}
-
-void describe(Fields& f, Acceptance& a) {
-  f.optional_integer("min_emitted", a.min_emitted, between(0, 2e9));
-  f.optional_integer("min_over_rim", a.min_over_rim, between(0, 2e9));
-  f.optional_number("vertical_momentum", a.vertical_momentum, positive());
-  f.optional_number("sag_below_dry", a.sag_below_dry, any_number());
-  f.optional_number("max_stretch", a.max_stretch, positive());
-  f.optional_object("slip_ratio", a.slip_ratio, [](Fields& g, SlipRatioCheck& c) {
-    g.integer("free", c.free, between(0, 1e6));
-    g.integer("no_slip", c.no_slip, between(0, 1e6));
-    g.number("at_least", c.at_least, positive());
-    g.number("window", c.window, positive());
-    g.number("within", c.within, positive());
-  });
-  f.optional_object("pin_reaction", a.pin_reaction, [](Fields& g, PinReactionCheck& c) {
-    g.number("tolerance", c.tolerance, positive());
-    g.number("window", c.window, positive());
-  });
-  f.optional_object("dry_shadow", a.dry_shadow, [](Fields& g, DryShadowCheck& c) {
-    g.integer("cloth", c.cloth, between(0, 1e6));
-    g.number("margin", c.margin, not_negative());
-  });
-  f.optional_object("pool_level", a.pool_level, [](Fields& g, PoolLevelCheck& c) {
-    g.integer("cloth", c.cloth, between(0, 1e6));
-    g.number("middle", c.middle, positive());
-    g.number("above", c.above, not_negative());
-    g.number("fraction", c.fraction, not_negative());
-    g.number("window", c.window, positive());
-  });
-  f.optional_object("pool_calm", a.pool_calm, [](Fields& g, PoolCalmCheck& c) {
-    g.integer("cloth", c.cloth, between(0, 1e6));
-    g.number("fraction", c.fraction, not_negative());
-    g.number("window", c.window, positive());
-  });
-  f.list("at_rest", a.at_rest, [](Fields& g, AtRestCheck& c) { describe(g, c); });
-  f.optional_object("dam_break", a.dam_break, [](Fields& g, DamBreakCheck& c) { describe(g, c); });
-  f.optional_object("inside_constant", a.inside_constant, [](Fields& g, InsideConstantCheck& c) {
-    g.integer("cloth", c.cloth, between(0, 1e6));
-    g.integer("every", c.every, between(1, 1e9));
-  });
-  f.optional_object("enclosed_volume", a.enclosed_volume, [](Fields& g, EnclosedVolumeCheck& c) {
-    g.integer("cloth", c.cloth, between(0, 1e6));
-    g.number("at_least", c.at_least, not_negative());
-    g.number("at_most", c.at_most, positive());
-    g.number("from", c.from, not_negative());
-  });
-  f.optional_object("energy_decay", a.energy_decay, [](Fields& g, EnergyDecayCheck& c) {
-    g.number("from", c.from, not_negative());
-    g.number("fraction", c.fraction, not_negative());
-    g.number("window", c.window, positive());
-  });
-  f.optional_object("close_layers", a.close_layers, [](Fields& g, CloseLayersCheck& c) {
-    g.integer("cloth", c.cloth, between(0, 1e6));
-    g.integer("at_least", c.at_least, between(1, 1e9));
-  });
-  f.optional_number("memory_growth", a.memory_growth, not_negative());
-}
-
 void describe(Fields& f, Slice& s) {
   f.vec3("point", s.point);
   f.direction("normal", s.normal);
@@ -422,7 +347,7 @@ void describe(Fields& f, Scene& s) {
   if (f.reading() && s.surface)
     if (const Status status = check_water_surface(*s.surface, s.fluid.spacing); !status.ok())
       f.fail("surface", status.message);
-  f.object("acceptance", [&](Fields& g) { describe(g, s.acceptance); });
+  f.json_object("acceptance", s.acceptance);
   f.object("pictures", [&](Fields& g) { describe(g, s.pictures); });
 }
 

@@ -1,7 +1,6 @@
 #include "scene/scene_reader.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -51,54 +50,6 @@ void check_substeps(const Scene& scene) {
                        std::to_string(scene.cloth[i].substeps) + ", must be " +
                        std::to_string(scene.cloth[0].substeps) +
                        " as for cloth.0: one world has one number of sub-steps");
-}
-
-void check_cloth_index(const Scene& scene, int index, const std::string& key) {
-  if (index < 0 || index >= static_cast<int>(scene.cloth.size()))
-    throw SceneError(key + ": is " + std::to_string(index) +
-                     ", must be the index of a cloth, the scene has " + std::to_string(scene.cloth.size()));
-}
-
-/// A check that can never be looked at would pass or fail for the wrong reason.
-void check_water_acceptance(const Scene& scene) {
-  const Acceptance& a = scene.acceptance;
-  for (std::size_t i = 0; i < a.at_rest.size(); ++i)
-    if (!(a.at_rest[i].to > a.at_rest[i].from))
-      throw SceneError("acceptance.at_rest." + std::to_string(i) + ".to: must be later than \"from\"");
-  const Vec3& g = scene.world.gravity;
-  if ((a.pool_level || a.pool_calm || a.dam_break) && !(g.norm() > 0))
-    throw SceneError("gravity: is zero; a pool or a dam break needs a weight");
-  if (a.dam_break && std::abs(a.dam_break->along.normalized().dot(g.normalized())) > 1e-6)
-    throw SceneError("acceptance.dam_break.along: must be square to gravity");
-}
-
-void check_enclosed_volume(const Scene& scene) {
-  const EnclosedVolumeCheck& check = *scene.acceptance.enclosed_volume;
-  check_cloth_index(scene, check.cloth, "acceptance.enclosed_volume.cloth");
-  if (check.at_least <= check.at_most) return;
-  std::ostringstream text;
-  text << "acceptance.enclosed_volume.at_least: is " << check.at_least
-       << ", must be at most at_most, which is " << check.at_most;
-  throw SceneError(text.str());
-}
-
-void check_acceptance(const Scene& scene) {
-  const Acceptance& a = scene.acceptance;
-  if (a.slip_ratio) {
-    check_cloth_index(scene, a.slip_ratio->free, "acceptance.slip_ratio.free");
-    check_cloth_index(scene, a.slip_ratio->no_slip, "acceptance.slip_ratio.no_slip");
-  }
-  if (a.dry_shadow) check_cloth_index(scene, a.dry_shadow->cloth, "acceptance.dry_shadow.cloth");
-  if (a.sag_below_dry) check_cloth_index(scene, 0, "acceptance.sag_below_dry");
-  if (a.min_over_rim) check_cloth_index(scene, 0, "acceptance.min_over_rim");
-  if (a.pin_reaction) check_cloth_index(scene, 0, "acceptance.pin_reaction");
-  if (a.pool_level) check_cloth_index(scene, a.pool_level->cloth, "acceptance.pool_level.cloth");
-  if (a.pool_calm) check_cloth_index(scene, a.pool_calm->cloth, "acceptance.pool_calm.cloth");
-  if (a.inside_constant)
-    check_cloth_index(scene, a.inside_constant->cloth, "acceptance.inside_constant.cloth");
-  if (a.enclosed_volume) check_enclosed_volume(scene);
-  if (a.close_layers) check_cloth_index(scene, a.close_layers->cloth, "acceptance.close_layers.cloth");
-  check_water_acceptance(scene);
 }
 
 void check_pins(const Scene& scene) {
@@ -216,7 +167,6 @@ Scene read_scene(const Json& json, const std::string& directory) {
   load_meshes(scene);
   check_substeps(scene);
   check_pins(scene);
-  check_acceptance(scene);
   check_library_settings(scene);
   return scene;
 }

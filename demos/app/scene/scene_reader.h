@@ -18,10 +18,12 @@ void apply_override(Json& scene, const std::string& assignment);
 Json parse_json(const std::string& text, const std::string& name);
 Json read_json_file(const std::string& path);
 
-/// Checks everything that can be checked without a world, and loads the meshes. Throws SceneError.
+/// Checks everything that can be checked without a world, and loads the meshes. The checks of the run are
+/// read by Acceptance (checks/acceptance.h). Throws SceneError.
 Scene read_scene(const Json& json, const std::string& directory);
 
-/// The scene with every value as resolved; read_scene() of it gives the same scene.
+/// The scene with every value as resolved, `acceptance` as it was read; read_scene() of it gives the same
+/// scene.
 Json write_scene(const Scene& scene);
 
 }  // namespace oilskin::demo
