@@ -28,7 +28,7 @@ void draw_particles(const World& world, btIDebugDraw* drawer) {
 
 void draw_contacts(const World& world, btIDebugDraw* drawer) {
   const btVector3 color(1, btScalar(0.5), 0);
-  for (const ContactRecord& c : world.contacts()) {
+  for (const Contact& c : world.contacts()) {
     if (c.particle >= world.particle_count()) continue;  // particles were removed after the contact
     const Vec3 foot = world.positions()[c.particle] - c.distance * c.normal;
     drawer->drawContactPoint(to_bt(foot), to_bt(c.normal), static_cast<btScalar>(c.distance), 0, color);

@@ -106,8 +106,8 @@ StoredFrame read_frame(const StoredFrames& stored, int number, const Plan& plan,
   return frame;
 }
 
-SurfaceInput input_of(const StoredFrame& frame) {
-  SurfaceInput input;
+ReconstructionInput input_of(const StoredFrame& frame) {
+  ReconstructionInput input;
   input.positions = frame.position;
   input.velocities = frame.velocity;
   for (const StoredMesh& mesh : frame.obstacles) input.obstacles.push_back({mesh.vertices, mesh.triangles});
@@ -115,12 +115,12 @@ SurfaceInput input_of(const StoredFrame& frame) {
 }
 
 void tell(int number, const MadeSurface& made) {
-  const SurfaceCheck& c = made.check;
+  const MeshCheck& c = made.check;
   std::printf(
       "frame %04d: %zu triangles, %.3f s, %zu intersecting pairs, %zu nearer than the gap, %zu submerged, "
       "%zu open edges, least distance %g m, volume %g m3\n",
       number, made.mesh.triangles.size(), made.seconds, c.intersecting_pairs, c.near_pairs,
-      c.submerged_components, c.open_edges, c.least_distance, c.volume);
+      c.submerged_components, c.open_edges, c.min_distance, c.volume);
   if (made.report.particles_skipped > 0)
     std::printf("  %zu particles were left out: not finite, or farther away than 2^20 cells\n",
                 made.report.particles_skipped);
@@ -133,7 +133,7 @@ int mesh_command(const MeshOptions& options) {
   const StoredFrames stored(options.directory);
   const std::vector<int> frames = wanted_frames(options, stored.numbers());
   const Plan plan = make_plan(options);
-  const SurfaceOptions wanted = surface_options(plan.surface, plan.spacing, options.threads);
+  const ReconstructionOptions wanted = surface_options(plan.surface, plan.spacing, options.threads);
   if (const Status s = check_water_surface(plan.surface, plan.spacing); !s.ok())
     throw SceneError("surface: " + s.message);
   const std::string out = options.out.empty() ? options.directory : options.out;

@@ -8,14 +8,14 @@
 #include <fstream>
 
 #include "oilskin/bullet.h"
-#include "oilskin/surface_mesh.h"
+#include "oilskin/reconstruction.h"
 
 static bool accepted(const oilskin::Status& status) {
   if (!status.ok()) std::fprintf(stderr, "refused: %s\n", status.message.c_str());
   return status.ok();
 }
 
-static bool write_obj(const std::string& path, const oilskin::SurfaceMesh& mesh) {
+static bool write_obj(const std::string& path, const oilskin::WaterMesh& mesh) {
   std::ofstream out(path);
   for (const auto& x : mesh.positions) out << "v " << x[0] << ' ' << x[1] << ' ' << x[2] << '\n';
   for (const auto& t : mesh.triangles) out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
       !accepted(water.addJet({0, btScalar(0.1), 0}, {0, -1, 0}, btScalar(1.5), btScalar(0.03))))
     return 1;
 
-  oilskin::SurfaceOptions options;
+  oilskin::ReconstructionOptions options;
   options.spacing = double(spacing);
   options.gap = 0.0005;  // between water and cloth [m]
   options.smoothing_iterations = 10;
@@ -50,15 +50,15 @@ int main(int argc, char** argv) {
   for (int frame = 0; frame < 10; ++frame) {
     world.stepSimulation(btScalar(1. / 60), 20, btScalar(0.001));
     const oilskin::SurfaceMotion& sheet = *softSolver.getCoupling().getSurface(cloth);
-    oilskin::SurfaceInput input;
+    oilskin::ReconstructionInput input;
     input.positions = water.getWorld().positions();
     input.obstacles.push_back({sheet.x_t1, sheet.triangles});
-    oilskin::SurfaceMesh mesh;
+    oilskin::WaterMesh mesh;
     if (!accepted(reconstruct_surface(input, options, &mesh))) return 1;
 
     const std::string path =
         std::string(argc > 1 ? argv[1] : ".") + "/water_0" + std::to_string(frame) + ".obj";
-    const oilskin::SurfaceCheck check = check_surface(mesh, input.obstacles, options.gap);
+    const oilskin::MeshCheck check = check_mesh(mesh, input.obstacles, options.gap);
     std::printf("%s: %zu triangles, %.3g litres, %zu of them cut the cloth\n", path.c_str(),
                 mesh.triangles.size(), 1000 * check.volume, check.intersecting_pairs);
     good = good && check.clean() && check.volume > 0 && write_obj(path, mesh);

@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "ccd/coplanarity_cubic.h"
-#include "ccd/exact_arbiter.h"
-#include "ccd/plain_finding.h"
+#include "ccd/exact_query.h"
+#include "ccd/filter.h"
 #include "ccd/separation.h"
 #include "core/assert.h"
 
@@ -22,7 +22,7 @@ namespace {
 
 using detail::Coefficients;
 using detail::CoplanarityCubic;
-using detail::Finding;
+using detail::FilterResult;
 using detail::Placement;
 using detail::RelativeMotion;
 using detail::TimeSpan;
@@ -44,9 +44,9 @@ bool axis_separates(const PointTriangleMotion& m, RelativeMotion* relative) {
     const double p0 = m.p_t0[k], p1 = m.p_t1[k];
     const double a0 = m.a_t0[k] - p0, b0 = m.b_t0[k] - p0, c0 = m.c_t0[k] - p0;
     const double a1 = m.a_t1[k] - p1, b1 = m.b_t1[k] - p1, c1 = m.c_t1[k] - p1;
-    const double least = std::min(std::min(std::min(a0, b0), std::min(c0, a1)), std::min(b1, c1));
-    const double greatest = std::max(std::max(std::max(a0, b0), std::max(c0, a1)), std::max(b1, c1));
-    if (least > 0 || greatest < 0) return true;
+    const double minimum = std::min(std::min(std::min(a0, b0), std::min(c0, a1)), std::min(b1, c1));
+    const double maximum = std::max(std::max(std::max(a0, b0), std::max(c0, a1)), std::max(b1, c1));
+    if (minimum > 0 || maximum < 0) return true;
     relative->t0[0][k] = a0;
     relative->t0[1][k] = b0;
     relative->t0[2][k] = c0;
@@ -91,25 +91,25 @@ enum class Place { kInside, kOutside, kUnclear };
 /// weights: all of one sign for certain, the point is inside; two of different signs, it is outside.
 Place place_of_point(const RelativeMotion& motion, const TimeSpan& span) {
   const double t = span.middle(), s = 1 - t;
-  double corner[3][3], greatest_at_ends = 0, greatest = 0;
+  double corner[3][3], max_at_ends = 0, maximum = 0;
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) {
       const double start = motion.t0[i][k], end = motion.t1[i][k];
       corner[i][k] = s * start + t * end;
-      greatest_at_ends = std::max(greatest_at_ends, std::max(std::abs(start), std::abs(end)));
-      greatest = std::max(greatest, std::abs(corner[i][k]));
+      max_at_ends = std::max(max_at_ends, std::max(std::abs(start), std::abs(end)));
+      maximum = std::max(maximum, std::abs(corner[i][k]));
     }
   }
   constexpr double kUnderflow = 1e-300;
-  const double deviation = (span.width() + 8 * detail::kUnitRoundoff) * greatest_at_ends;
-  const double error = 8.001 * greatest * deviation + kUnderflow;
+  const double deviation = (span.width() + 8 * detail::kUnitRoundoff) * max_at_ends;
+  const double error = 8.001 * maximum * deviation + kUnderflow;
   for (int k = 0; k < 3; ++k) {
     double area[3];
     projected_areas(corner, k, area);
-    const double least = std::min(std::min(area[0], area[1]), area[2]);
-    const double most = std::max(std::max(area[0], area[1]), area[2]);
-    if (least > error || most < -error) return Place::kInside;
-    if (least < -error && most > error) return Place::kOutside;
+    const double minimum = std::min(std::min(area[0], area[1]), area[2]);
+    const double maximum = std::max(std::max(area[0], area[1]), area[2]);
+    if (minimum > error || maximum < -error) return Place::kInside;
+    if (minimum < -error && maximum > error) return Place::kOutside;
   }
   return Place::kUnclear;
 }
@@ -125,7 +125,7 @@ struct Query {
 };
 
 /// A span in which the cubic may vanish, once or more often.
-Finding judge(const RelativeMotion& motion, const TimeSpan& span) {
+FilterResult judge(const RelativeMotion& motion, const TimeSpan& span) {
   if (span.width() <= kShort) {
     const bool outside = place_of_point(motion, span) == Place::kOutside;
     return {outside ? Verdict::kApart : Verdict::kUnclear, span};
@@ -134,21 +134,21 @@ Finding judge(const RelativeMotion& motion, const TimeSpan& span) {
 }
 
 /// The single crossing of the plane within `span`: through the triangle or beside it?
-Finding meet_at_crossing(const Query& query, const TimeSpan& span) {
+FilterResult impact_at_crossing(const Query& query, const TimeSpan& span) {
   const TimeSpan root = narrow_crossing(query.cubic, span);
   if (root.width() > kShort) return judge(query.motion, root);
   const Place place = place_of_point(query.motion, root);
   if (place == Place::kUnclear) return {Verdict::kUnclear, root};
-  return {place == Place::kInside ? Verdict::kMeet : Verdict::kApart, root};
+  return {place == Place::kInside ? Verdict::kImpact : Verdict::kApart, root};
 }
 
 /// The cubic has a certain sign in all of the short `span` but at one end of it, which is that of the step.
-Finding judge_end(const Query& query, const TimeSpan& span, int sign) {
+FilterResult judge_end(const Query& query, const TimeSpan& span, int sign) {
   if (place_of_point(query.motion, span) == Place::kOutside) return {};
   const int end = span.begin == 0 ? 0 : 1;
   switch (detail::exact_placement(query.exact, end)) {
     case Placement::kInside:
-      return {Verdict::kMeet, {static_cast<double>(end), static_cast<double>(end)}};
+      return {Verdict::kImpact, {static_cast<double>(end), static_cast<double>(end)}};
     case Placement::kOutside:
       return {};
     case Placement::kPositiveSide:
@@ -190,13 +190,13 @@ double choose_cut(const CoplanarityCubic& cubic, const Coefficients& c, const Ti
 
 /// Isolates the roots of the cubic from the earliest to the latest, and ends at the first that meets or
 /// cannot be judged.
-Finding first_finding(const Query& query, const TimeSpan& span, const Coefficients& coefficients) {
+FilterResult first_result(const Query& query, const TimeSpan& span, const Coefficients& coefficients) {
   const CoplanarityCubic& cubic = query.cubic;
   switch (count_roots(cubic, coefficients)) {
     case Roots::kNone:
       return {};
     case Roots::kOne:
-      return meet_at_crossing(query, span);
+      return impact_at_crossing(query, span);
     case Roots::kInvisible:
       return judge(query.motion, span);
     case Roots::kUnknown:
@@ -211,29 +211,29 @@ Finding first_finding(const Query& query, const TimeSpan& span, const Coefficien
   const double cut = choose_cut(cubic, coefficients, span, touch);
   OILSKIN_ASSERT(span.begin < cut && cut < span.end);
   const TimeSpan early{span.begin, cut}, late{cut, span.end};
-  const Finding finding = first_finding(query, early, cubic.on(early));
+  const FilterResult finding = first_result(query, early, cubic.on(early));
   if (finding.verdict != Verdict::kApart) return finding;
-  return first_finding(query, late, cubic.on(late));
+  return first_result(query, late, cubic.on(late));
 }
 
 }  // namespace
 
-detail::Finding detail::plain_finding(const PointTriangleMotion& m) {
+detail::FilterResult detail::filter(const PointTriangleMotion& m) {
   if (nothing_moves(m)) return {};
   RelativeMotion relative;
   if (axis_separates(m, &relative)) return {};
   const CoplanarityCubic cubic(m, relative);
   if (!cubic.bounded()) return judge(relative, {0, 1});
-  return first_finding({m, relative, cubic}, {0, 1}, cubic.coefficients());
+  return first_result({m, relative, cubic}, {0, 1}, cubic.coefficients());
 }
 
-Meeting point_triangle(const PointTriangleMotion& m) {
-  const Finding finding = detail::plain_finding(m);
+Impact point_triangle(const PointTriangleMotion& m) {
+  const FilterResult finding = detail::filter(m);
   const TimeSpan& span = finding.span;
   OILSKIN_ASSERT(0 <= span.begin && span.begin <= span.end && span.end <= 1);
   if (finding.verdict == Verdict::kApart) return {};
-  if (finding.verdict == Verdict::kMeet) return {true, span.begin};
-  return span.width() <= kShort ? detail::exact_meeting_from(m, span) : detail::exact_meeting(m);
+  if (finding.verdict == Verdict::kImpact) return {true, span.begin};
+  return span.width() <= kShort ? detail::exact_impact_from(m, span) : detail::exact_impact(m);
 }
 
 }  // namespace oilskin::ccd

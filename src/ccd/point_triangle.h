@@ -11,7 +11,7 @@ struct PointTriangleMotion {
   Vec3 p_t1, a_t1, b_t1, c_t1;  ///< and at t = 1; all move linearly
 };
 
-struct Meeting {
+struct Impact {
   bool hit = false;
   double time = 1;  ///< of impact, in [0, 1]; never later than the true first touch (hit only)
 };
@@ -22,6 +22,6 @@ struct Meeting {
 ///
 /// Plain arithmetic with error bounds decides what it can (tens of nanoseconds to a microsecond), exact
 /// arithmetic the rest (2 to 10 µs for coordinates of similar size). Deterministic, without allocation.
-Meeting point_triangle(const PointTriangleMotion& m);
+Impact point_triangle(const PointTriangleMotion& m);
 
 }  // namespace oilskin::ccd

@@ -18,9 +18,9 @@ function(oilskin_install_export export)
 endfunction()
 
 oilskin_install_library(oilskin oilskin ${PROJECT_SOURCE_DIR}/src/oilskin)
-if(TARGET oilskin_surface)
-  oilskin_install_library(oilskin oilskin_surface ${PROJECT_SOURCE_DIR}/src/oilskin)
-  set_target_properties(oilskin_surface PROPERTIES EXPORT_NAME surface)
+if(TARGET oilskin_reconstruction)
+  oilskin_install_library(oilskin oilskin_reconstruction ${PROJECT_SOURCE_DIR}/src/oilskin)
+  set_target_properties(oilskin_reconstruction PROPERTIES EXPORT_NAME reconstruction)
 endif()
 oilskin_install_export(oilskin)
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "contact/slip.h"
+#include "contact/friction.h"
 #include "core/assert.h"
 
 namespace oilskin::contact {
@@ -23,7 +23,7 @@ Box swept_box(const ParticleMotion& particles, std::uint32_t p) {
 }  // namespace
 
 // Room for what pressure and rounds of impulses add to the predicted way. Who leaves it is queried again.
-double CandidateSet::slack(const ParticleMotion& particles) {
+double CandidateSet::prediction_margin(const ParticleMotion& particles) {
   return 0.2 * particles.spacing;
 }
 
@@ -50,8 +50,9 @@ void CandidateSet::query(Context& context, std::uint32_t surface,
                          const std::vector<std::uint32_t>& particles) {
   Surface& set = surfaces_[surface];
   const SurfaceMotion& motion = *context.surfaces[surface];
-  const double reach = std::max(std::max(motion.thickness, 2 * motion.delta) + slack(*context.particles),
-                                wall_layer(*context.particles, motion));
+  const double reach =
+      std::max(std::max(motion.thickness, 2 * motion.delta) + prediction_margin(*context.particles),
+               wall_layer(*context.particles, motion));
   boxes_.resize(particles.size());
   context.workers->for_each(particles.size(), chunk, [&](std::size_t k) {
     const std::uint32_t p = particles[k];
@@ -108,13 +109,13 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
   return queried;
 }
 
-double CandidateSet::least_end_distance(const Context& context) const {
-  double least = std::numeric_limits<double>::infinity();
+double CandidateSet::min_end_distance(const Context& context) const {
+  double minimum = std::numeric_limits<double>::infinity();
   for (std::uint32_t s = 0; s < surfaces_.size(); ++s)
     for (std::uint32_t p = 0; p < context.particle_count(); ++p)
       if (!context.out_of_play[p])
-        for (const CandidatePair& pair : of(s, p)) least = std::min(least, pair.end_distance);
-  return least;
+        for (const CandidatePair& pair : of(s, p)) minimum = std::min(minimum, pair.end_distance);
+  return minimum;
 }
 
 std::uint64_t CandidateSet::size() const {

@@ -24,7 +24,7 @@ class CandidateSet {
   std::vector<std::uint32_t> refresh(Context& context, double margin = 0);
 
   /// How far an end may wander from the prediction, per axis, before refresh(…, 1) queries again [m].
-  static double slack(const ParticleMotion& particles);
+  static double prediction_margin(const ParticleMotion& particles);
 
   Span<CandidatePair> of(std::uint32_t surface, std::uint32_t particle) {
     OILSKIN_ASSERT(surface < surfaces_.size());
@@ -40,7 +40,7 @@ class CandidateSet {
   }
   std::uint64_t size() const;
   /// Over live particles and pairs that end within the thickness; infinity where there are none.
-  double least_end_distance(const Context& context) const;
+  double min_end_distance(const Context& context) const;
 
  private:
   struct Surface {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "contact/meetings.h"
-#include "contact/slip.h"
+#include "contact/friction.h"
+#include "contact/impacts.h"
 #include "contact/zones.h"
 #include "core/assert.h"
 
@@ -29,7 +29,7 @@ void ContactLoop::begin(double dt, const ContactSettings& settings, ParticleMoti
   context_.out_of_play.assign(particles.id.size(), 0);
   prepare_surfaces();
   candidates_.collect(context_);
-  records_.find(context_, candidates_);
+  contacts_.find(context_, candidates_);
 }
 
 void ContactLoop::prepare_surfaces() {
@@ -56,9 +56,9 @@ void ContactLoop::prepare_surfaces() {
   }
 }
 
-const std::vector<ContactRecord>& ContactLoop::select_records() {
+const std::vector<Contact>& ContactLoop::select_contacts() {
   StageTimer timer(context_.seconds->impulses);
-  records_.select_active(context_, active_);
+  contacts_.select_active(context_, active_);
   return active_;
 }
 
@@ -70,38 +70,38 @@ void ContactLoop::run() {
     std::fill(context_.particle_stamp.begin(), context_.particle_stamp.end(), context_.epoch);
     for (std::size_t p = 0; p < context_.particle_count(); ++p)
       if (context_.particles->removed[p]) context_.out_of_play[p] = 1;  // quarantined since begin()
-    records_.update(context_, candidates_, candidates_.refresh(context_, 1));
+    contacts_.update(context_, candidates_, candidates_.refresh(context_, 1));
     context_.report->candidates = candidates_.size();
   }
   const double energy_before = kinetic_energy();
-  select_records();
+  select_contacts();
   {
     StageTimer timer(context_.seconds->impulses);
-    std::vector<Row> rows;
-    rows.reserve(active_.size());
-    for (const ContactRecord& r : active_) rows.push_back(row_of_record(context_, r));
-    share_wall_area(context_, rows);
-    share_gaps(context_, rows);
-    solve_rows(context_, rows);
+    std::vector<ContactConstraint> constraints;
+    constraints.reserve(active_.size());
+    for (const Contact& r : active_) constraints.push_back(make_constraint(context_, r));
+    distribute_wall_area(context_, constraints);
+    split_gap_between_opposing_contacts(context_, constraints);
+    solve_constraints(context_, constraints);
     context_.report->contacts = active_.size();
-    for (const ContactRecord& r : active_)
-      context_.report->began_near += r.distance < context_.surfaces[r.surface]->delta;
+    for (const Contact& r : active_)
+      context_.report->started_too_close += r.distance < context_.surfaces[r.surface]->delta;
   }
   bool certified = false;
-  for (int round = 0; settings.ccd && round < settings.rounds && !certified; ++round) {
-    std::vector<BadPair> bad;
+  for (int round = 0; settings.ccd && round < settings.ccd_iterations && !certified; ++round) {
+    std::vector<Violation> violations;
     {
       StageTimer timer(context_.seconds->ccd);
-      bad = detect(context_, candidates_);
+      violations = find_violations(context_, candidates_);
     }
-    certified = bad.empty();
+    certified = violations.empty();
     if (certified) break;
     StageTimer timer(context_.seconds->impulses);
-    ++context_.report->rounds;
-    context_.report->meetings += bad.size();
-    std::vector<Row> rows = rows_of_bad_pairs(context_, bad, round);
-    OILSKIN_ASSERT(rows.size() == bad.size());
-    solve_rows(context_, rows);
+    ++context_.report->ccd_iterations;
+    context_.report->impacts += violations.size();
+    std::vector<ContactConstraint> constraints = impact_constraints(context_, violations, round);
+    OILSKIN_ASSERT(constraints.size() == violations.size());
+    solve_constraints(context_, constraints);
   }
   if (settings.zones && !certified) run_zones(context_, candidates_);
   book_impulses();
@@ -129,7 +129,7 @@ void ContactLoop::book_impulses() {
       (s.inverse_mass[i] > 0 ? report.impulse_on_free_nodes : report.impulse_on_prescribed) += s.impulse[i];
   }
   OILSKIN_ASSERT(report.impulse_on_free_nodes.allFinite() && report.impulse_on_prescribed.allFinite());
-  report.least_distance = std::min(report.least_distance, candidates_.least_end_distance(context_));
+  report.min_distance = std::min(report.min_distance, candidates_.min_end_distance(context_));
 }
 
 }  // namespace oilskin::contact

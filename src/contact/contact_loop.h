@@ -5,7 +5,7 @@
 #include <map>
 
 #include "contact/candidates.h"
-#include "contact/records.h"
+#include "contact/contacts.h"
 
 namespace oilskin::contact {
 
@@ -20,13 +20,13 @@ class ContactLoop {
              Span<SurfaceMotion* const> surfaces, ContactReport& report, StageSeconds& seconds);
 
   /// Records that act for the present x_t1, ordered by particle, surface and triangle.
-  const std::vector<ContactRecord>& select_records();
+  const std::vector<Contact>& select_contacts();
 
   /// Impulses, meetings, zones, certificate, for the present x_t1 (the caller may have changed it since
   /// begin()). Particles that are marked `removed` by now take no part.
   void run();
 
-  const std::vector<ContactRecord>& records() const { return active_; }
+  const std::vector<Contact>& contacts() const { return active_; }
   void forget(std::uint64_t surface_id) { caches_.erase(surface_id); }
 
  private:
@@ -38,8 +38,8 @@ class ContactLoop {
   std::map<std::uint64_t, SurfaceCache> caches_;  // by surface id
   Context context_;
   CandidateSet candidates_;
-  RecordSet records_;
-  std::vector<ContactRecord> active_;
+  ContactSet contacts_;
+  std::vector<Contact> active_;
 };
 
 }  // namespace oilskin::contact

@@ -124,17 +124,17 @@ Status ContactSolver::resolve(double dt, ParticleMotion& particles, Span<Surface
   return {};
 }
 
-const std::vector<ContactRecord>& ContactSolver::find_records(const ParticleMotion& particles,
-                                                              Span<SurfaceMotion* const> surfaces) {
+const std::vector<Contact>& ContactSolver::find_contacts(const ParticleMotion& particles,
+                                                         Span<SurfaceMotion* const> surfaces) {
   static thread_local ContactReport report;
   static thread_local StageSeconds seconds;
   ParticleMotion copy = particles;
   impl_->loop.begin(1, impl_->settings, copy, surfaces, report, seconds);
-  return impl_->loop.select_records();
+  return impl_->loop.select_contacts();
 }
 
-const std::vector<ContactRecord>& ContactSolver::records() const {
-  return impl_->loop.records();
+const std::vector<Contact>& ContactSolver::contacts() const {
+  return impl_->loop.contacts();
 }
 
 void ContactSolver::forget(std::uint64_t surface_id) {

@@ -41,13 +41,13 @@ struct Context {
   StageSeconds* seconds = nullptr;
 
   std::size_t particle_count() const { return particles->id.size(); }
-  Quad start(std::uint32_t p, std::uint32_t surface, std::uint32_t triangle) const {
+  PointTriangle start(std::uint32_t p, std::uint32_t surface, std::uint32_t triangle) const {
     const SurfaceMotion& s = *surfaces[surface];
     OILSKIN_ASSERT(p < particles->x_t0.size() && triangle < s.triangles.size());
     const Triangle& t = s.triangles[triangle];
     return {particles->x_t0[p], s.x_t0[t[0]], s.x_t0[t[1]], s.x_t0[t[2]]};
   }
-  Quad end(std::uint32_t p, std::uint32_t surface, std::uint32_t triangle) const {
+  PointTriangle end(std::uint32_t p, std::uint32_t surface, std::uint32_t triangle) const {
     const SurfaceMotion& s = *surfaces[surface];
     OILSKIN_ASSERT(p < particles->x_t1.size() && triangle < s.triangles.size());
     const Triangle& t = s.triangles[triangle];

@@ -22,7 +22,7 @@ double lower_bound(const Vec3& n, const Vec3& p, const Vec3& corner) {
 }
 
 // Is the true distance certainly ≥ δ?
-bool certainly_far(const Quad& q, const ClosestPoint& c, double delta) {
+bool certainly_far(const PointTriangle& q, const ClosestPoint& c, double delta) {
   if (!(c.distance >= delta)) return false;
   // All corners lie on the far side of the plane through the closest point, so the least of the three
   // projections is a lower bound of the distance for any n, and equal to it for the exact one.
@@ -36,20 +36,20 @@ bool certainly_far(const Quad& q, const ClosestPoint& c, double delta) {
 
 // Nothing here but the four points and δ may matter: a pair that is held at x0 is good because the same bits
 // were found good at the end of the last interval, and there it may not have been a candidate.
-bool box_is_near(const Quad& q, double delta) {
-  const double reach = near_reach(delta);
+bool box_is_near(const PointTriangle& q, double delta) {
+  const double reach = too_close_cutoff(delta);
   return squared_distance_to_box(q) <= reach * reach;
 }
 
 }  // namespace
 
-EndDistance end_distance(const Quad& q, double delta) {
+EndDistance end_distance(const PointTriangle& q, double delta) {
   OILSKIN_ASSERT(delta > 0);
   const ClosestPoint c = closest_point(q.p, q.a, q.b, q.c);
   return {!certainly_far(q, c, delta) && box_is_near(q, delta), c.distance};
 }
 
-Quad interpolate(const Quad& x0, const Quad& x1, double t) {
+PointTriangle interpolate(const PointTriangle& x0, const PointTriangle& x1, double t) {
   OILSKIN_ASSERT(t >= 0 && t <= 1);
   return {x0.p + t * (x1.p - x0.p), x0.a + t * (x1.a - x0.a), x0.b + t * (x1.b - x0.b),
           x0.c + t * (x1.c - x0.c)};

@@ -9,37 +9,38 @@
 namespace oilskin::contact {
 
 /// Four points at one moment.
-struct Quad {
+struct PointTriangle {
   Vec3 p, a, b, c;
 };
 
 struct EndDistance {
-  bool near = false;    ///< nearer than δ, or rounding cannot tell
-  double distance = 0;  ///< computed [m]
+  bool too_close = false;  ///< nearer than δ, or rounding cannot tell
+  double distance = 0;     ///< computed [m]
 };
 
 /// Squared distance of the point from the box of the triangle: a lower bound of their distance, squared.
-inline double squared_distance_to_box(const Quad& q) {
+inline double squared_distance_to_box(const PointTriangle& q) {
   const Vec3 low = q.a.cwiseMin(q.b).cwiseMin(q.c), high = q.a.cwiseMax(q.b).cwiseMax(q.c);
   return (low - q.p).cwiseMax(q.p - high).cwiseMax(0.0).squaredNorm();
 }
 
 /// Beyond this distance from the triangle's box nothing is near [m].
-inline double near_reach(double delta) {
+inline double too_close_cutoff(double delta) {
   return 1.0001 * delta;
 }
 
-/// near(p, T, x). Not near = the true distance is ≥ δ: by the triangle's box (`near_reach`), or certified by
-/// a separating direction whose three dot products are bounded, whatever the quality of the closest point
-/// that suggested it. A sliver whose closest point is all rounding is therefore near only where its box is.
-EndDistance end_distance(const Quad& q, double delta);
+/// near(p, T, x). Not near = the true distance is ≥ δ: by the triangle's box (`too_close_cutoff`), or
+/// certified by a separating direction whose three dot products are bounded, whatever the quality of the
+/// closest point that suggested it. A sliver whose closest point is all rounding is therefore near only where
+/// its box is.
+EndDistance end_distance(const PointTriangle& q, double delta);
 
 /// meets(p, T): false only if the paths x0 → x1 are certainly disjoint (ccd/point_triangle.h).
-inline ccd::Meeting meets(const Quad& x0, const Quad& x1) {
+inline ccd::Impact paths_intersect(const PointTriangle& x0, const PointTriangle& x1) {
   return ccd::point_triangle({x0.p, x0.a, x0.b, x0.c, x1.p, x1.a, x1.b, x1.c});
 }
 
 /// x0 + t (x1 − x0), for choosing directions only, never for deciding.
-Quad interpolate(const Quad& x0, const Quad& x1, double t);
+PointTriangle interpolate(const PointTriangle& x0, const PointTriangle& x1, double t);
 
 }  // namespace oilskin::contact

@@ -90,7 +90,7 @@ Vec direction_from_triangle(const Corners& corners) {
   if (nn > 0 && dot(cross(b - a, n), a) >= 0 && dot(cross(c - b, n), b) >= 0 && dot(cross(a - c, n), c) >= 0)
     return (-dot(a, n) / nn) * n;
   Vec best{};
-  Real least = -1;
+  Real minimum = -1;
   const Vec* corner[4] = {&a, &b, &c, &a};
   for (int k = 0; k < 3; ++k) {
     const Vec d = *corner[k + 1] - *corner[k];
@@ -98,8 +98,8 @@ Vec direction_from_triangle(const Corners& corners) {
     const Real t = !(dd > 0) || along < 0 ? Real(0) : (along > dd ? Real(1) : along / dd);
     const Vec offset = Real(-1) * (*corner[k] + t * d);
     const Real square = dot(offset, offset);
-    if (least >= 0 && square >= least) continue;
-    least = square;
+    if (minimum >= 0 && square >= minimum) continue;
+    minimum = square;
     best = offset;
   }
   return best;
@@ -137,10 +137,10 @@ bool touches_by_halving(const Corners& t0, const Corners& t1) {
   struct Part {
     Real begin, end;
   };
-  constexpr int most_parts = 200000;
+  constexpr int max_parts = 200000;
   std::vector<Part> parts{{0, 1}};
   for (int count = 0; !parts.empty(); ++count) {
-    if (count > most_parts) return true;
+    if (count > max_parts) return true;
     const Part part = parts.back();
     parts.pop_back();
     const Real mid = (part.begin + part.end) / 2;
@@ -174,8 +174,8 @@ bool path_touches(const Paths& paths) {
     size = std::max({size, t0[k].norm(), t1[k].norm()});
   }
   double t = 0, d = distance_to_triangle(t0[0], t0[1], t0[2]);
-  constexpr int most_steps = 64;
-  for (int step = 0; step < most_steps; ++step) {
+  constexpr int max_steps = 64;
+  for (int step = 0; step < max_steps; ++step) {
     if (lipschitz == 0) return d <= 0;
     if (d < 1e-9 * size) break;  // doubles cannot tell
     t += 0.9 * d / lipschitz;
@@ -192,7 +192,7 @@ struct Interval1 {
 };
 
 void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s,
-                       std::vector<std::uint8_t>& bad, std::uint64_t& pairs) {
+                       std::vector<std::uint8_t>& violates, std::uint64_t& pairs) {
   OILSKIN_ASSERT(s.delta >= 0 && s.x_t0.size() == s.x_t1.size());
   std::vector<Box> particle_box(particles.id.size()), triangle_box(s.triangles.size());
   Box all;
@@ -224,7 +224,7 @@ void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s,
   const auto test = [&](std::uint32_t p, std::uint32_t t) {
     if (!particle_box[p].overlaps(triangle_box[t])) return;
     ++pairs;
-    if (bad[p]) return;
+    if (violates[p]) return;
     Paths paths;
     paths.p_t0 = particles.x_t0[p];
     paths.p_t1 = particles.x_t1[p];
@@ -235,7 +235,7 @@ void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s,
       end[k] = paths.t1[k] - paths.p_t1;
     }
     const bool too_near = distance_to_triangle(end[0], end[1], end[2]) < s.delta * (1 - 1e-9);
-    if (too_near || path_touches(paths)) bad[p] = 1;
+    if (too_near || path_touches(paths)) violates[p] = 1;
   };
   // Sweep: merge both lists by their lower ends; each newcomer meets the active members of the other list.
   std::vector<Interval1> active_p, active_t;
@@ -267,11 +267,11 @@ std::uint64_t ContactSolver::count_crossings(const ParticleMotion& particles,
                                              std::uint64_t* pairs_tested) {
   OILSKIN_ASSERT(particles.x_t0.size() == particles.id.size() &&
                  particles.x_t1.size() == particles.id.size());
-  std::vector<std::uint8_t> bad(particles.id.size(), 0);
+  std::vector<std::uint8_t> violates(particles.id.size(), 0);
   std::uint64_t pairs = 0;
-  for (const SurfaceMotion* s : surfaces) count_for_surface(particles, *s, bad, pairs);
+  for (const SurfaceMotion* s : surfaces) count_for_surface(particles, *s, violates, pairs);
   if (pairs_tested) *pairs_tested = pairs;
-  return static_cast<std::uint64_t>(std::count(bad.begin(), bad.end(), std::uint8_t{1}));
+  return static_cast<std::uint64_t>(std::count(violates.begin(), violates.end(), std::uint8_t{1}));
 }
 
 }  // namespace oilskin

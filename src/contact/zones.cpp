@@ -3,26 +3,26 @@
 #include <algorithm>
 #include <numeric>
 
-#include "contact/meetings.h"
-#include "contact/records.h"
+#include "contact/contacts.h"
+#include "contact/impacts.h"
 #include "core/assert.h"
 
 namespace oilskin::contact {
 
 namespace {
 
-enum class Level : std::uint8_t { follow, hold };
+enum class Level : std::uint8_t { translate, hold };
 
-constexpr int hold_bad_zones_after = 16;
+constexpr int hold_violating_zones_after = 16;
 constexpr int hold_everything_after = 20;
-constexpr int give_up_after = 24;
-constexpr std::uint8_t max_nudges = 3;
+constexpr int resolve_infeasible_after = 24;
+constexpr std::uint8_t max_separations = 3;
 
 // All points of the interval under one numbering: particles first, then the nodes of each surface.
 class Zones {
  public:
   Zones(Context& context, CandidateSet& candidates);
-  void run(std::vector<BadPair> bad);
+  void run(std::vector<Violation> violations);
 
  private:
   std::uint32_t node_point(std::uint32_t surface, std::uint32_t node) const {
@@ -46,19 +46,19 @@ class Zones {
   bool is_holdable(std::uint32_t point) const;
 
   /// A bad pair and the zones of its points, as they were when the round began.
-  struct Case {
-    BadPair bad;
+  struct ZoneViolation {
+    Violation violations;
     std::array<std::uint32_t, 4> roots;
     Level level;
   };
-  Case case_of(const BadPair& b);
-  void treat(const Case& c);
-  void give_up(const BadPair& b);
-  void apply_zones(const std::vector<BadPair>& bad);
-  void apply_zone(const std::vector<std::uint32_t>& members, Level level, const std::vector<BadPair>& bad,
-                  std::vector<std::uint8_t>& needs_giving_up);
-  void follow_free(const std::vector<std::uint32_t>& members);
-  void follow_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement);
+  ZoneViolation zones_of(const Violation& b);
+  void escalate(const ZoneViolation& c);
+  void resolve_infeasible(const Violation& b);
+  void apply_zones(const std::vector<Violation>& violations);
+  void apply_zone(const std::vector<std::uint32_t>& members, Level level,
+                  const std::vector<Violation>& violations, std::vector<std::uint8_t>& is_infeasible);
+  void translate_free(const std::vector<std::uint32_t>& members);
+  void translate_with_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement);
   void hold(const std::vector<std::uint32_t>& members, bool hold_prescribed);
   void count_members();
 
@@ -67,11 +67,11 @@ class Zones {
   std::vector<std::uint32_t> offset_;  // of each surface's nodes; offset_[0] = number of particles
   std::uint32_t total_ = 0;
   std::vector<std::uint32_t> parent_;
-  std::vector<Level> level_;  // of roots
-  std::vector<Vec3> d0_;      // displacement when the zones began
-  std::vector<Vec3> nudge_;   // of particles
-  std::vector<std::uint8_t> nudges_;
-  std::vector<int> followed_in_;  // of particles: the round that let it follow its triangle, −1 = none
+  std::vector<Level> level_;      // of roots
+  std::vector<Vec3> d0_;          // displacement when the zones began
+  std::vector<Vec3> separation_;  // of particles
+  std::vector<std::uint8_t> separations_;
+  std::vector<int> carried_in_round_;  // of particles: the round that let it follow its triangle, −1 = none
   int round_ = 0;
   std::vector<std::uint8_t> was_held_;
 };
@@ -85,11 +85,11 @@ Zones::Zones(Context& context, CandidateSet& candidates) : context_(context), ca
   }
   parent_.resize(total_);
   std::iota(parent_.begin(), parent_.end(), 0u);
-  level_.assign(total_, Level::follow);
+  level_.assign(total_, Level::translate);
   was_held_.assign(total_, 0);
-  nudge_.assign(n, Vec3::Zero());
-  nudges_.assign(n, 0);
-  followed_in_.assign(n, -1);
+  separation_.assign(n, Vec3::Zero());
+  separations_.assign(n, 0);
+  carried_in_round_.assign(n, -1);
   d0_.reserve(total_);
   for (std::size_t p = 0; p < n; ++p) d0_.push_back(context.particles->x_t1[p] - context.particles->x_t0[p]);
   for (const SurfaceMotion* s : context.surfaces)
@@ -160,9 +160,9 @@ bool Zones::is_holdable(std::uint32_t point) const {
   return !motion.holdable.empty() && motion.holdable[point - offset_[s]] != 0;
 }
 
-Zones::Case Zones::case_of(const BadPair& b) {
+Zones::ZoneViolation Zones::zones_of(const Violation& b) {
   const Triangle& t = context_.surfaces[b.surface]->triangles[b.triangle];
-  Case c{b, {find(b.particle)}, Level::follow};
+  ZoneViolation c{b, {find(b.particle)}, Level::translate};
   for (int k = 0; k < 3; ++k) c.roots[k + 1] = find(node_point(b.surface, t[k]));
   c.level = level_[c.roots[0]];
   return c;
@@ -170,42 +170,42 @@ Zones::Case Zones::case_of(const BadPair& b) {
 
 // Zones and levels are those of the start of the round: what another pair changes in this round has not been
 // tried.
-void Zones::treat(const Case& c) {
-  const BadPair& b = c.bad;
-  if (followed_in_[b.particle] >= 0) {
-    give_up(b);
+void Zones::escalate(const ZoneViolation& c) {
+  const Violation& b = c.violations;
+  if (carried_in_round_[b.particle] >= 0) {
+    resolve_infeasible(b);
     return;
   }
   const bool one_zone = c.roots[1] == c.roots[0] && c.roots[2] == c.roots[0] && c.roots[3] == c.roots[0];
   if (!one_zone) {
     for (int k = 1; k < 4; ++k) unite(c.roots[0], c.roots[k]);
   } else if (c.level == Level::hold) {
-    give_up(b);  // only prescribed nodes that were not held can cause this
-  } else if (!b.meets && nudges_[b.particle] < max_nudges) {
+    resolve_infeasible(b);  // only prescribed nodes that were not held can cause this
+  } else if (!b.paths_intersect && separations_[b.particle] < max_separations) {
     const SurfaceMotion& s = *context_.surfaces[b.surface];
-    const Quad x1 = context_.end(b.particle, b.surface, b.triangle);
-    const StrikeGeometry g =
-        strike_geometry(context_.start(b.particle, b.surface, b.triangle), x1, 1, s.delta);
+    const PointTriangle x1 = context_.end(b.particle, b.surface, b.triangle);
+    const ImpactGeometry g =
+        impact_geometry(context_.start(b.particle, b.surface, b.triangle), x1, 1, s.delta);
     const double d = end_distance(x1, s.delta).distance;
-    nudge_[b.particle] += std::max(2 * s.delta - d, 0.5 * s.delta) * g.normal;
-    ++nudges_[b.particle];
-    OILSKIN_ASSERT(nudges_[b.particle] <= max_nudges && nudge_[b.particle].allFinite());
-    ++context_.report->nudged;
+    separation_[b.particle] += std::max(2 * s.delta - d, 0.5 * s.delta) * g.normal;
+    ++separations_[b.particle];
+    OILSKIN_ASSERT(separations_[b.particle] <= max_separations && separation_[b.particle].allFinite());
+    ++context_.report->separated;
   } else {
     level_[find(c.roots[0])] = Level::hold;
   }
 }
 
 // First an affine follow of the triangle, certified like any end; if that is bad too, by policy.
-void Zones::give_up(const BadPair& b) {
+void Zones::resolve_infeasible(const Violation& b) {
   const std::uint32_t p = b.particle;
-  OILSKIN_ASSERT(p < followed_in_.size() && (b.meets || b.near));
-  if (context_.out_of_play[p] || followed_in_[p] == round_) return;
-  if (followed_in_[p] < 0 && inverse_mass(p) > 0) {  // one of infinite mass goes where it is told
-    followed_in_[p] = round_;
+  OILSKIN_ASSERT(p < carried_in_round_.size() && (b.paths_intersect || b.too_close));
+  if (context_.out_of_play[p] || carried_in_round_[p] == round_) return;
+  if (carried_in_round_[p] < 0 && inverse_mass(p) > 0) {  // one of infinite mass goes where it is told
+    carried_in_round_[p] = round_;
     const SurfaceMotion& s = *context_.surfaces[b.surface];
-    const Quad x0 = context_.start(p, b.surface, b.triangle);
-    const StrikeGeometry g = strike_geometry(x0, context_.end(p, b.surface, b.triangle), b.time, s.delta);
+    const PointTriangle x0 = context_.start(p, b.surface, b.triangle);
+    const ImpactGeometry g = impact_geometry(x0, context_.end(p, b.surface, b.triangle), b.time, s.delta);
     Vec3 end = context_.particles->x_t0[p] + 2 * s.delta * g.normal;
     const Triangle& t = s.triangles[b.triangle];
     for (int k = 0; k < 3; ++k) end += g.weights[k] * (s.x_t1[t[k]] - s.x_t0[t[k]]);
@@ -223,7 +223,7 @@ void Zones::give_up(const BadPair& b) {
   }
 }
 
-void Zones::follow_free(const std::vector<std::uint32_t>& members) {
+void Zones::translate_free(const std::vector<std::uint32_t>& members) {
   double mass = 0;
   Vec3 moment = Vec3::Zero(), momentum = Vec3::Zero();
   for (std::uint32_t m : members) {
@@ -235,12 +235,12 @@ void Zones::follow_free(const std::vector<std::uint32_t>& members) {
   OILSKIN_ASSERT(members.size() > 1 && mass > 0);
   const Vec3 displacement = moment / mass, v = momentum / mass;
   for (std::uint32_t m : members) {
-    set_end(m, start(m) + displacement + (is_particle(m) ? nudge_[m] : Vec3::Zero()));
+    set_end(m, start(m) + displacement + (is_particle(m) ? separation_[m] : Vec3::Zero()));
     add_momentum(m, v);
   }
 }
 
-void Zones::follow_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement) {
+void Zones::translate_with_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement) {
   OILSKIN_ASSERT(displacement.allFinite() && context_.dt > 0);
   const Vec3 v = displacement / context_.dt;
   Vec3 reaction = Vec3::Zero();
@@ -250,7 +250,7 @@ void Zones::follow_prescribed(const std::vector<std::uint32_t>& members, const V
       if (!is_particle(m)) supports.push_back(m);
       continue;
     }
-    set_end(m, start(m) + displacement + (is_particle(m) ? nudge_[m] : Vec3::Zero()));
+    set_end(m, start(m) + displacement + (is_particle(m) ? separation_[m] : Vec3::Zero()));
     reaction -= (v - velocity(m)) / inverse_mass(m);
     add_momentum(m, v);
   }
@@ -282,8 +282,8 @@ void Zones::hold(const std::vector<std::uint32_t>& members, bool hold_prescribed
 }
 
 void Zones::apply_zone(const std::vector<std::uint32_t>& members, Level level,
-                       const std::vector<BadPair>& bad, std::vector<std::uint8_t>& needs_giving_up) {
-  OILSKIN_ASSERT(!members.empty() && needs_giving_up.size() == bad.size());
+                       const std::vector<Violation>& violations, std::vector<std::uint8_t>& is_infeasible) {
+  OILSKIN_ASSERT(!members.empty() && is_infeasible.size() == violations.size());
   bool any_prescribed = false, equal = true, all_holdable = true;
   Vec3 displacement = Vec3::Zero();
   for (std::uint32_t m : members) {
@@ -294,25 +294,25 @@ void Zones::apply_zone(const std::vector<std::uint32_t>& members, Level level,
     any_prescribed = true;
     all_holdable &= is_holdable(m) || d.isZero(0);  // what stands still is held already
   }
-  if (level == Level::follow && !any_prescribed) {
-    follow_free(members);
+  if (level == Level::translate && !any_prescribed) {
+    translate_free(members);
     return;
   }
-  if (level == Level::follow && equal) {
-    follow_prescribed(members, displacement);
+  if (level == Level::translate && equal) {
+    translate_with_prescribed(members, displacement);
     return;
   }
   const bool may_hold = all_holdable && context_.settings->infeasible == Infeasible::stall;
   hold(members, may_hold);
   if (!any_prescribed || may_hold) return;
   const std::uint32_t root = find(members.front());
-  for (std::size_t k = 0; k < bad.size(); ++k)
-    if (find(bad[k].particle) == root) needs_giving_up[k] = 1;
+  for (std::size_t k = 0; k < violations.size(); ++k)
+    if (find(violations[k].particle) == root) is_infeasible[k] = 1;
 }
 
-void Zones::apply_zones(const std::vector<BadPair>& bad) {
-  if (round_ > hold_bad_zones_after)
-    for (const BadPair& b : bad) level_[find(b.particle)] = Level::hold;
+void Zones::apply_zones(const std::vector<Violation>& violations) {
+  if (round_ > hold_violating_zones_after)
+    for (const Violation& b : violations) level_[find(b.particle)] = Level::hold;
   const bool hold_all = round_ > hold_everything_after;
 
   // Zones in order of their roots, members ascending: fixed order, whatever united them.
@@ -321,20 +321,20 @@ void Zones::apply_zones(const std::vector<BadPair>& bad) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> by_root;
   for (std::uint32_t i = 0; i < total_; ++i) {
     const std::uint32_t root = find(i);
-    if (is_particle(i) && (context_.out_of_play[i] || followed_in_[i] >= 0)) continue;
+    if (is_particle(i) && (context_.out_of_play[i] || carried_in_round_[i] >= 0)) continue;
     if (size[root] > 1 || level_[root] == Level::hold || hold_all) by_root.emplace_back(root, i);
   }
   std::sort(by_root.begin(), by_root.end());
-  std::vector<std::uint8_t> needs_giving_up(bad.size(), 0);
+  std::vector<std::uint8_t> is_infeasible(violations.size(), 0);
   std::vector<std::uint32_t> members;
   for (std::size_t k = 0; k < by_root.size();) {
     const std::uint32_t root = by_root[k].first;
     members.clear();
     for (; k < by_root.size() && by_root[k].first == root; ++k) members.push_back(by_root[k].second);
-    apply_zone(members, hold_all ? Level::hold : level_[root], bad, needs_giving_up);
+    apply_zone(members, hold_all ? Level::hold : level_[root], violations, is_infeasible);
   }
-  for (std::size_t k = 0; k < bad.size(); ++k)
-    if (needs_giving_up[k]) give_up(bad[k]);
+  for (std::size_t k = 0; k < violations.size(); ++k)
+    if (is_infeasible[k]) resolve_infeasible(violations[k]);
 }
 
 void Zones::count_members() {
@@ -348,30 +348,31 @@ void Zones::count_members() {
     ++report.held;
     if (inverse_mass(i) == 0) ++report.stalled;
   }
-  for (std::size_t p = 0; p < followed_in_.size(); ++p)
-    if (followed_in_[p] >= 0 && !context_.out_of_play[p]) ++report.followed;
+  for (std::size_t p = 0; p < carried_in_round_.size(); ++p)
+    if (carried_in_round_[p] >= 0 && !context_.out_of_play[p]) ++report.carried_along;
 }
 
-void Zones::run(std::vector<BadPair> bad) {
-  for (round_ = 0; !bad.empty(); ++round_) {
+void Zones::run(std::vector<Violation> violations) {
+  for (round_ = 0; !violations.empty(); ++round_) {
     {
       StageTimer timer(context_.seconds->zones);
       // Work is bounded: from then on every round gives a particle up, each at most twice.
-      OILSKIN_ASSERT(round_ <= give_up_after + 4 + 2 * static_cast<int>(context_.particle_count()));
+      OILSKIN_ASSERT(round_ <=
+                     resolve_infeasible_after + 4 + 2 * static_cast<int>(context_.particle_count()));
       ++context_.report->zone_rounds;
-      std::vector<Case> cases;
-      cases.reserve(bad.size());
-      for (const BadPair& b : bad) cases.push_back(case_of(b));
-      for (const Case& c : cases) {
-        if (round_ > give_up_after)
-          give_up(c.bad);
+      std::vector<ZoneViolation> cases;
+      cases.reserve(violations.size());
+      for (const Violation& b : violations) cases.push_back(zones_of(b));
+      for (const ZoneViolation& c : cases) {
+        if (round_ > resolve_infeasible_after)
+          resolve_infeasible(c.violations);
         else
-          treat(c);
+          escalate(c);
       }
-      apply_zones(bad);
+      apply_zones(violations);
     }
     StageTimer timer(context_.seconds->ccd);
-    bad = detect(context_, candidates_);
+    violations = find_violations(context_, candidates_);
   }
   count_members();
 }
@@ -379,12 +380,12 @@ void Zones::run(std::vector<BadPair> bad) {
 }  // namespace
 
 void run_zones(Context& context, CandidateSet& candidates) {
-  std::vector<BadPair> bad;
+  std::vector<Violation> violations;
   {
     StageTimer timer(context.seconds->ccd);
-    bad = detect(context, candidates);
+    violations = find_violations(context, candidates);
   }
-  if (!bad.empty()) Zones(context, candidates).run(std::move(bad));
+  if (!violations.empty()) Zones(context, candidates).run(std::move(violations));
 }
 
 }  // namespace oilskin::contact

@@ -39,10 +39,10 @@ class Archive {
     (value(all), ...);
   }
 
-  /// A list of anything: f(element) visits one, which takes `least_bytes` or more.
+  /// A list of anything: f(element) visits one, which takes `min_bytes` or more.
   template <class T, class F>
-  void list(std::vector<T>& all, std::size_t least_bytes, const F& f) {
-    resize(all, least_bytes);
+  void list(std::vector<T>& all, std::size_t min_bytes, const F& f) {
+    resize(all, min_bytes);
     for (T& one : all) f(one);
   }
 
@@ -68,11 +68,11 @@ class Archive {
 
  private:
   template <class T>
-  void resize(std::vector<T>& all, std::size_t least_bytes) {
+  void resize(std::vector<T>& all, std::size_t min_bytes) {
     std::uint64_t count = all.size();
     value(count);
     if (!reading()) return;
-    if (count > left() / least_bytes) {
+    if (count > left() / min_bytes) {
       refuse("a list is longer than the bytes that are left");
       count = 0;
     }

@@ -24,22 +24,22 @@ StageSeconds& StageSeconds::operator+=(const StageSeconds& o) {
 }
 
 void ContactReport::add(const ContactReport& o) {
-  OILSKIN_ASSERT(&o != this && !std::isnan(o.least_distance));
+  OILSKIN_ASSERT(&o != this && !std::isnan(o.min_distance));
   candidates += o.candidates;
   contacts += o.contacts;
-  meetings += o.meetings;
-  rounds += o.rounds;
+  impacts += o.impacts;
+  ccd_iterations += o.ccd_iterations;
   zone_rounds += o.zone_rounds;
   zone_points += o.zone_points;
   held += o.held;
-  nudged += o.nudged;
+  separated += o.separated;
   stalled += o.stalled;
-  followed += o.followed;
+  carried_along += o.carried_along;
   removed += o.removed;
   allowed += o.allowed;
-  began_near += o.began_near;
-  reseeded += o.reseeded;
-  least_distance = std::min(least_distance, o.least_distance);
+  started_too_close += o.started_too_close;
+  relocated += o.relocated;
+  min_distance = std::min(min_distance, o.min_distance);
   crossings_found_by_verify += o.crossings_found_by_verify;
   verified_pairs += o.verified_pairs;
   impulse_on_free_nodes += o.impulse_on_free_nodes;
@@ -70,7 +70,7 @@ std::vector<std::string> flag_texts(std::uint32_t flags) {
       {flag_leaked, "leaked: contact.infeasible is allow and a particle passed; use stall or remove"},
       {flag_stalled, "stalled: prescribed nodes close on particles and were held; slow their motion"},
       {flag_removed_by_contact, "removed_by_contact: particles were given up between prescribed surfaces"},
-      {flag_quarantined, "quarantined: non-finite particles were removed; lower dt"},
+      {flag_removed_invalid, "quarantined: non-finite particles were removed; lower dt"},
       {flag_surface_out_of_range, "surface_out_of_range: a surface left the kill box; enlarge it"},
       {flag_surface_refused, "surface_refused: a surface was left out"},
       {flag_many_holds, "many_holds: nodes were held; use more cloth substeps or iterations"},

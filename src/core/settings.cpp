@@ -78,8 +78,9 @@ Status ContactSettings::validate() const {
   if (!is_one_of(infeasible, Infeasible::allow))
     return wrong("contact.infeasible", static_cast<int>(infeasible), "an Infeasible");
   if (!not_negative(stiffness)) return wrong("contact.stiffness", stiffness, "finite and ≥ 0 N/m");
-  if (sweeps < 1 || sweeps > 1000) return wrong("contact.sweeps", sweeps, "1 … 1000");
-  if (rounds < 0 || rounds > 100) return wrong("contact.rounds", rounds, "0 … 100");
+  if (solver_iterations < 1 || solver_iterations > 1000)
+    return wrong("contact.sweeps", solver_iterations, "1 … 1000");
+  if (ccd_iterations < 0 || ccd_iterations > 100) return wrong("contact.rounds", ccd_iterations, "0 … 100");
   return {};
 }
 
@@ -92,9 +93,9 @@ Status WorldSettings::validate() const {
   return {};
 }
 
-double minimum_separation(double thickness, double largest_coordinate, Storage storage) {
+double minimum_separation(double thickness, double max_coordinate, Storage storage) {
   const double epsilon = storage == Storage::float32 ? std::ldexp(1.0, -23) : std::ldexp(1.0, -52);
-  return std::max(1e-3 * thickness, 64 * epsilon * largest_coordinate);
+  return std::max(1e-3 * thickness, 64 * epsilon * max_coordinate);
 }
 
 }  // namespace oilskin

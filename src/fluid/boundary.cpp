@@ -25,7 +25,7 @@ constexpr double plane_cosine = 0.996, plane_distance = 0.06;
 constexpr double memory_time = 0.05;
 
 /// How exactly the answers of light sheets are solved for, and up to which ratio of stiffnesses.
-constexpr double solve_tolerance = 0.3, most_condition = 50;
+constexpr double solve_tolerance = 0.3, max_condition = 50;
 
 /// Triangles that have the nodes of an earlier one.
 std::vector<std::uint8_t> repeated_triangles(const SurfaceMotion& s) {
@@ -75,10 +75,12 @@ Boundary::Boundary(double support_ratio) {
   const double slope = settled_pull * 2 * lattice_pull_beyond<CubicSpline>(support_ratio) / mass;
   double low = 0.5, high = 0.999 / z;
   for (int k = 0; k < 60; ++k) {
-    const double way = 0.5 * (low + high);
-    (way * plane_integral_slope(way * z) < slope * plane_integral(way * z) ? low : high) = way;
+    const double image_offset = 0.5 * (low + high);
+    (image_offset * plane_integral_slope(image_offset * z) < slope * plane_integral(image_offset * z)
+         ? low
+         : high) = image_offset;
   }
-  image_way_ = static_cast<float>(low);
+  image_offset_ = static_cast<float>(low);
   image_mass_ = static_cast<float>(mass / plane_integral(low * z));
 }
 
@@ -118,7 +120,7 @@ void Boundary::find(double dt, double particle_mass, const Vec3& down, Span<cons
 void Boundary::collect_near(Span<const Vec3> x, const Neighbours& neighbours,
                             Span<SurfaceMotion* const> surfaces, const Workers& workers,
                             std::vector<std::vector<Near>>& found) const {
-  const double reach = support_radius_, plane_reach = reach / static_cast<double>(image_way_);
+  const double reach = support_radius_, plane_reach = reach / static_cast<double>(image_offset_);
   for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
     const SurfaceMotion& motion = *surfaces[s];
     const std::vector<std::uint8_t>& repeated = memory_.at(motion.id).repeated;
@@ -207,12 +209,12 @@ void Boundary::integrate(const Vec3& x, Span<SurfaceMotion* const> surfaces, Spa
     return std::any_of(t.begin(), t.end(), [&](std::uint32_t node) { return s.inverse_mass[node] > 0; });
   };
   const auto add = [&](const Near& n, const WallView& view) {
-    const float image = image_way_ * view.distance;
+    const float image = image_offset_ * view.distance;
     if (!(image < 1) || !(view.share > 0)) return;
     Wall wall;
     wall.node = {n.surface, n.triangle, 0};
     wall.weight = {static_cast<float>(n.closest.weights[0]), static_cast<float>(n.closest.weights[1])};
-    wall.gamma = image_way_ * image_mass_ * view.share * plane_integral_slope(image) * view.normal;
+    wall.gamma = image_offset_ * image_mass_ * view.share * plane_integral_slope(image) * view.normal;
     wall.lambda = image_mass_ * view.share * plane_integral(image);
     wall.depth = yields(n) ? 0 : -view.distance * view.normal.dot(down_);
     OILSKIN_ASSERT(wall.lambda >= 0 && wall.gamma.allFinite());
@@ -235,7 +237,7 @@ void Boundary::integrate(const Vec3& x, Span<SurfaceMotion* const> surfaces, Spa
     add(n, view_of_wall(corners));
   }
   const float of_nearest_plane =
-      image_mass_ * plane_integral(image_way_ * static_cast<float>(c.distance / support_radius_));
+      image_mass_ * plane_integral(image_offset_ * static_cast<float>(c.distance / support_radius_));
   if (point.lambda > 1.05f * of_nearest_plane) drop_hidden(x, surfaces, near, point, walls);
   if (point.lambda <= 1) return;
   // In a narrow corner: there is no more to be seen than everything. Density and push stay of one function.
@@ -395,7 +397,7 @@ void Boundary::couple(const Workers& workers) {
 void Boundary::find_yielding(const Workers& workers) {
   yields_ = std::any_of(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.inverse_mass > 0; });
   yielding_.assign(points_.size(), 0);
-  inflow_.assign(points_.size(), 0);
+  normal_flux_.assign(points_.size(), 0);
   wall_velocity_.resize(nodes_.size());
   if (yields_) {
     std::vector<float> per_node(nodes_.size());
@@ -413,11 +415,11 @@ void Boundary::find_yielding(const Workers& workers) {
   // Walls whose nodes are all prescribed move as they are told, whatever pushes them.
   const bool yields = yields_;
   yields_ = true;
-  respond(std::vector<float>(points_.size()), workers);
+  predict_wall_velocity(std::vector<float>(points_.size()), workers);
   yields_ = yields;
 }
 
-void Boundary::respond(const std::vector<float>& theta, const Workers& workers) {
+void Boundary::predict_wall_velocity(const std::vector<float>& theta, const Workers& workers) {
   OILSKIN_ASSERT(theta.size() == points_.size() && wall_velocity_.size() == nodes_.size());
   if (!yields_) return;
   workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
@@ -427,7 +429,7 @@ void Boundary::respond(const std::vector<float>& theta, const Workers& workers) 
     // Beyond what the host will carry.
     wall_velocity_[n] -= node.inverse_mass * (node.expected + impulse_on(n, theta));
   });
-  workers.for_each(points_.size(), point_chunk, [&](std::size_t k) { inflow_[k] = inflow_at(k); });
+  workers.for_each(points_.size(), point_chunk, [&](std::size_t k) { normal_flux_[k] = normal_flux_at(k); });
 }
 
 /// [N s] if point k presses with theta[k] [m/s].
@@ -438,7 +440,7 @@ Eigen::Vector3f Boundary::impulse_on(std::size_t node, const std::vector<float>&
   return static_cast<float>(mass_) * sum;
 }
 
-float Boundary::inflow_at(std::size_t point) const {
+float Boundary::normal_flux_at(std::size_t point) const {
   float sum = 0;
   for (std::uint32_t c = of_point_begin_[point]; c < of_point_begin_[point + 1]; ++c)
     sum += of_point_[c].gamma.dot(wall_velocity_[of_point_[c].other]);
@@ -458,7 +460,7 @@ void Boundary::solve_yielding(float scale, const std::vector<float>& step, std::
   float stiffest = 1;
   for (std::size_t k = 0; k < step.size(); ++k)
     stiffest = std::max(stiffest, 1 + step[k] * scale * yielding_[k]);
-  const double condition = std::min(static_cast<double>(stiffest), most_condition),
+  const double condition = std::min(static_cast<double>(stiffest), max_condition),
                root = std::sqrt(condition);
   const int iterations =
       root > 1
@@ -484,7 +486,7 @@ void Boundary::solve_yielding(float scale, const std::vector<float>& step, std::
     workers.for_each(step.size(), point_chunk, [&](std::size_t k) {
       if (step[k] == 0) return;
       float& d = solve_direction_[k];
-      solve_residual_[k] -= solve_step_[k] * (d / step[k] + scale * inflow_at(k));
+      solve_residual_[k] -= solve_step_[k] * (d / step[k] + scale * normal_flux_at(k));
       d = keep * d + add * solve_residual_[k];
       change[k] += d;
     });
@@ -512,7 +514,7 @@ void Boundary::push(const std::vector<Load<double>>& load, std::vector<Vec3>& dv
   });
 }
 
-void Boundary::note_answers(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces) {
+void Boundary::record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces) {
   const double fresh = -std::expm1(-dt / memory_time);
   for (const SurfaceMotion* s : surfaces) {
     const auto found = memory_.find(s->id);
@@ -526,7 +528,7 @@ void Boundary::note_answers(double dt, const Vec3& gravity, Span<SurfaceMotion* 
   }
 }
 
-void Boundary::note_loads(double dt, Span<SurfaceMotion* const> surfaces) {
+void Boundary::record_load(double dt, Span<SurfaceMotion* const> surfaces) {
   const double fresh = -std::expm1(-dt / memory_time);
   for (const SurfaceMotion* s : surfaces) {
     const auto found = memory_.find(s->id);

@@ -86,8 +86,8 @@ class Boundary {
 
   /// Expected velocities of the walls at the end of the interval if particle k of points() presses on them
   /// with theta[k] (walls that yield have no depth); writes inflow()[k] = Σ_T γ_T·v_T [m/s].
-  void respond(const std::vector<float>& theta, const Workers& workers);
-  const std::vector<float>& inflow() const { return inflow_; }
+  void predict_wall_velocity(const std::vector<float>& theta, const Workers& workers);
+  const std::vector<float>& normal_flux() const { return normal_flux_; }
   /// By how much inflow falls per θ where all particles push alike [1], ≥ 0: a bound of what any of them,
   /// with whatever sign, make of it. 0 at prescribed walls.
   const std::vector<float>& yielding() const { return yielding_; }
@@ -103,8 +103,8 @@ class Boundary {
 
   /// What the hosts did with the load of the last step, once per step: after they were gathered, and before
   /// they are scattered with the impulses of the step. gravity [m/s²].
-  void note_answers(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
-  void note_loads(double dt, Span<SurfaceMotion* const> surfaces);
+  void record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
+  void record_load(double dt, Span<SurfaceMotion* const> surfaces);
   void forget(std::uint64_t surface_id) { memory_.erase(surface_id); }
 
   /// What is kept from step to step: the nodes' memory.
@@ -166,9 +166,9 @@ class Boundary {
   void find_yielding(const Workers& workers);
   void couple(const Workers& workers);
   Eigen::Vector3f impulse_on(std::size_t node, const std::vector<float>& theta) const;
-  float inflow_at(std::size_t point) const;
+  float normal_flux_at(std::size_t point) const;
 
-  float image_mass_ = 0, image_way_ = 1;  // κ, 2 a
+  float image_mass_ = 0, image_offset_ = 1;  // κ, 2 a
   double support_radius_ = 1;
   double mass_ = 0;  // of a particle [kg]
   Eigen::Vector3f down_ = Eigen::Vector3f::Zero();
@@ -181,7 +181,7 @@ class Boundary {
   std::vector<std::uint32_t> of_point_begin_, of_node_begin_;
   std::vector<Coupling> of_point_, of_node_;
   std::vector<std::uint32_t> point_of_;
-  std::vector<float> inflow_, yielding_;
+  std::vector<float> normal_flux_, yielding_;
   std::vector<float> solve_step_, solve_residual_, solve_direction_;
   std::vector<Eigen::Vector3f> wall_velocity_;  // of every node
   std::vector<SurfaceMotion*> surfaces_;

@@ -17,12 +17,12 @@ namespace {
 
 /// A particle with fewer neighbours is spray: its density says nothing about compression [Bender, Koschier
 /// 2015, Sec. 3.3].
-constexpr float least_neighbours = 20;
+constexpr float min_neighbours = 20;
 
 /// Denominators of α that are smaller, relative to that of the lattice, belong to isolated particles, or to
 /// particles that all but coincide: no pressure parts those, and α of their own would make it 1e12 Pa, which
 /// throws whatever else is near.
-constexpr float least_response = 0.1f;
+constexpr float min_response = 0.1f;
 
 /// Of the ultraspherical polynomials, see Dfsph::correct().
 constexpr float polynomial_order = 2.5;
@@ -48,7 +48,7 @@ class Dfsph : public IncompressibleModel {
   void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) override;
   void visit(Archive& archive) override {
     IncompressibleModel::visit(archive);
-    pace_.visit(archive);
+    controller_.visit(archive);
   }
 
  private:
@@ -64,7 +64,7 @@ class Dfsph : public IncompressibleModel {
 
   void start_loop(const StepState& state);
   template <class ErrorOf>
-  void solve(StepState& state, Loop& loop, const ErrorOf& error_of);
+  void solve(StepState& state, PressureLoop& loop, const ErrorOf& error_of);
   template <class ErrorOf>
   Errors correct(StepState& state, const ErrorOf& error_of);
   void displace(StepState& state);
@@ -82,10 +82,10 @@ class Dfsph : public IncompressibleModel {
 
   // Of the loops; phi_ and displacement_ with one more for the padding
   std::vector<float> phi_, previous_phi_;
-  std::vector<float> least_phi_;      // by the divergence solver; the density solver does not undo it
+  std::vector<float> min_phi_;        // by the divergence solver; the density solver does not undo it
   std::vector<Record> displacement_;  // in units of H
   int corrections_ = 0;               // of this loop
-  Pace pace_;                         // of the density solver
+  IterationController controller_;    // of the density solver
 };
 
 struct Dfsph::Sums : IncompressibleSums {
@@ -131,7 +131,7 @@ void Dfsph::resize(const StepState& state) {
   const std::size_t n = state.size();
   step_.resize(n);
   previous_phi_.resize(n);
-  least_phi_.assign(n, 0);
+  min_phi_.assign(n, 0);
   phi_.assign(n + 1, 0);
   displacement_.resize(n + 1);
   displacement_[n] = Record{0, 0, 0, 0};
@@ -152,18 +152,18 @@ float Dfsph::response(const StepState& state, std::size_t i) const {
 /// Steps of the Jacobi iteration. Neighbours correct the same compression at the same time, so a step is half
 /// of α, as δ of PCISPH is; where the fluid is compressed there are more of them.
 void Dfsph::set_steps(const StepState& state) {
-  const float least = least_response / static_cast<float>(2 * stiffness_);
+  const float minimum = min_response / static_cast<float>(2 * stiffness_);
   state.for_each([&](std::size_t i) {
     const float compressed = std::max(1.0f, state.relative_density[i]);
     OILSKIN_ASSERT(compressed < std::numeric_limits<float>::infinity());
-    step_[i] = 0.5f / (std::max(response(state, i), least * compressed) * compressed);
+    step_[i] = 0.5f / (std::max(response(state, i), minimum * compressed) * compressed);
   });
 }
 
 bool Dfsph::has_neighbours(const StepState& state, std::size_t i) const {
   const std::uint32_t wall = wall_of(state, i);
   const float behind_walls = wall == Boundary::none ? 0 : state.boundary.points()[wall].lambda;
-  return static_cast<float>(state.neighbours.count(i)) >= (1 - behind_walls) * least_neighbours;
+  return static_cast<float>(state.neighbours.count(i)) >= (1 - behind_walls) * min_neighbours;
 }
 
 /// The start velocities compress the fluid by no more than the tolerance in the step: Dρ/Dt = Σ m (v_i −
@@ -172,14 +172,15 @@ bool Dfsph::has_neighbours(const StepState& state, std::size_t i) const {
 /// stops half a support radius above what it falls on, and a light sheet that swings back is hit before it
 /// touches.
 void Dfsph::solve_divergence(StepState& state, FluidReport& report) {
-  const float way = static_cast<float>(state.dt / support_radius_);
+  const float dt_over_h = static_cast<float>(state.dt / support_radius_);
   state.for_each([&](std::size_t i) {
     const Record& v = state.velocity[i];
-    const Eigen::Vector3f d = way * Eigen::Vector3f(v.x, v.y, v.z);
+    const Eigen::Vector3f d = dt_over_h * Eigen::Vector3f(v.x, v.y, v.z);
     drift_[i] = d.cast<double>();
     const std::uint32_t wall = wall_of(state, i);
     if (wall != Boundary::none)
-      start_rate_[i] += way * state.boundary.inflow()[wall] - state.boundary.points()[wall].gamma.dot(d);
+      start_rate_[i] +=
+          dt_over_h * state.boundary.normal_flux()[wall] - state.boundary.points()[wall].gamma.dot(d);
   });
   const auto add = [&](Errors& errors, std::size_t i, float rate) {
     if (!has_neighbours(state, i)) return 0.0f;
@@ -191,34 +192,34 @@ void Dfsph::solve_divergence(StepState& state, FluidReport& report) {
   const Errors at_start =
       correct(state, [&](Errors& errors, std::size_t i) { return add(errors, i, start_rate_[i]); });
   if (at_start.mean(at_start.sum) > settings_.divergence_tolerance) {
-    Loop loop;
+    PressureLoop loop;
     loop.tolerance = settings_.divergence_tolerance;
     solve(state, loop, [&](Errors& errors, std::size_t i) { return add(errors, i, compression(state, i)); });
     report.divergence_iterations = loop.iterations;
     report.diverged = loop.diverged;
-    std::copy(phi_.begin(), phi_.end() - 1, least_phi_.begin());
+    std::copy(phi_.begin(), phi_.end() - 1, min_phi_.begin());
   }
 }
 
 /// ρ* = ρ + dt Dρ/Dt = ρ0 where compressed [Bender, Koschier 2015, Alg. 3].
 void Dfsph::solve_density(StepState& state, const std::vector<double>& pressure, FluidReport& report) {
-  const double way = state.dt / support_radius_, factor = warm_start(state);
+  const double dt_over_h = state.dt / support_radius_, factor = warm_start(state);
   state.for_each([&](std::size_t i) {
-    drift_[i] += way * state.dv[i];
-    phi_[i] = std::max(least_phi_[i], static_cast<float>(factor * pressure[i]));
+    drift_[i] += dt_over_h * state.dv[i];
+    phi_[i] = std::max(min_phi_[i], static_cast<float>(factor * pressure[i]));
   });
   start_loop(state);
-  Loop loop;
+  PressureLoop loop;
   loop.tolerance = settings_.tolerance;
   loop.min_iterations = settings_.min_iterations;
-  loop.pace = pace_;
+  loop.controller = controller_;
   solve(state, loop, [&](Errors& errors, std::size_t i) {
     const float error = state.relative_density[i] - 1 + compression(state, i);
     errors.add(static_cast<double>(error), static_cast<double>(target_[i]), settings_.tolerance);
     return error - target_[i];
   });
   write(loop, report);
-  pace_ = loop.next_pace();
+  controller_ = loop.next_controller();
 }
 
 void Dfsph::finish(StepState& state, std::vector<double>& pressure) {
@@ -237,7 +238,7 @@ void Dfsph::start_loop(const StepState& state) {
 
 /// error_of(errors, i) → what the pressure of i should take away, and adds it to the errors.
 template <class ErrorOf>
-void Dfsph::solve(StepState& state, Loop& loop, const ErrorOf& error_of) {
+void Dfsph::solve(StepState& state, PressureLoop& loop, const ErrorOf& error_of) {
   iterate(
       loop,
       [&] {
@@ -245,7 +246,7 @@ void Dfsph::solve(StepState& state, Loop& loop, const ErrorOf& error_of) {
         return correct(state, error_of);
       },
       [&](bool finite) {
-        if (!finite) std::copy(least_phi_.begin(), least_phi_.end(), phi_.begin());
+        if (!finite) std::copy(min_phi_.begin(), min_phi_.end(), phi_.begin());
         start_loop(state);
       });
 }
@@ -263,7 +264,7 @@ Errors Dfsph::correct(StepState& state, const ErrorOf& error_of) {
   const auto add = [&](std::size_t i, float correction) {
     const float change = relaxation * correction + momentum * (phi_[i] - previous_phi_[i]);
     previous_phi_[i] = phi_[i];
-    phi_[i] = std::max(least_phi_[i], phi_[i] + change);
+    phi_[i] = std::max(min_phi_[i], phi_[i] + change);
   };
   const Errors result = state.workers.ordered_sum(
       state.size(), Neighbours::chunk_size, Errors{}, [&](std::size_t begin, std::size_t end) {
@@ -274,7 +275,7 @@ Errors Dfsph::correct(StepState& state, const ErrorOf& error_of) {
           if (wall == Boundary::none)
             add(i, step_[i] * error);
           else
-            leave_to_walls(wall, phi_[i] > least_phi_[i] || error > 0 ? step_[i] : 0, error);
+            leave_to_walls(wall, phi_[i] > min_phi_[i] || error > 0 ? step_[i] : 0, error);
         }
         return errors;
       });

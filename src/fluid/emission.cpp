@@ -41,10 +41,10 @@ Status first_of(std::initializer_list<Status> all) {
 }
 
 /// Guard against a volume that is filled with more particles than a machine holds.
-constexpr double most_points = 1e9;
+constexpr double max_points = 1e9;
 
 /// Layers and drops follow each other by no less than this [s], so that times stay distinct numbers.
-constexpr double least_period = 1e-9;
+constexpr double min_period = 1e-9;
 
 /// A few particles that start together or layer by layer, at times given by a counter: nothing drifts, and
 /// what is emitted does not depend on the steps that it is asked in.
@@ -82,15 +82,14 @@ void visit(Archive& archive, Source& source) {
 
 /// What add() guarantees of a source, and how far it is at `time`: one that lags would make up for it at
 /// once, with no end of particles.
-bool is_sound(const Source& s, double time) {
+bool is_in_range(const Source& s, double time) {
   if (!s.velocity.allFinite() || !std::isfinite(s.start) || std::isnan(s.stop)) return false;
   if (!std::all_of(s.sites.begin(), s.sites.end(), [](const Vec3& x) { return x.allFinite(); })) return false;
   if (s.kind == Source::Kind::volume) return s.waiting.empty();
   if (s.kind != Source::Kind::nozzle && s.kind != Source::Kind::rain) return false;
   if (s.waiting.size() != (s.kind == Source::Kind::nozzle ? s.sites.size() : 0)) return false;
   if (!s.rain.corner.allFinite() || !s.rain.edge_u.allFinite() || !s.rain.edge_v.allFinite()) return false;
-  if (!(s.start >= 0 && s.stop > s.start && s.period >= least_period && std::isfinite(s.period)))
-    return false;
+  if (!(s.start >= 0 && s.stop > s.start && s.period >= min_period && std::isfinite(s.period))) return false;
   const double due = (std::min(time, s.stop) - s.start) / s.period;
   return due < 0x1p53 && (!s.begun || static_cast<double>(s.next) >= due - 2);
 }
@@ -98,9 +97,9 @@ bool is_sound(const Source& s, double time) {
 /// The square lattice through the axis, within the radius.
 std::vector<Vec3> disc_sites(const DiscEmitter& e, double spacing) {
   const Vec3 axis = e.direction.normalized();
-  int least = 0;
-  axis.cwiseAbs().minCoeff(&least);
-  const Vec3 u = axis.cross(Vec3::Unit(least)).normalized(), v = axis.cross(u);
+  int minimum = 0;
+  axis.cwiseAbs().minCoeff(&minimum);
+  const Vec3 u = axis.cross(Vec3::Unit(minimum)).normalized(), v = axis.cross(u);
   const double limit = e.radius / spacing * (1 + 1e-9);
   const int n = static_cast<int>(limit);
   std::vector<Vec3> sites;
@@ -192,7 +191,7 @@ Status Emission::add(const DiscEmitter& e) {
     return Status::refused(message.str());
   }
   source.period = layer / e.speed;
-  if (!(source.period >= least_period))
+  if (!(source.period >= min_period))
     return wrong("disc emitter: speed", e.speed, "at most 1e9 layers per second");
   source.waiting.assign(source.sites.size(), 0);
   impl_->sources.push_back(std::move(source));
@@ -210,7 +209,7 @@ Status Emission::add(const BoxEmitter& e) {
     return wrong("box emitter: size", (e.box.max - e.box.min).transpose(),
                  "at least one spacing of the fluid on every axis; it has no emission site");
   }
-  if (cells.prod() > most_points)
+  if (cells.prod() > max_points)
     return wrong("box emitter: number of particles", cells.prod(), "at most 1e9");
   Source source;
   source.sites = box_sites(e.box, cells, impl_->spacing);
@@ -255,7 +254,7 @@ Status Emission::add(const RainEmitter& e) {
   source.start = e.start;
   source.stop = e.stop;
   source.period = 1 / e.drops_per_second;
-  if (!(source.period >= least_period))
+  if (!(source.period >= min_period))
     return wrong("rain emitter: drops_per_second", e.drops_per_second, "at most 1e9 1/s");
   source.rain = e;
   impl_->sources.push_back(std::move(source));
@@ -295,7 +294,7 @@ void Emission::Impl::emit_waiting(std::size_t source, double dt) {
 
 void Emission::Impl::emit_series(std::size_t index, double time, double dt) {
   Source& s = sources[index];
-  OILSKIN_ASSERT(s.period >= least_period);
+  OILSKIN_ASSERT(s.period >= min_period);
   if (!s.begun) {  // what would have come before the first call is not made up for
     s.begun = true;
     if (time > s.start) s.next = static_cast<std::uint64_t>((time - s.start) / s.period);
@@ -339,10 +338,10 @@ std::uint64_t Emission::settle(Span<const std::uint8_t> blocked) {
 }
 
 void Emission::visit(Archive& archive, double time) {
-  constexpr std::size_t least_bytes = 200;  // of a source without sites
-  archive.list(impl_->sources, least_bytes, [&](Source& s) {
+  constexpr std::size_t min_bytes = 200;  // of a source without sites
+  archive.list(impl_->sources, min_bytes, [&](Source& s) {
     fluid::visit(archive, s);
-    archive.require(is_sound(s, time), "an emitter");
+    archive.require(is_in_range(s, time), "an emitter");
   });
 }
 

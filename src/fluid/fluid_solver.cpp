@@ -89,8 +89,8 @@ void FluidSolver::prepare(Particles& particles, StageSeconds& seconds) {
   impl_->state.hidden_pairs = 0;
 }
 
-void FluidSolver::meet_surfaces(double dt, const Vec3& gravity, const Particles& particles,
-                                Span<SurfaceMotion* const> surfaces, StageSeconds& seconds) {
+void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles& particles,
+                                 Span<SurfaceMotion* const> surfaces, StageSeconds& seconds) {
   StepState& state = impl_->state;
   const FluidSettings& settings = impl_->settings;
   OILSKIN_ASSERT(dt > 0 && particles.size() == state.size());
@@ -107,13 +107,13 @@ void FluidSolver::meet_surfaces(double dt, const Vec3& gravity, const Particles&
   }
 }
 
-void FluidSolver::note_answers(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces) {
+void FluidSolver::record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces) {
   if (impl_->settings.boundary == BoundaryModel::mirrored)
-    impl_->state.boundary.note_answers(dt, gravity, surfaces);
+    impl_->state.boundary.record_host_response(dt, gravity, surfaces);
 }
 
-void FluidSolver::note_loads(double dt, Span<SurfaceMotion* const> surfaces) {
-  if (impl_->settings.boundary == BoundaryModel::mirrored) impl_->state.boundary.note_loads(dt, surfaces);
+void FluidSolver::record_load(double dt, Span<SurfaceMotion* const> surfaces) {
+  if (impl_->settings.boundary == BoundaryModel::mirrored) impl_->state.boundary.record_load(dt, surfaces);
 }
 
 void FluidSolver::forget(std::uint64_t surface_id) {

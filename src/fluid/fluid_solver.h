@@ -12,13 +12,13 @@
 
 namespace oilskin::fluid {
 
-/// A one-sided bound on predicted velocities: v*·normal ≥ least_normal_velocity. For a particle at distance
+/// A one-sided bound on predicted velocities: v*·normal ≥ min_normal_velocity. For a particle at distance
 /// d0 of a sheet of thickness h that moves with v_w: least = v_w·n − max(0, d0 − h)/dt. Keeps the prediction
 /// of PCISPH on its side of the sheet (method of A.3); gives no impulse to anything.
 struct PredictionContact {
   std::uint32_t particle = 0;
   Vec3 normal = Vec3::Zero();
-  double least_normal_velocity = 0;  ///< [m/s]
+  double min_normal_velocity = 0;  ///< [m/s]
 };
 
 class FluidSolver {
@@ -39,13 +39,13 @@ class FluidSolver {
   /// hides neighbours behind them, finds boundary terms. They move from x_t0 to x_t1 within dt [s] and are
   /// kept until propose(), which may change their velocities and impulses: what boundary terms give to
   /// particles, nodes lose.
-  void meet_surfaces(double dt, const Vec3& gravity, const Particles& particles,
-                     Span<SurfaceMotion* const> surfaces, StageSeconds& seconds);
+  void apply_surfaces(double dt, const Vec3& gravity, const Particles& particles,
+                      Span<SurfaceMotion* const> surfaces, StageSeconds& seconds);
 
   /// What surfaces did with the last step's load, and what load they get in this one: boundary terms foresee
   /// how light cloth answers. Once per step, after all surfaces were gathered and before they are scattered.
-  void note_answers(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
-  void note_loads(double dt, Span<SurfaceMotion* const> surfaces);
+  void record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
+  void record_load(double dt, Span<SurfaceMotion* const> surfaces);
   void forget(std::uint64_t surface_id);
 
   /// After prepare(), for the same particles: density and pressure of the start positions, and

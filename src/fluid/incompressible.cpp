@@ -19,7 +19,7 @@ constexpr double recovery_time = 0.002;  // [s]
 /// takes longer, as contact does not stop what such corrections throw about: within 0.2 ms a jet of 5 mm
 /// particles came off a plate with 15 % of its momentum where steps were short, within 1 ms as little as with
 /// long ones.
-constexpr double least_correction_time = 0.04, correction_time_at_walls = 0.2;
+constexpr double min_correction_time = 0.04, correction_time_at_walls = 0.2;
 
 /// How fast a wall may push away what is compressed [m/s per relative compression].
 constexpr double wall_recovery_speed = 0.1;
@@ -30,8 +30,8 @@ constexpr double wall_acceleration = 1;
 
 /// How slowly iterations fall: by one, or by this ratio, after so many steps in which the fewer iterations
 /// would have left no more than this part of the tolerance.
-constexpr double largest_fall = 1.18;
-constexpr int patience = 3;
+constexpr double max_fall = 1.18;
+constexpr int min_settled_steps = 3;
 constexpr double margin = 0.8;
 
 /// Room that a particle takes when the water has settled, over its room on the lattice, at the same density:
@@ -87,9 +87,9 @@ void IncompressibleModel::visit(Archive& archive) {
   archive.require(relaxation_ > 0 && relaxation_ <= full_relaxation_, "the relaxation of the pressure");
 }
 
-void IncompressibleModel::Pace::visit(Archive& archive) {
-  archive.values(iterations, calm);
-  archive.require(iterations >= 0 && calm >= 0, "the number of iterations");
+void IncompressibleModel::IterationController::visit(Archive& archive) {
+  archive.values(iterations, settled_steps);
+  archive.require(iterations >= 0 && settled_steps >= 0, "the number of iterations");
 }
 
 IncompressibleSums IncompressibleModel::sums(double dt) const {
@@ -106,23 +106,23 @@ double IncompressibleModel::phi_per_pascal(double dt) const {
 /// A step that iterates more than it must leaves the next ones little to do; those then iterate too little,
 /// and the pressures swing between the two. So iterations fall slowly, and only where the tolerance would
 /// have been met with fewer for some time: the error goes as their inverse square.
-bool IncompressibleModel::Loop::may_end(double mean) {
+bool IncompressibleModel::PressureLoop::may_end(double mean) {
   if (!converged || iterations < min_iterations) return false;
-  if (iterations >= pace.iterations) return true;
-  const double ratio = static_cast<double>(pace.iterations) / iterations;
-  if (iterations + 1 < pace.iterations && ratio > largest_fall) return false;
+  if (iterations >= controller.iterations) return true;
+  const double ratio = static_cast<double>(controller.iterations) / iterations;
+  if (iterations + 1 < controller.iterations && ratio > max_fall) return false;
   if (ratio * ratio * mean <= margin * tolerance) fewer_would_do = true;
-  return fewer_would_do && pace.calm >= patience;
+  return fewer_would_do && controller.settled_steps >= min_settled_steps;
 }
 
-IncompressibleModel::Pace IncompressibleModel::Loop::next_pace() const {
-  const bool fell = iterations < pace.iterations;
-  return {iterations, fewer_would_do && !fell ? pace.calm + 1 : 0};
+IncompressibleModel::IterationController IncompressibleModel::PressureLoop::next_controller() const {
+  const bool fell = iterations < controller.iterations;
+  return {iterations, fewer_would_do && !fell ? controller.settled_steps + 1 : 0};
 }
 
 void IncompressibleModel::begin(StepState& state) {
   const float remaining = static_cast<float>(std::exp(-state.dt / recovery_time));
-  const double per_spacing = state.boundary.empty() ? least_correction_time : correction_time_at_walls;
+  const double per_spacing = state.boundary.empty() ? min_correction_time : correction_time_at_walls;
   const float left = static_cast<float>(std::max(0.0, 1 - state.dt / (per_spacing * settings_.spacing)));
   OILSKIN_ASSERT(state.relative_density.size() == state.size() && state.dv.size() == state.size());
   relaxation_ = std::min(relaxation_rise * relaxation_, full_relaxation_);
@@ -149,7 +149,7 @@ double IncompressibleModel::warm_start(const StepState& state) const {
   return 0.5 * ratio * ratio * phi_per_pascal(state.dt);
 }
 
-void IncompressibleModel::write(const Loop& density, FluidReport& report) {
+void IncompressibleModel::write(const PressureLoop& density, FluidReport& report) {
   report.iterations = density.iterations;
   report.density_error_mean = density.errors.mean(density.errors.sum);
   report.density_error_max = density.errors.largest;
@@ -164,7 +164,7 @@ void IncompressibleModel::keep_side(const StepState& state, Span<const Predictio
   const double to_displacement = state.dt / support_radius_;
   for (int pass = 0; pass < (contacts.size() > 1 ? 2 : 1); ++pass)
     for (const PredictionContact& c : contacts) {
-      const double short_of = c.least_normal_velocity * to_displacement - displacement.dot(c.normal);
+      const double short_of = c.min_normal_velocity * to_displacement - displacement.dot(c.normal);
       if (short_of > 0) displacement += short_of * c.normal;
     }
 }
@@ -173,8 +173,8 @@ void IncompressibleModel::keep_side(const StepState& state, Span<const Predictio
 /// The water that a jet spreads on a sheet is a layer or less, whose particles drive each other off the wall
 /// where they meet: without this 6 % of the jet's momentum came back, whatever the spacing. Where the water
 /// is compressed the wall may push it off, slowly. Returns the share of the load that remains.
-double IncompressibleModel::held_share(const StepState& state, std::size_t k,
-                                       const Boundary::Load<double>& load) const {
+double IncompressibleModel::rebound_limit(const StepState& state, std::size_t k,
+                                          const Boundary::Load<double>& load) const {
   const Boundary::Point& point = state.boundary.points()[k];
   const double gamma = static_cast<double>(point.gamma.norm());
   if (!(gamma > 0)) return 1;
@@ -183,7 +183,7 @@ double IncompressibleModel::held_share(const StepState& state, std::size_t k,
   if (!(push > 0)) return 1;
   const Record& v = state.velocity[point.particle];
   const double before =
-      normal.dot(Vec3(v.x, v.y, v.z)) - static_cast<double>(state.boundary.inflow()[k]) / gamma;
+      normal.dot(Vec3(v.x, v.y, v.z)) - static_cast<double>(state.boundary.normal_flux()[k]) / gamma;
   const double after = before + normal.dot(state.dv[point.particle]) + push;
   const double excess = std::max(0.0, static_cast<double>(state.relative_density[point.particle]) - 1);
   const double allowed = std::max(0.0, before) + wall_acceleration * state.dt * state.gravity.norm() +

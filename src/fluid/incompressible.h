@@ -55,7 +55,7 @@ struct IncompressibleSums : DensityModel<CubicSpline> {
 
 class IncompressibleModel : public PressureModel {
  public:
-  static constexpr double least_relaxation = 1.0 / 256;
+  static constexpr double min_relaxation = 1.0 / 256;
 
   double particle_volume() const override { return settled_volume_; }
   void visit(Archive& archive) override;
@@ -72,29 +72,29 @@ class IncompressibleModel : public PressureModel {
   double warm_start(const StepState& state) const;
 
   /// What a loop that falls slowly knows of the steps before.
-  struct Pace {
-    int iterations = 0;  // of the last step; 0 = fall at once
-    int calm = 0;        // steps in a row for which fewer would have done
+  struct IterationController {
+    int iterations = 0;     // of the last step; 0 = fall at once
+    int settled_steps = 0;  // steps in a row for which fewer would have done
 
     void visit(Archive& archive);
   };
   /// A pressure loop: correct() finds the errors under the pressures of now, then changes the pressures.
-  struct Loop {
+  struct PressureLoop {
     double tolerance = 0;  // of the mean error above target
     int min_iterations = 1;
-    Pace pace;
+    IterationController controller;
     int iterations = 0;
     Errors errors;
     bool converged = false, diverged = false;
     bool fewer_would_do = false;
 
     bool may_end(double mean);
-    Pace next_pace() const;
+    IterationController next_controller() const;
   };
   /// restart(finite) begins anew with a smaller ω, and without the pressures if they are not finite any more.
   template <class Correct, class Restart>
-  void iterate(Loop& loop, const Correct& correct, const Restart& restart);
-  static void write(const Loop& density, FluidReport& report);
+  void iterate(PressureLoop& loop, const Correct& correct, const Restart& restart);
+  static void write(const PressureLoop& density, FluidReport& report);
 
   /// store(i, displacement of i in units of H) with the pressures phi(i) of now, which push i by push(i):
   /// drift + push, with the walls, and held on its side of the sheets.
@@ -142,7 +142,7 @@ class IncompressibleModel : public PressureModel {
   Boundary::Load<T> load_on_walls(const Boundary::Point& point, T phi) const;
   template <class Phi>
   void answer_of_walls(StepState& state, const Phi& phi);
-  double held_share(const StepState& state, std::size_t point, const Boundary::Load<double>& load) const;
+  double rebound_limit(const StepState& state, std::size_t point, const Boundary::Load<double>& load) const;
   void keep_side(const StepState& state, Span<const PredictionContact> contacts, Vec3& displacement) const;
   bool diverges(double mean, double tolerance);
 
@@ -156,7 +156,7 @@ class IncompressibleModel : public PressureModel {
 };
 
 template <class Correct, class Restart>
-void IncompressibleModel::iterate(Loop& loop, const Correct& correct, const Restart& restart) {
+void IncompressibleModel::iterate(PressureLoop& loop, const Correct& correct, const Restart& restart) {
   OILSKIN_ASSERT(loop.min_iterations >= 1 && loop.min_iterations <= settings_.max_iterations);
   last_mean_ = 0;
   growing_ = 0;
@@ -168,7 +168,7 @@ void IncompressibleModel::iterate(Loop& loop, const Correct& correct, const Rest
     if (!std::isfinite(mean) || diverges(mean, loop.tolerance)) {
       restart(std::isfinite(mean));
       loop.diverged = true;
-      relaxation_ = std::max(relaxation_ / 2, least_relaxation);  // begin() lets it rise again
+      relaxation_ = std::max(relaxation_ / 2, min_relaxation);  // begin() lets it rise again
       last_mean_ = 0;
       growing_ = 0;
     }
@@ -191,7 +191,7 @@ void IncompressibleModel::answer_of_walls(StepState& state, const Phi& phi) {
   const float per_phi = push_scale_ * static_cast<float>(support_radius_ / state.dt);
   const auto& points = state.boundary.points();
   for (std::size_t k = 0; k < points.size(); ++k) theta_[k] = per_phi * phi(points[k].particle);
-  state.boundary.respond(theta_, state.workers);
+  state.boundary.predict_wall_velocity(theta_, state.workers);
 }
 
 /// a_i = Σ (p_T/ρ0) γ_T/H.
@@ -203,7 +203,7 @@ void IncompressibleModel::push_from_walls(StepState& state, const Phi& phi) {
   final_load_.resize(points.size());
   for (std::size_t k = 0; k < points.size(); ++k) {
     const auto load = load_on_walls(points[k], static_cast<double>(phi(points[k].particle))).times(per_phi);
-    final_load_[k] = load.times(held_share(state, k, load));
+    final_load_[k] = load.times(rebound_limit(state, k, load));
   }
   state.boundary.push(final_load_, state.dv, state.workers);
 }
@@ -219,7 +219,7 @@ void IncompressibleModel::correct_at_walls(StepState& state, const Add& add) {
 template <class Phi, class Push, class Store>
 void IncompressibleModel::predict(StepState& state, const Phi& phi, const Push& push, const Store& store) {
   answer_of_walls(state, phi);
-  const float way = static_cast<float>(state.dt / support_radius_);
+  const float dt_over_h = static_cast<float>(state.dt / support_radius_);
   state.workers.for_chunks(
       state.size(), Neighbours::chunk_size, [&](std::size_t begin, std::size_t end, std::size_t) {
         OILSKIN_ASSERT(end <= drift_.size());
@@ -238,7 +238,8 @@ void IncompressibleModel::predict(StepState& state, const Phi& phi, const Push& 
           if (contact != first) keep_side(state, {first, static_cast<std::size_t>(contact - first)}, d);
           if (wall != Boundary::none) {
             const Boundary::Point& point = state.boundary.points()[wall];
-            const float approach = way * state.boundary.inflow()[wall] - point.gamma.dot(d.cast<float>());
+            const float approach =
+                dt_over_h * state.boundary.normal_flux()[wall] - point.gamma.dot(d.cast<float>());
             wall_density_[wall] = std::clamp(point.lambda + approach, 0.0f, 1.0f);
           }
           store(i, d);

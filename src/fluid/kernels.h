@@ -11,7 +11,7 @@ constexpr double pi = 3.14159265358979323846;
 
 /// What divides by q sees at least this: pairs closer than 1e-6 H feel a force that fades to 0 with r, and
 /// coincident ones none.
-constexpr float least_q = 1e-6f;
+constexpr float min_q = 1e-6f;
 
 /// Müller, Charypar, Gross 2003, Eq. 20.
 struct Poly6 {
@@ -44,7 +44,7 @@ struct Spiky {
   template <class T>
   static T dw_over_q(T q) {
     const T u = larger(T(1) - q, T(0));
-    return T(-3) * u * u / larger(q, T(least_q));
+    return T(-3) * u * u / larger(q, T(min_q));
   }
 };
 
@@ -56,12 +56,12 @@ struct ViscosityKernel {
     // −q³/2 + q² + 1/(2q) − 1 = (1−q)² ((1+q)/(2q) − q/2 …) loses digits near q = 1; (1−q)³(1+q)/(2q) does
     // not.
     const T u = larger(T(1) - q, T(0));
-    return u * u * u * (T(1) + q) / (T(2) * larger(q, T(least_q)));
+    return u * u * u * (T(1) + q) / (T(2) * larger(q, T(min_q)));
   }
   template <class T>
   static T dw_over_q(T q) {
     // w' = −3q²/2 + 2q − 1/(2q²) = −(1−q)² (3q² + 2q + 1)/(2q²)
-    const T u = larger(T(1) - q, T(0)), s = larger(q, T(least_q));
+    const T u = larger(T(1) - q, T(0)), s = larger(q, T(min_q));
     return T(-1) * u * u * (T(3) * q * q + T(2) * q + T(1)) / (T(2) * s * s * s);
   }
   template <class T>
@@ -81,7 +81,7 @@ struct CubicSpline {
   template <class T>
   static T dw_over_q(T q) {
     const T u = larger(T(1) - q, T(0)), v = larger(T(0.5f) - q, T(0));
-    return (T(24) * v * v - T(6) * u * u) / larger(q, T(least_q));
+    return (T(24) * v * v - T(6) * u * u) / larger(q, T(min_q));
   }
 };
 

@@ -111,7 +111,7 @@ double pcisph_stiffness(double ratio) {
 /// max_k R(k): the loop multiplies a pressure mode of wave vector k by 1 − ω R(k) per iteration,
 /// R = |S|²/(2 Σ|∇W|²), S = Σ_r ∇W(r) sin(k·r). Scanned over k ∈ [0, π/dx]³ with `samples` per axis.
 template <class Kernel>
-double pcisph_largest_mode(double ratio, int samples = 41) {
+double pcisph_max_mode(double ratio, int samples = 41) {
   const int n = static_cast<int>(std::ceil(ratio));
   std::vector<std::array<double, 2>> wave(static_cast<std::size_t>(samples * (n + 1)));  // cos, sin of k·a
   for (int s = 0; s < samples; ++s)
@@ -154,7 +154,7 @@ double pcisph_largest_mode(double ratio, int samples = 41) {
 /// 2 dx, where it is known to be stable with room for compressed regions, whose modes are larger.
 template <class Kernel>
 double pcisph_relaxation(double ratio) {
-  return std::min(1.0, 1.4 / pcisph_largest_mode<Kernel>(ratio));
+  return std::min(1.0, 1.4 / pcisph_max_mode<Kernel>(ratio));
 }
 
 }  // namespace oilskin::fluid

@@ -14,7 +14,7 @@ constexpr std::size_t digits = std::size_t{1} << digit_bits;
 
 /// Cell indices are clamped to ±2²⁰: what lies beyond shares the outermost cells, which costs time, not
 /// neighbours. Three of them and a margin fit 63 bits.
-constexpr double largest_cell = (1 << 20) - 2;
+constexpr double max_cell = (1 << 20) - 2;
 
 /// Where padding points to; far from everything, and its square is a finite float.
 constexpr Record far_away = {1e18f, 1e18f, 1e18f, 0};
@@ -54,8 +54,7 @@ const std::vector<std::uint32_t>& Neighbours::cell_order(Span<const Vec3> positi
 Neighbours::Cell Neighbours::cell_of(const Vec3& x) const {
   Cell c;
   for (int k = 0; k < 3; ++k)
-    c[k] = static_cast<std::int32_t>(
-        std::clamp(std::floor(x[k] * inverse_radius_), -largest_cell, largest_cell));
+    c[k] = static_cast<std::int32_t>(std::clamp(std::floor(x[k] * inverse_radius_), -max_cell, max_cell));
   return c;
 }
 
@@ -115,7 +114,7 @@ void Neighbours::sort_keys(const Workers& workers) {
 void Neighbours::search(Span<const Vec3> positions, const Workers& workers) {
   OILSKIN_ASSERT(positions.size() == keys_.size());
   const std::size_t n = positions.size();
-  make_records(positions, workers);
+  make_contacts(positions, workers);
   find_cells();
   find_runs(workers);
   begin_.resize(n);
@@ -129,7 +128,7 @@ void Neighbours::search(Span<const Vec3> positions, const Workers& workers) {
 
 /// The origin is the median of a sample: in the bulk, where rounding to float must not be felt, whatever a
 /// few drops do far away.
-void Neighbours::make_records(Span<const Vec3> positions, const Workers& workers) {
+void Neighbours::make_contacts(Span<const Vec3> positions, const Workers& workers) {
   const std::size_t n = positions.size(), samples = std::min<std::size_t>(n, 255);
   origin_.setZero();
   std::vector<double> sample(samples);

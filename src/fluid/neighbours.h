@@ -68,7 +68,7 @@ class Neighbours {
   std::size_t first_row(std::uint64_t row_key) const;
   void make_keys(Span<const Vec3> positions, const Workers& workers);
   void sort_keys(const Workers& workers);
-  void make_records(Span<const Vec3> positions, const Workers& workers);
+  void make_contacts(Span<const Vec3> positions, const Workers& workers);
   void find_cells();
   void find_runs(const Workers& workers);
   void runs_of_row(std::size_t row);

@@ -49,7 +49,7 @@ void Pcisph::pressure_terms(StepState& state, std::vector<double>& pressure, Flu
 }
 
 void Pcisph::iterate_density(StepState& state, FluidReport& report) {
-  Loop loop;
+  PressureLoop loop;
   loop.tolerance = settings_.tolerance;
   loop.min_iterations = settings_.min_iterations;
   iterate(

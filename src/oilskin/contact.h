@@ -27,7 +27,7 @@ struct ParticleMotion {
 
 /// A particle near a triangle at the start of the interval, by closest feature (method: Bridson et al. 2002
 /// with the closest point instead of the plane test of Eq. 1).
-struct ContactRecord {
+struct Contact {
   std::uint32_t particle = 0;  ///< index into ParticleMotion
   std::uint32_t surface = 0;   ///< index into the list of surfaces
   std::uint32_t triangle = 0;
@@ -40,7 +40,7 @@ struct ContactRecord {
   bool back = false;  ///< on the side that the surface's normals turn away from (SurfaceSettings::slip_back)
   /// How squarely the surface faces the particle: the largest |cos| between `normal` and the normals of the
   /// triangles at the feature. 1 over faces and inner edges of a flat sheet, 0 in the plane beyond a border.
-  double facing = 1;
+  double normal_alignment = 1;
 };
 
 /// Runs the loop: records → impulses → meetings → zones → certificate.
@@ -72,11 +72,11 @@ class ContactSolver {
 
   /// The records at the start positions alone, ordered by particle, surface and feature, using x_t1 as the
   /// predicted sweep. Valid until the next call.
-  const std::vector<ContactRecord>& find_records(const ParticleMotion& particles,
-                                                 Span<SurfaceMotion* const> surfaces);
+  const std::vector<Contact>& find_contacts(const ParticleMotion& particles,
+                                            Span<SurfaceMotion* const> surfaces);
 
   /// The active records of the last resolve(): who was hit, where.
-  const std::vector<ContactRecord>& records() const;
+  const std::vector<Contact>& contacts() const;
 
   /// Independent of resolve(): counts the particles whose path meets a triangle or that end nearer than δ, by
   /// sweep and prune over all pairs and additive continuous collision detection (Li et al. 2021).

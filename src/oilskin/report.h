@@ -29,7 +29,7 @@ enum StepFlag : std::uint32_t {
   flag_leaked = 1u << 1,   ///< contact.infeasible = allow, and a particle passed; use stall or remove
   flag_stalled = 1u << 2,  ///< prescribed nodes were held: they close on particles; slow their motion
   flag_removed_by_contact = 1u << 3,  ///< particles were given up between prescribed surfaces
-  flag_quarantined = 1u << 4,         ///< non-finite particles were removed; lower dt
+  flag_removed_invalid = 1u << 4,     ///< non-finite particles were removed; lower dt
   flag_surface_out_of_range =
       1u << 5,  ///< a surface left the kill box, so δ no longer covers rounding: enlarge it
   flag_surface_refused = 1u << 6,  ///< a surface was left out; its message is in StepReport::messages
@@ -44,22 +44,22 @@ std::vector<std::string> flag_texts(std::uint32_t flags);
 
 /// Counts and measures of contact in one interval.
 struct ContactReport {
-  std::uint64_t candidates = 0;  ///< particle–triangle pairs whose boxes met
-  std::uint64_t contacts = 0;    ///< active records
-  std::uint64_t meetings = 0;    ///< bad pairs found by detection in the impulse rounds
-  std::uint64_t rounds = 0;      ///< rounds of impulses at meetings
+  std::uint64_t candidates = 0;      ///< particle–triangle pairs whose boxes met
+  std::uint64_t contacts = 0;        ///< active records
+  std::uint64_t impacts = 0;         ///< bad pairs found by detection in the impulse rounds
+  std::uint64_t ccd_iterations = 0;  ///< rounds of impulses at meetings
   std::uint64_t zone_rounds = 0;
   std::uint64_t zone_points = 0;  ///< members of zones at the end
   std::uint64_t held = 0;         ///< points held (x1 = x0)
-  std::uint64_t nudged = 0;
-  std::uint64_t stalled = 0;     ///< prescribed nodes held
-  std::uint64_t followed = 0;    ///< particles saved by affine follow
-  std::uint64_t removed = 0;     ///< particles given up
-  std::uint64_t allowed = 0;     ///< particles that passed by policy
-  std::uint64_t began_near = 0;  ///< contacts that began nearer than δ: what the promise does not cover
-  std::uint64_t reseeded = 0;    ///< particles moved out of, or removed at, a new surface
-  double least_distance =
-      std::numeric_limits<double>::infinity();  ///< end distance over all tested pairs [m]
+  std::uint64_t separated = 0;
+  std::uint64_t stalled = 0;        ///< prescribed nodes held
+  std::uint64_t carried_along = 0;  ///< particles saved by affine follow
+  std::uint64_t removed = 0;        ///< particles given up
+  std::uint64_t allowed = 0;        ///< particles that passed by policy
+  std::uint64_t started_too_close =
+      0;                        ///< contacts that began nearer than δ: what the promise does not cover
+  std::uint64_t relocated = 0;  ///< particles moved out of, or removed at, a new surface
+  double min_distance = std::numeric_limits<double>::infinity();  ///< end distance over all tested pairs [m]
   std::uint64_t crossings_found_by_verify =
       0;  ///< particles whose path touches a surface, or that end nearer than δ
   std::uint64_t verified_pairs = 0;
@@ -98,8 +98,8 @@ struct StepReport {
   StageSeconds seconds;
   FluidReport fluid;
   ContactReport contact;
-  std::uint64_t alive = 0, emitted = 0, removed = 0, quarantined = 0, blocked_starts = 0;  ///< particles
-  double mass_emitted = 0, mass_removed = 0;                                               ///< [kg]
+  std::uint64_t alive = 0, emitted = 0, removed = 0, removed_invalid = 0, blocked_starts = 0;  ///< particles
+  double mass_emitted = 0, mass_removed = 0;                                                   ///< [kg]
   Vec3 momentum_before = Vec3::Zero();  ///< of the fluid [N s]
   Vec3 momentum_after = Vec3::Zero();
   Vec3 momentum_emitted = Vec3::Zero();

@@ -37,8 +37,8 @@ struct FluidSettings {
   bool contact_aware = true;  ///< PCISPH, DFSPH predict no position behind a sheet in contact (method of A.3)
   /// Nothing acts through a surface: neighbours whose connecting segment meets one are left out of every sum.
   bool occlusion = true;
-  /// Mirrored: for water that rests or flows on sheets. The fluid takes three times as long; a jet comes off a
-  /// rigid sheet with 1 to 3 % of its speed, and on light cloth the layer that it strikes is too dense.
+  /// Mirrored: for water that rests or flows on sheets. The fluid takes three times as long; a jet comes off
+  /// a rigid sheet with 1 to 3 % of its speed, and on light cloth the layer that it strikes is too dense.
   BoundaryModel boundary = BoundaryModel::contact_only;
   double cfl = 0.4;  ///< way of whatever is fastest within a sub-step, in spacings, > 0
   int max_substeps =
@@ -55,7 +55,7 @@ enum class SlipModel {
   coulomb,
   /// The tangential velocity of the first layer is the sheet's: a motionless layer, as if the wall stood half
   /// a spacing inside the fluid (the middle of a channel of 10 particles across is a fifth too slow).
-  no_slip,
+  sticking,
   /// Wall shear μ_f u/(z + ℓ) on the first layer, z < dx, implicit: no slip of a viscous fluid, accurate to
   /// second order in the spacing. As weak as the fluid's viscosity: water at 5 mm hardly feels it.
   viscous_wall,
@@ -100,8 +100,9 @@ struct ContactSettings {
   /// each step alone, which leaks, as the paper's Fig. 4 left shows; there is no promise.
   bool ccd = true;
   bool zones = true;  ///< impact zones. Off: there is no promise
-  int sweeps = 5;     ///< Gauss–Seidel sweeps, 1 … 1000: accuracy of simultaneous impacts against time
-  int rounds = 5;     ///< rounds of impulses at meetings before zones, 0 … 100
+  int solver_iterations =
+      5;  ///< Gauss–Seidel sweeps, 1 … 1000: accuracy of simultaneous impacts against time
+  int ccd_iterations = 5;  ///< rounds of impulses at meetings before zones, 0 … 100
   Infeasible infeasible = Infeasible::stall;
   bool verify = false;  ///< re-check every interval by an independent route and count crossings
 

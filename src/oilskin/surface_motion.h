@@ -41,7 +41,7 @@ struct SurfaceMotion {
 
 /// δ = max(1e-3 h, 64 ε R): ε = 2⁻²³ or 2⁻⁵² by storage, R the largest |coordinate| [m]. A thickness below 4
 /// δ is refused. h, R > 0.
-double minimum_separation(double thickness, double largest_coordinate, Storage storage);
+double minimum_separation(double thickness, double max_coordinate, Storage storage);
 
 /// The number that the host will keep when it is given `x`.
 inline Vec3 stored(const Vec3& x, Storage storage) {

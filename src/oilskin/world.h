@@ -90,7 +90,7 @@ class World {
   double time() const;  ///< [s]
   std::uint64_t step_count() const;
   /// Contacts of the last step, of its last sub-step where it was cut.
-  const std::vector<ContactRecord>& contacts() const;
+  const std::vector<Contact>& contacts() const;
 
   /// 64 bits over id, position and velocity bits of every particle in order of id, then node positions and
   /// velocities of every surface in order of attachment. Equal for any number of threads.

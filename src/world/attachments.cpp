@@ -7,7 +7,7 @@
 #include "contact/predicates.h"
 #include "core/assert.h"
 #include "core/inverse_mass.h"
-#include "world/intake.h"
+#include "world/numeric_range.h"
 
 namespace oilskin::world {
 
@@ -20,7 +20,7 @@ Status refuse(const Parts&... parts) {
   return Status::refused(s.str());
 }
 
-double largest_coordinate(const Box& kill_box) {
+double max_coordinate(const Box& kill_box) {
   return std::max(kill_box.min.cwiseAbs().maxCoeff(), kill_box.max.cwiseAbs().maxCoeff());
 }
 
@@ -43,7 +43,7 @@ Status check_state(const SurfaceMotion& m) {
   for (std::size_t i = 0; i < n; ++i) {
     if (!m.x_t1[i].allFinite()) return refuse("the position of node ", i, " is not finite");
     if (!m.velocity[i].allFinite()) return refuse("the velocity of node ", i, " is not finite");
-    if (!is_sound(m.x_t1[i]) || !is_sound(m.velocity[i]))
+    if (!is_in_range(m.x_t1[i]) || !is_in_range(m.velocity[i]))
       return refuse("node ", i, " is farther or faster than 1e15; the host's simulation has exploded");
     if (!is_inverse_mass(m.inverse_mass[i]))
       return refuse("the inverse mass of node ", i, " is ", m.inverse_mass[i], "; it must be ",
@@ -70,7 +70,7 @@ Status set_delta(SurfaceMotion& m, const SurfaceSettings& settings, double r) {
 
 }  // namespace
 
-bool meets(const FluidSettings& fluid, const SurfaceSettings& surface) {
+bool can_collide(const FluidSettings& fluid, const SurfaceSettings& surface) {
   return (fluid.collision_mask & surface.collision_group) != 0 &&
          (surface.collision_mask & fluid.collision_group) != 0;
 }
@@ -86,8 +86,8 @@ Status Attachments::attach(SurfaceHost& host, const SurfaceSettings& settings, c
   if (!gathered.status.ok()) return gathered.status;
   if (Status s = check_mesh(a->motion); !s.ok()) return s;
   if (Status s = check_state(a->motion); !s.ok()) return s;
-  if (Status s = set_delta(a->motion, settings, largest_coordinate(world.kill_box)); !s.ok()) return s;
-  const double r = largest_coordinate(world.kill_box);
+  if (Status s = set_delta(a->motion, settings, max_coordinate(world.kill_box)); !s.ok()) return s;
+  const double r = max_coordinate(world.kill_box);
   for (std::size_t i = 0; i < a->motion.x_t1.size(); ++i)
     if (a->motion.inverse_mass[i] > 0 && a->motion.x_t1[i].cwiseAbs().maxCoeff() > r)
       return refuse("node ", i, " stands at (", a->motion.x_t1[i].transpose(),
@@ -138,7 +138,7 @@ void Attachments::gather(double dt, const WorldSettings& world, const FluidSetti
     const bool is_new = gathered.new_surface || a->teleported || m.x_t1.size() != m.x_t0.size();
     if (status.ok() && is_new) status = check_mesh(m);
     if (status.ok()) status = check_state(m);
-    if (status.ok() && is_new) status = set_delta(m, a->settings, largest_coordinate(world.kill_box));
+    if (status.ok() && is_new) status = set_delta(m, a->settings, max_coordinate(world.kill_box));
     a->refused = !status.ok();
     if (a->refused) {
       a->teleported = false;
@@ -150,7 +150,7 @@ void Attachments::gather(double dt, const WorldSettings& world, const FluidSetti
       stale.push_back(m.id);
       m.id = next_id_++;
       m.x_t0 = m.x_t1;
-      a->fresh = true;
+      a->is_new = true;
       a->teleported = false;
     }
     OILSKIN_ASSERT(m.id != 0 && m.delta > 0 && m.x_t0.size() == m.x_t1.size());
@@ -159,11 +159,11 @@ void Attachments::gather(double dt, const WorldSettings& world, const FluidSetti
     // Where prescribed nodes stand costs nothing: they are not rounded again (a floor may be larger than the
     // box).
     for (std::size_t i = 0; i < m.x_t1.size(); ++i)
-      if (m.inverse_mass[i] > 0 && m.x_t1[i].cwiseAbs().maxCoeff() > largest_coordinate(world.kill_box)) {
+      if (m.inverse_mass[i] > 0 && m.x_t1[i].cwiseAbs().maxCoeff() > max_coordinate(world.kill_box)) {
         report.flags |= flag_surface_out_of_range;
         break;
       }
-    if (meets(fluid, a->settings)) active.push_back(&m);
+    if (can_collide(fluid, a->settings)) active.push_back(&m);
   }
 }
 
@@ -183,28 +183,29 @@ void Attachments::scatter(Span<SurfaceMotion* const> active, StepReport& report)
   }
 }
 
-void Attachments::reseed(Span<SurfaceMotion* const> active, fluid::Particles& particles, double particle_mass,
-                         std::uint64_t& next_id, const Workers& workers, StepReport& report) {
+void Attachments::relocate_particles(Span<SurfaceMotion* const> active, fluid::Particles& particles,
+                                     double particle_mass, std::uint64_t& next_id, const Workers& workers,
+                                     StepReport& report) {
   OILSKIN_ASSERT(particle_mass > 0);
-  std::vector<SurfaceMotion*> fresh;
+  std::vector<SurfaceMotion*> is_new;
   for (auto& a : list_) {
-    if (!a->fresh || std::find(active.begin(), active.end(), &a->motion) == active.end()) continue;
-    a->fresh = false;
-    fresh.push_back(&a->motion);
+    if (!a->is_new || std::find(active.begin(), active.end(), &a->motion) == active.end()) continue;
+    a->is_new = false;
+    is_new.push_back(&a->motion);
   }
-  if (fresh.empty() || particles.size() == 0) return;
+  if (is_new.empty() || particles.size() == 0) return;
   std::vector<std::uint8_t> too_near;
-  ClearanceTest(fresh, workers).run(particles.position, too_near);
+  ClearanceTest(is_new, workers).run(particles.position, too_near);
   const ClearanceTest clearance(active, workers);
   std::vector<std::uint8_t> keep(particles.size(), 1);
   for (std::size_t p = 0; p < particles.size(); ++p) {
     if (!too_near[p]) continue;
-    ++report.contact.reseeded;
+    ++report.contact.relocated;
     const Vec3& x = particles.position[p];
     ClosestPoint nearest;
     nearest.distance = std::numeric_limits<double>::infinity();
     double thickness = 0;
-    for (const SurfaceMotion* s : fresh)
+    for (const SurfaceMotion* s : is_new)
       for (const Triangle& t : s->triangles) {
         const ClosestPoint c = closest_point(x, s->x_t0[t[0]], s->x_t0[t[1]], s->x_t0[t[2]]);
         if (c.distance >= nearest.distance) continue;
@@ -222,7 +223,7 @@ void Attachments::reseed(Span<SurfaceMotion* const> active, fluid::Particles& pa
       if (!clear) break;
       for (const Triangle& t : s->triangles) {
         const Vec3 &a = s->x_t0[t[0]], &b = s->x_t0[t[1]], &c = s->x_t0[t[2]];
-        if (contact::meets({x, a, b, c}, {place, a, b, c}).hit) {
+        if (contact::paths_intersect({x, a, b, c}, {place, a, b, c}).hit) {
           clear = false;
           break;
         }
@@ -267,8 +268,9 @@ void ClearanceTest::run(Span<const Vec3> points, std::vector<std::uint8_t>& bloc
     for (std::size_t k = 0; k < boxes.size(); ++k)
       for (std::uint32_t t : candidates.of(k)) {
         const Triangle& nodes = s->triangles[t];
-        const contact::Quad q{points[index[k]], s->x_t0[nodes[0]], s->x_t0[nodes[1]], s->x_t0[nodes[2]]};
-        if (contact::end_distance(q, reach).near) blocked[index[k]] = 1;
+        const contact::PointTriangle q{points[index[k]], s->x_t0[nodes[0]], s->x_t0[nodes[1]],
+                                       s->x_t0[nodes[2]]};
+        if (contact::end_distance(q, reach).too_close) blocked[index[k]] = 1;
       }
   }
 }

@@ -16,13 +16,13 @@ struct Attachment {
   SurfaceSettings settings;
   SurfaceMotion motion;         ///< between steps x_t1 is what the host stores; the next gather makes it x_t0
   std::vector<Vec3> certified;  ///< x_t1 as certified, to compare with what the host read back
-  bool fresh = true;            ///< new id: particles near it are re-seeded before the next step
+  bool is_new = true;           ///< new id: particles near it are re-seeded before the next step
   bool teleported = false;      ///< reset_motion was called
   bool refused = false;         ///< left out, until a gather after reset_motion is accepted
 };
 
 /// Do the collision groups and masks of a fluid and a surface let them meet?
-bool meets(const FluidSettings& fluid, const SurfaceSettings& surface);
+bool can_collide(const FluidSettings& fluid, const SurfaceSettings& surface);
 
 class Attachments {
  public:
@@ -42,8 +42,9 @@ class Attachments {
 
   /// Particles nearer than 2 δ to a fresh surface get a new place and a new id, or are removed: their path
   /// would not be certain. Counted in report.contact.reseeded.
-  void reseed(Span<SurfaceMotion* const> active, fluid::Particles& particles, double particle_mass,
-              std::uint64_t& next_id, const Workers& workers, StepReport& report);
+  void relocate_particles(Span<SurfaceMotion* const> active, fluid::Particles& particles,
+                          double particle_mass, std::uint64_t& next_id, const Workers& workers,
+                          StepReport& report);
 
   /// Everything but hosts and handles; when reading, into attachments without hosts.
   void visit(Archive& archive);

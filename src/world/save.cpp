@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/hash.h"
-#include "world/intake.h"
+#include "world/numeric_range.h"
 #include "world/world_impl.h"
 
 // A structured binding names every member, so that a new one that is not saved does not compile.
@@ -29,8 +29,8 @@ void visit(Archive& archive, FluidSettings& settings) {
 }
 
 void visit(Archive& archive, ContactSettings& settings) {
-  auto& [repulsion, stiffness, ccd, zones, sweeps, rounds, infeasible, verify] = settings;
-  archive.values(repulsion, stiffness, ccd, zones, sweeps, rounds, infeasible, verify);
+  auto& [repulsion, stiffness, ccd, zones, solver_iterations, rounds, infeasible, verify] = settings;
+  archive.values(repulsion, stiffness, ccd, zones, solver_iterations, rounds, infeasible, verify);
 }
 
 void visit(Archive& archive, SlipSettings& settings) {
@@ -63,7 +63,7 @@ void visit(Archive& archive, SurfaceMotion& motion) {
 }
 
 /// What gather checks of a host; the meshes are compared with the host's own.
-bool is_sound(const SurfaceMotion& m) {
+bool is_in_range(const SurfaceMotion& m) {
   const std::size_t n = m.x_t1.size();
   const auto has = [n](std::size_t size) { return size == n || size == 0; };
   if (m.storage != Storage::float32 && m.storage != Storage::float64) return false;
@@ -73,8 +73,9 @@ bool is_sound(const SurfaceMotion& m) {
   for (const Triangle& t : m.triangles)
     if (t[0] >= n || t[1] >= n || t[2] >= n) return false;
   for (std::size_t i = 0; i < n; ++i)
-    if (!world::is_sound(m.x_t0[i]) || !world::is_sound(m.x_t1[i]) || !world::is_sound(m.velocity[i]) ||
-        stored(m.x_t1[i], m.storage) != m.x_t1[i] || !(m.inverse_mass[i] >= 0))
+    if (!world::is_in_range(m.x_t0[i]) || !world::is_in_range(m.x_t1[i]) ||
+        !world::is_in_range(m.velocity[i]) || stored(m.x_t1[i], m.storage) != m.x_t1[i] ||
+        !(m.inverse_mass[i] >= 0))
       return false;
   return true;
 }
@@ -143,17 +144,17 @@ Status unframe(Span<const std::uint8_t> saved, Span<const std::uint8_t>* content
 }
 
 void Attachments::visit(Archive& archive) {
-  constexpr std::size_t least_bytes = 200;  // of a surface without nodes
+  constexpr std::size_t min_bytes = 200;  // of a surface without nodes
   archive.value(next_id_);
-  archive.list(list_, least_bytes, [&](std::unique_ptr<Attachment>& a) {
+  archive.list(list_, min_bytes, [&](std::unique_ptr<Attachment>& a) {
     if (!a) a = std::make_unique<Attachment>();
-    archive.values(a->fresh, a->teleported, a->refused);
+    archive.values(a->is_new, a->teleported, a->refused);
     oilskin::visit(archive, a->settings);
     if (archive.ok()) archive.require(a->settings.validate().ok(), "the settings of a surface");
     // What a refused surface holds is of no use: where it comes back, it is a new one.
     if (a->refused) return archive.value(a->motion.id);
     oilskin::visit(archive, a->motion);
-    if (archive.ok()) archive.require(oilskin::is_sound(a->motion), "the state of a surface");
+    if (archive.ok()) archive.require(oilskin::is_in_range(a->motion), "the state of a surface");
   });
   if (!archive.reading()) return;
   std::vector<std::uint64_t> ids;
@@ -208,7 +209,7 @@ Status Attachments::take_hosts(Attachments& from) {
 
 /// Counters first: what follows is checked against them.
 void World::Impl::visit_state(Archive& archive) {
-  archive.values(next_particle_id, step_count, interval_count, time, last_dt, largest_acceleration);
+  archive.values(next_particle_id, step_count, interval_count, time, last_dt, max_acceleration);
   archive.require(time >= 0 && std::isfinite(time) && last_dt >= 0 && std::isfinite(last_dt), "the time");
   particles.visit(archive);
   if (archive.reading())

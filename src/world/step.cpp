@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/assert.h"
-#include "world/intake.h"
+#include "world/numeric_range.h"
 #include "world/world_impl.h"
 
 namespace oilskin {
@@ -19,8 +19,8 @@ namespace {
 void World::Impl::run_step(double dt) {
   OILSKIN_ASSERT(dt > 0 && fluid && emission && contact);
   gather(dt);  // surfaces: x_t0 → proposed x_t1
-  quarantine_input();
-  cut(dt);  // how many sub-steps
+  remove_invalid_particles();
+  choose_substeps(dt);  // how many sub-steps
   const double begin = time, part = dt / report.substeps;
   for (substep = 0; substep < report.substeps; ++substep) {
     time = begin + substep * part;
@@ -43,12 +43,12 @@ void World::Impl::run_interval(double dt) {
   contact_report = {};
   contact->begin(dt, contact_settings, motion, surfaces, contact_report, report.seconds);
   // hidden neighbours, boundary terms
-  fluid->meet_surfaces(dt, settings.gravity, particles, surfaces, report.seconds);
+  fluid->apply_surfaces(dt, settings.gravity, particles, surfaces, report.seconds);
   predict_contacts(dt);  // bounds for the pressure solver
   propose_motion(dt);    // pressure, viscosity → x_t1
   contact->run();        // impulses, meetings, zones → certificate
   certify();             // an independent check, when asked for
-  tell_observer(dt);
+  notify_observer(dt);
   commit();  // nothing live has moved since the certificate
 }
 
@@ -60,18 +60,19 @@ void World::Impl::gather(double dt) {
     contact->forget(id);
     fluid->forget(id);
   }
-  fluid->note_answers(dt, settings.gravity, surfaces);
-  attachments.reseed(surfaces, particles, fluid->particle_mass(), next_particle_id, *workers, report);
+  fluid->record_host_response(dt, settings.gravity, surfaces);
+  attachments.relocate_particles(surfaces, particles, fluid->particle_mass(), next_particle_id, *workers,
+                                 report);
 }
 
-void World::Impl::quarantine_input() {
+void World::Impl::remove_invalid_particles() {
   std::vector<std::uint8_t> keep(particles.size(), 1);
   bool any = false;
   for (std::size_t i = 0; i < particles.size(); ++i) {
-    if (world::is_sound(particles.position[i]) && world::is_sound(particles.velocity[i])) continue;
+    if (world::is_in_range(particles.position[i]) && world::is_in_range(particles.velocity[i])) continue;
     keep[i] = 0;
     any = true;
-    ++report.quarantined;
+    ++report.removed_invalid;
     report.mass_removed += fluid->particle_mass();
   }
   if (any) particles.compress(keep);
@@ -140,14 +141,14 @@ void World::Impl::predict_motion() {
 void World::Impl::predict_contacts(double dt) {
   prediction.clear();
   if (!fluid_settings.contact_aware) return;
-  for (const ContactRecord& r : contact->select_records()) {
+  for (const Contact& r : contact->select_contacts()) {
     if (r.particle >= particles.size()) continue;  // emitted: not in the pair sums yet
     OILSKIN_ASSERT(r.surface < surfaces.size() && r.distance >= 0);
     const SurfaceMotion& s = *surfaces[r.surface];
     Vec3 wall = Vec3::Zero();
     for (int k = 0; k < 3; ++k) wall += r.weights[k] * (s.x_t1[r.nodes[k]] - s.x_t0[r.nodes[k]]);
-    const double free_way = std::max(0.0, r.distance - s.thickness);
-    prediction.push_back({r.particle, r.normal, (wall.dot(r.normal) - free_way) / dt});
+    const double free_distance = std::max(0.0, r.distance - s.thickness);
+    prediction.push_back({r.particle, r.normal, (wall.dot(r.normal) - free_distance) / dt});
   }
 }
 
@@ -163,17 +164,17 @@ void World::Impl::propose_motion(double dt) {
     const Vec3 before = now.velocity[i], ballistic = before + now.remaining[i] * settings.gravity;
     now.velocity[i] = i < live ? particles.velocity[i] : ballistic;
     now.x_t1[i] = now.x_t0[i] + now.remaining[i] * now.velocity[i];
-    if (world::is_sound(now.x_t1[i]) && world::is_sound(now.velocity[i])) {
+    if (world::is_in_range(now.x_t1[i]) && world::is_in_range(now.velocity[i])) {
       if (i < live) change = std::max(change, (now.velocity[i] - before).squaredNorm());
       continue;
     }
     now.x_t1[i] = now.x_t0[i];
     if (!now.velocity[i].allFinite()) now.velocity[i] = ballistic;  // it leaves with what it is booked with
     now.removed[i] = 1;
-    ++report.quarantined;
+    ++report.removed_invalid;
   }
   OILSKIN_ASSERT(all_finite(now.x_t1) && all_finite(now.velocity));
-  largest_acceleration = std::sqrt(change) / dt;
+  max_acceleration = std::sqrt(change) / dt;
 }
 
 void World::Impl::certify() {
@@ -183,7 +184,7 @@ void World::Impl::certify() {
       ContactSolver::count_crossings(motion, surfaces, &contact_report.verified_pairs);
 }
 
-void World::Impl::tell_observer(double dt) {
+void World::Impl::notify_observer(double dt) {
   const std::uint64_t number = interval_count++;
   if (!observer) return;
   Interval interval;
@@ -235,7 +236,7 @@ void World::Impl::commit() {
 void World::Impl::scatter() {
   contact::StageTimer timer(report.seconds.gather);
   paths.end();
-  fluid->note_loads(report.dt, surfaces);
+  fluid->record_load(report.dt, surfaces);
   attachments.scatter(surfaces, report);
 }
 

@@ -7,20 +7,20 @@
 
 namespace oilskin::world {
 
-int substep_count(const Speeds& speeds, double dt, double way, int most) {
-  OILSKIN_ASSERT(dt > 0 && way > 0 && most >= 1);
+int substep_count(const Speeds& speeds, double dt, double distance, int maximum) {
+  OILSKIN_ASSERT(dt > 0 && distance > 0 && maximum >= 1);
   const double fluid = speeds.fluid + speeds.gravity * dt;
-  const double parts = std::ceil(dt * std::max(fluid, speeds.surfaces) / way);
-  return parts < most ? std::max(1, static_cast<int>(parts)) : most;
+  const double parts = std::ceil(dt * std::max(fluid, speeds.surfaces) / distance);
+  return parts < maximum ? std::max(1, static_cast<int>(parts)) : maximum;
 }
 
-double longest_step(const Speeds& speeds, double way) {
-  OILSKIN_ASSERT(way > 0 && speeds.fluid >= 0 && speeds.gravity >= 0 && speeds.surfaces >= 0);
+double longest_step(const Speeds& speeds, double distance) {
+  OILSKIN_ASSERT(distance > 0 && speeds.fluid >= 0 && speeds.gravity >= 0 && speeds.surfaces >= 0);
   // dt (v + g dt) = way, in the form that does not cancel.
-  const double slope = speeds.fluid + std::sqrt(speeds.fluid * speeds.fluid + 4 * speeds.gravity * way);
+  const double slope = speeds.fluid + std::sqrt(speeds.fluid * speeds.fluid + 4 * speeds.gravity * distance);
   double longest = std::numeric_limits<double>::infinity();
-  if (slope > 0) longest = 2 * way / slope;
-  if (speeds.surfaces > 0) longest = std::min(longest, way / speeds.surfaces);
+  if (slope > 0) longest = 2 * distance / slope;
+  if (speeds.surfaces > 0) longest = std::min(longest, distance / speeds.surfaces);
   return longest;
 }
 
@@ -30,13 +30,13 @@ double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, doubl
   for (const SurfaceMotion* s : surfaces)
     for (const Triangle& t : s->triangles) {
       Box swept;
-      double way = 0;
+      double distance = 0;
       for (std::uint32_t node : t) {
         swept.add(s->x_t0[node]);
         swept.add(s->x_t1[node]);
-        way = std::max(way, (s->x_t1[node] - s->x_t0[node]).squaredNorm());
+        distance = std::max(distance, (s->x_t1[node] - s->x_t0[node]).squaredNorm());
       }
-      if (way > longest && swept.overlaps(water)) longest = way;
+      if (distance > longest && swept.overlaps(water)) longest = distance;
     }
   return std::sqrt(longest) / dt;
 }

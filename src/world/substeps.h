@@ -14,10 +14,10 @@ struct Speeds {
 
 /// In how many equal parts a step of dt [s] falls so that nothing goes farther than `way` [m] in one of them
 /// (Courant–Friedrichs–Lewy); at most `most`.
-int substep_count(const Speeds& speeds, double dt, double way, int most);
+int substep_count(const Speeds& speeds, double dt, double distance, int maximum);
 
 /// The longest dt [s] in which nothing goes farther than `way` [m]; infinity where nothing moves.
-double longest_step(const Speeds& speeds, double way);
+double longest_step(const Speeds& speeds, double distance);
 
 /// Speed of the fastest node of all triangles that sweep through the box `water` in a step of dt [s].
 double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, double dt);

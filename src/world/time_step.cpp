@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/assert.h"
-#include "world/intake.h"
+#include "world/numeric_range.h"
 #include "world/world_impl.h"
 
 namespace oilskin {
@@ -15,7 +15,7 @@ world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved
   Box water;
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Vec3 &x = particles.position[i], &v = particles.velocity[i];
-    if (!world::is_sound(x) || !world::is_sound(v)) continue;  // quarantined by the next step
+    if (!world::is_in_range(x) || !world::is_in_range(v)) continue;  // quarantined by the next step
     water.add(x);
     found.fluid = std::max(found.fluid, v.squaredNorm());
   }
@@ -26,11 +26,11 @@ world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved
   return found;
 }
 
-void World::Impl::cut(double dt) {
-  const double way = fluid_settings.cfl * fluid_settings.spacing;
-  const int most = fluid_settings.max_substeps;
-  report.substeps = most > 1 ? world::substep_count(speeds(surfaces, dt, dt), dt, way, most) : 1;
-  OILSKIN_ASSERT(report.substeps >= 1 && report.substeps <= most);
+void World::Impl::choose_substeps(double dt) {
+  const double distance = fluid_settings.cfl * fluid_settings.spacing;
+  const int maximum = fluid_settings.max_substeps;
+  report.substeps = maximum > 1 ? world::substep_count(speeds(surfaces, dt, dt), dt, distance, maximum) : 1;
+  OILSKIN_ASSERT(report.substeps >= 1 && report.substeps <= maximum);
   paths.begin(surfaces, report.substeps, dt / report.substeps);
 }
 
@@ -39,13 +39,12 @@ void World::Impl::cut(double dt) {
 double World::Impl::longest_dt(double largest) const {
   std::vector<SurfaceMotion*> moved;
   for (const auto& a : attachments.all())
-    if (!a->refused && world::meets(fluid_settings, a->settings)) moved.push_back(&a->motion);
+    if (!a->refused && world::can_collide(fluid_settings, a->settings)) moved.push_back(&a->motion);
   const world::Speeds found = speeds(moved, last_dt, largest);
   const FluidSettings& f = fluid_settings;
   const double support = fluid->support_radius();
   double dt = std::min(largest, world::longest_step(found, f.max_substeps * f.cfl * f.spacing));
-  if (largest_acceleration > 0)
-    dt = std::min(dt, f.max_substeps * 0.25 * std::sqrt(support / largest_acceleration));
+  if (max_acceleration > 0) dt = std::min(dt, f.max_substeps * 0.25 * std::sqrt(support / max_acceleration));
   if (f.viscosity > 0) dt = std::min(dt, 0.035 * support * support / f.viscosity);
   if (f.solver == PressureSolver::mcg03)
     dt = std::min(dt, 0.4 * support / (std::sqrt(f.stiffness) + found.fluid));

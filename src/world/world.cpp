@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "core/hash.h"
-#include "world/intake.h"
+#include "world/numeric_range.h"
 #include "world/world_impl.h"
 
 namespace oilskin {
@@ -166,13 +166,13 @@ Status World::add_particles(Span<const Vec3> positions, Span<const Vec3> velocit
     return Status::refused("there are " + std::to_string(positions.size()) + " positions and " +
                            std::to_string(velocities.size()) + " velocities; they must be as many");
   for (std::size_t i = 0; i < positions.size(); ++i)
-    if (!world::is_sound(positions[i]) || !world::is_sound(velocities[i]))
+    if (!world::is_in_range(positions[i]) || !world::is_in_range(velocities[i]))
       return Status::refused("particle " + std::to_string(i) + " is not finite");
   // Between steps a surface stands where x_t1 says; the clearance test reads x_t0.
   std::vector<SurfaceMotion> copies;
   std::vector<SurfaceMotion*> surfaces;
   for (const auto& a : impl_->attachments.all())
-    if (!a->refused && world::meets(impl_->fluid_settings, a->settings)) copies.push_back(a->motion);
+    if (!a->refused && world::can_collide(impl_->fluid_settings, a->settings)) copies.push_back(a->motion);
   for (SurfaceMotion& m : copies) {
     m.x_t0 = m.x_t1;
     surfaces.push_back(&m);
@@ -231,9 +231,9 @@ std::uint32_t flags_of(const StepReport& r, const ContactSettings& contact) {
   if (r.contact.allowed > 0) flags |= flag_leaked;
   if (r.contact.stalled > 0) flags |= flag_stalled;
   if (r.contact.removed > 0) flags |= flag_removed_by_contact;
-  if (r.quarantined > 0) flags |= flag_quarantined;
+  if (r.removed_invalid > 0) flags |= flag_removed_invalid;
   if (r.contact.held > 0) flags |= flag_many_holds;
-  if (!contact.ccd || !contact.zones || r.contact.began_near > 0) flags |= flag_no_promise;
+  if (!contact.ccd || !contact.zones || r.contact.started_too_close > 0) flags |= flag_no_promise;
   return flags;
 }
 
@@ -272,9 +272,9 @@ std::uint64_t World::step_count() const {
   return impl_->step_count;
 }
 
-const std::vector<ContactRecord>& World::contacts() const {
-  static const std::vector<ContactRecord> none;
-  return impl_->contact ? impl_->contact->records() : none;
+const std::vector<Contact>& World::contacts() const {
+  static const std::vector<Contact> none;
+  return impl_->contact ? impl_->contact->contacts() : none;
 }
 
 std::uint64_t World::state_hash() const {

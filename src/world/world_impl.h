@@ -39,9 +39,9 @@ struct World::Impl {
   std::uint64_t next_particle_id = 1;
   std::uint64_t step_count = 0;
   std::uint64_t interval_count = 0;
-  double time = 0;                  ///< where the interval under way begins
-  double last_dt = 0;               ///< of the last step; 0 = there was none
-  double largest_acceleration = 0;  ///< by the fluid's own forces in the last interval [m/s²]
+  double time = 0;              ///< where the interval under way begins
+  double last_dt = 0;           ///< of the last step; 0 = there was none
+  double max_acceleration = 0;  ///< by the fluid's own forces in the last interval [m/s²]
   StepReport report;
 
   // Context of the step under way
@@ -63,15 +63,15 @@ struct World::Impl {
   // The step, in order (step.cpp)
   void run_step(double dt);
   void gather(double dt);
-  void quarantine_input();
-  void cut(double dt);
+  void remove_invalid_particles();
+  void choose_substeps(double dt);
   void run_interval(double dt);
   void emit(double dt);
   void predict_motion();
   void predict_contacts(double dt);
   void propose_motion(double dt);
   void certify();
-  void tell_observer(double dt);
+  void notify_observer(double dt);
   void commit();
   void scatter();
 

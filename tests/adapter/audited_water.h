@@ -29,7 +29,7 @@ class AuditedWater : public btFluid, private IntervalObserver {
     ASSERT_TRUE(report.status.ok()) << report.status.message;
     ASSERT_EQ(auditor_.summary().findings(), 0u) << "step " << report.step << "\n" << auditor_.summary();
     constexpr std::uint32_t faults = flag_leaked | flag_scatter_mismatch | flag_no_promise |
-                                     flag_surface_refused | flag_quarantined | flag_removed_by_contact;
+                                     flag_surface_refused | flag_removed_invalid | flag_removed_by_contact;
     ASSERT_EQ(report.flags & faults, 0u) << "step " << report.step << ": " << flag_texts(report.flags)[0];
     Vec3 fluid = Vec3::Zero();
     double size = report.momentum_before.norm() + report.momentum_gravity.norm();
@@ -39,7 +39,7 @@ class AuditedWater : public btFluid, private IntervalObserver {
     }
     ASSERT_LE((fluid - report.momentum_after).norm(), 1e-12 * size);
     ASSERT_LE(report.momentum_residual().norm(), 1e-10 * size) << "step " << report.step;
-    contacts += report.contact.contacts + report.contact.meetings;
+    contacts += report.contact.contacts + report.contact.impacts;
   }
 
   /// Particles that have the cloth straight below them.

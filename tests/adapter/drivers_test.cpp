@@ -231,7 +231,7 @@ TEST(Drivers, cloths_that_come_and_go_while_it_runs) {
   btSoftBody* floor = host.bowl(-0.1);
   host.pour(-0.13);
   for (int i = 0; i < 200; ++i) RUN(host.step());
-  std::uint64_t reseeded = 0;
+  std::uint64_t relocated = 0;
   for (int round = 0; round < 8; ++round) {
     // A new sheet lies exactly at a particle's place.
     int lowest = 0;
@@ -241,7 +241,7 @@ TEST(Drivers, cloths_that_come_and_go_while_it_runs) {
     ASSERT_EQ(host.water.getWorld().surface_count(), 2u);
     for (int i = 0; i < 15; ++i) {
       RUN(host.step());
-      reseeded += host.solver.getReport().contact.reseeded;
+      relocated += host.solver.getReport().contact.relocated;
     }
     host.solver.removeCloth(sheet);  // it stays in Bullet's world, and comes back as it then is
     ASSERT_EQ(host.water.getWorld().surface_count(), 1u);
@@ -253,8 +253,8 @@ TEST(Drivers, cloths_that_come_and_go_while_it_runs) {
     for (int i = 0; i < 10; ++i) RUN(host.step());
   }
   EXPECT_GT(host.water.contacts, 2000u);
-  EXPECT_GE(reseeded, 8u) << "a particle where the sheet appears gets another place, or is removed";
-  EXPECT_GE(host.water.getNumParticles(), 128 - static_cast<int>(reseeded));
+  EXPECT_GE(relocated, 8u) << "a particle where the sheet appears gets another place, or is removed";
+  EXPECT_GE(host.water.getNumParticles(), 128 - static_cast<int>(relocated));
   EXPECT_EQ(host.water.carried_by(*floor), host.water.getNumParticles());
 }
 
@@ -331,7 +331,7 @@ TEST(Drivers, a_free_sheet_thrown_by_setVelocity) {
 
 struct SubSteps {
   double frame;
-  int most;
+  int maximum;
   double fixed;
   bool holds;  ///< Bullet's cloth bears the load at this length
 };
@@ -344,11 +344,11 @@ TEST_P(BulletsSubSteps, nothing_crosses_and_the_water_stays) {
   btSoftBody* cloth = host.bowl();
   host.pour(0);
   int sub_steps = 0;
-  const double simulated_of_a_frame = s.most == 0 ? s.frame : std::min(s.frame, s.most * s.fixed);
+  const double simulated_of_a_frame = s.maximum == 0 ? s.frame : std::min(s.frame, s.maximum * s.fixed);
   const int frames = static_cast<int>(std::lround(0.4 / simulated_of_a_frame));
   for (int i = 0; i < frames; ++i) {
-    const int n = host.bullet.world.stepSimulation(bt(s.frame), s.most, bt(s.fixed));
-    sub_steps += s.most == 0 ? 1 : std::min(n, s.most);
+    const int n = host.bullet.world.stepSimulation(bt(s.frame), s.maximum, bt(s.fixed));
+    sub_steps += s.maximum == 0 ? 1 : std::min(n, s.maximum);
     if (sub_steps == 0) continue;
     RUN(host.water.expect_sound(host.solver.getReport()));
   }

@@ -13,8 +13,8 @@
 namespace oilskin::test {
 namespace {
 
-SurfaceMesh a_mesh() {
-  SurfaceMesh mesh;
+WaterMesh a_mesh() {
+  WaterMesh mesh;
   mesh.positions = {{0, 0, 0}, {0.1f, 0, 0}, {0, 0.25f, 0}, {0, 0, -3}};
   mesh.normals.assign(4, {0, 0, 1});
   mesh.velocities.assign(4, {1, 2, 3});

@@ -28,14 +28,14 @@ Triple relative(const std::array<Point, 4>& x) {
 /// A lower bound of d·a for the unrounded difference a. Each product term carries at most four roundings
 /// (difference, product, two sums), the magnitudes' sum as many, the subtraction one: 16 u is twice what is
 /// needed. The constant covers underflow.
-double least_dot(const Point& d, const Point& a) {
+double min_dot(const Point& d, const Point& a) {
   const double x = d[0] * a[0], y = d[1] * a[1], z = d[2] * a[2];
   return x + y + z - (0x1p-49 * (std::abs(x) + std::abs(y) + std::abs(z)) + 1e-300);
 }
 
 /// How far along d (not normalised) the triangle certainly is.
-double least_dot(const Point& d, const Triple& corners) {
-  return std::min({least_dot(d, corners[0]), least_dot(d, corners[1]), least_dot(d, corners[2])});
+double min_dot(const Point& d, const Triple& corners) {
+  return std::min({min_dot(d, corners[0]), min_dot(d, corners[1]), min_dot(d, corners[2])});
 }
 
 bool axis_separates(const Triple& a, const Triple& b) {
@@ -67,12 +67,12 @@ Point towards_triangle(const Triple& c) {
     if (height != 0) return {height * normal[0], height * normal[1], height * normal[2]};
   }
   Point best{};
-  double least = HUGE_VAL;
+  double minimum = HUGE_VAL;
   for (int i = 0; i < 3; ++i) {
     const Point candidate = closest_on_segment(c[i], c[(i + 1) % 3]);
     const double distance = dot(candidate, candidate);
-    if (distance < least) {
-      least = distance;
+    if (distance < minimum) {
+      minimum = distance;
       best = candidate;
     }
   }
@@ -84,7 +84,7 @@ Point towards_triangle(const Triple& c) {
 /// rounding on the safe side.
 bool apart_along(const Point& d, const Triple& start, const Triple& end, double t0, double t1) {
   for (int i = 0; i < 3; ++i) {
-    const double a = least_dot(d, start[i]), b = least_dot(d, end[i]);
+    const double a = min_dot(d, start[i]), b = min_dot(d, end[i]);
     for (const double t : {t0, t1}) {
       const double x = (1 - t) * a, y = t * b;
       if (!(x + y > 0x1p-49 * (std::abs(x) + std::abs(y)))) return false;
@@ -117,9 +117,9 @@ bool certainly_apart(const Pair& pair) {
 bool certainly_beyond(const Pair& pair, double delta) {
   const Triple end = relative(pair.end);
   const Point d = towards_triangle(end);
-  // All of the triangle is at least least_dot/|d| away: it lies beyond a plane at that distance.
+  // All of the triangle is at least min_dot/|d| away: it lies beyond a plane at that distance.
   const double length = std::sqrt(dot(d, d));
-  return length > 1e-140 && least_dot(d, end) > delta * length * (1 + 1e-14);
+  return length > 1e-140 && min_dot(d, end) > delta * length * (1 + 1e-14);
 }
 
 }  // namespace oilskin::audit

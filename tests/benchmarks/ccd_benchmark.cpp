@@ -21,7 +21,7 @@
 #include "audit/motion_trace.h"
 #include "audit/pair_filter.h"
 #include "ccd/coplanarity_cubic.h"
-#include "ccd/plain_finding.h"
+#include "ccd/filter.h"
 #include "ccd/point_triangle.h"
 #include "ccd/queries.h"
 #include "ccd_command.h"
@@ -83,24 +83,24 @@ void measure(const char* who, const Set& set, Test test) {
     false_positives += !q.hit && hit ? 1 : 0;
   }
   const auto count = static_cast<double>(set.queries.size());
-  std::vector<double> mean(kPasses), least(set.queries.size(), 1e18);
+  std::vector<double> mean(kPasses), minimum(set.queries.size(), 1e18);
   for (double& pass : mean) {
     const auto start = std::chrono::steady_clock::now();
     for (const LabelledQuery& q : set.queries) found += test(q.motion) ? 1 : 0;
     pass = nanoseconds_since(start) / count;
   }
   for (int pass = 0; pass < kPasses; ++pass) {
-    for (std::size_t i = 0; i < least.size(); ++i) {
+    for (std::size_t i = 0; i < minimum.size(); ++i) {
       const auto start = std::chrono::steady_clock::now();
       found += test(set.queries[i].motion) ? 1 : 0;
-      least[i] = std::min(least[i], nanoseconds_since(start));
+      minimum[i] = std::min(minimum[i], nanoseconds_since(start));
     }
   }
   // A use of the results keeps the loops from being optimised away.
   if (found != 2 * kPasses * (hits - false_negatives + false_positives)) std::abort();
   std::sort(mean.begin(), mean.end());
-  const double worst = least.empty() ? 0 : *std::max_element(least.begin(), least.end());
-  const auto slow = std::count_if(least.begin(), least.end(), [](double ns) { return ns > 20000; });
+  const double worst = minimum.empty() ? 0 : *std::max_element(minimum.begin(), minimum.end());
+  const auto slow = std::count_if(minimum.begin(), minimum.end(), [](double ns) { return ns > 20000; });
   std::printf("  %-8s FN %6zu  FP %6zu  mean %9.1f ns (least %9.1f)  worst %8.2f us  above 20 us: %ld\n", who,
               false_negatives, false_positives, mean[kPasses / 2], mean[0], worst / 1000,
               static_cast<long>(slow));
@@ -112,8 +112,8 @@ struct Exits {
 
   void add(const ccd::PointTriangleMotion& m) {
     using namespace ccd::detail;
-    const Finding finding = plain_finding(m);
-    if (finding.verdict == Verdict::kMeet) ++plain_meet;
+    const FilterResult finding = filter(m);
+    if (finding.verdict == Verdict::kImpact) ++plain_meet;
     if (finding.verdict == Verdict::kUnclear) ++exact;
     if (finding.verdict != Verdict::kApart) return;
     RelativeMotion relative;

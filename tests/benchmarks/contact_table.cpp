@@ -39,7 +39,7 @@ void print_row(const Row& row, double duration, int threads) {
               row.thickness, row.slip, simulation->host_seconds(), fluid, contact, s.proximity, s.impulses,
               s.ccd, s.zones, s.gather, contact / fluid,
               static_cast<unsigned long long>(totals.contact.contacts),
-              static_cast<unsigned long long>(totals.contact.meetings),
+              static_cast<unsigned long long>(totals.contact.impacts),
               static_cast<unsigned long long>(totals.contact.zone_rounds));
   std::fflush(stdout);
 }

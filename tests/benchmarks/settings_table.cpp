@@ -86,7 +86,7 @@ class Row {
     measure_density(world);
     std::uint64_t fast_now = 0;
     for (const Vec3& v : world.velocities()) fast_now += v.squaredNorm() > fast * fast;
-    most_fast_ = std::max(most_fast_, fast_now);
+    max_fast_ = std::max(max_fast_, fast_now);
     return true;
   }
 
@@ -103,7 +103,7 @@ class Row {
         static_cast<double>(totals_.pressure_iterations) / substeps,
         static_cast<double>(divergence_iterations_) / substeps,
         100 * density_error_sum_ / static_cast<double>(totals_.steps), 100 * density_error_max_,
-        static_cast<unsigned long long>(most_fast_),
+        static_cast<unsigned long long>(max_fast_),
         static_cast<unsigned long long>(totals_.contact.crossings_found_by_verify),
         simulation_->world().particle_count());
   }
@@ -125,7 +125,7 @@ class Row {
   StepPlan plan_;
   std::unique_ptr<Simulation> simulation_;
   Totals totals_;
-  std::uint64_t divergence_iterations_ = 0, most_fast_ = 0;
+  std::uint64_t divergence_iterations_ = 0, max_fast_ = 0;
   double density_error_sum_ = 0, density_error_max_ = 0;
 };
 

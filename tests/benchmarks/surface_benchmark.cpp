@@ -18,8 +18,8 @@
 #include <map>
 #include <string>
 
-#include "oilskin/surface_mesh.h"
-#include "surface/scenes.h"
+#include "oilskin/reconstruction.h"
+#include "reconstruction/scenes.h"
 
 using namespace oilskin;
 
@@ -60,17 +60,17 @@ void apart(const F& f) {
 
 struct Measured {
   double seconds = 1e30, megabytes = 0;
-  SurfaceMesh mesh;
-  SurfaceReport report;
+  WaterMesh mesh;
+  ReconstructionReport report;
 };
 
-Measured measure(const test::WaterScene& scene, const SurfaceOptions& options, int runs) {
+Measured measure(const test::WaterScene& scene, const ReconstructionOptions& options, int runs) {
   Measured m;
-  const SurfaceInput input = scene.input();
+  const ReconstructionInput input = scene.input();
   forget_peak();
   const double before = status_megabytes("VmRSS");
   for (int i = 0; i < runs; ++i) {
-    m.mesh = SurfaceMesh();
+    m.mesh = WaterMesh();
     const double start = cpu_seconds();
     const Status status = reconstruct_surface(input, options, &m.mesh, &m.report);
     m.seconds = std::min(m.seconds, cpu_seconds() - start);
@@ -83,9 +83,9 @@ Measured measure(const test::WaterScene& scene, const SurfaceOptions& options, i
   return m;
 }
 
-void print_plain(const char* name, const test::WaterScene& scene, SurfaceOptions options, int runs) {
+void print_plain(const char* name, const test::WaterScene& scene, ReconstructionOptions options, int runs) {
   const Measured m = measure(scene, options, runs);
-  const SurfaceSeconds& s = m.report.seconds;
+  const ReconstructionSeconds& s = m.report.seconds;
   std::printf(
       "%-8s %9zu particles  %7.2f CPU s  %6.0f MB  %8zu triangles  (last run, wall: blocks %.2f, field %.2f, "
       "mesh "
@@ -140,7 +140,7 @@ test::WaterScene jet() {
 void print_contact(const char* name, const test::WaterScene& scene, double cell, int threads, int runs) {
   struct Mode {
     const char* name;
-    SurfaceContact contact;
+    ObstacleMode contact;
     double gap;
     int smoothing;
   };
@@ -148,26 +148,26 @@ void print_contact(const char* name, const test::WaterScene& scene, double cell,
   double volume = 0;
   std::map<int, double> alone;  // by iterations of smoothing
   for (const Mode& mode :
-       {Mode{"none", SurfaceContact::none, 0, 0}, Mode{"none, smooth 10", SurfaceContact::none, 0, 10},
-        Mode{"reset", SurfaceContact::reset, 0, 0}, Mode{"reset 1 s", SurfaceContact::reset, 1, 0},
-        Mode{"gap", SurfaceContact::gap, 0, 0}, Mode{"gap 0.1 s", SurfaceContact::gap, 0.1, 0},
-        Mode{"gap 0.4 s", SurfaceContact::gap, 0.4, 0}, Mode{"touch", SurfaceContact::touch, 0, 0},
-        Mode{"touch, smooth 10", SurfaceContact::touch, 0, 10},
-        Mode{"overlap 0.2 s", SurfaceContact::overlap, 0.2, 0}}) {
-    SurfaceOptions options;
+       {Mode{"none", ObstacleMode::none, 0, 0}, Mode{"none, smooth 10", ObstacleMode::none, 0, 10},
+        Mode{"reset", ObstacleMode::reset, 0, 0}, Mode{"reset 1 s", ObstacleMode::reset, 1, 0},
+        Mode{"gap", ObstacleMode::gap, 0, 0}, Mode{"gap 0.1 s", ObstacleMode::gap, 0.1, 0},
+        Mode{"gap 0.4 s", ObstacleMode::gap, 0.4, 0}, Mode{"touch", ObstacleMode::touch, 0, 0},
+        Mode{"touch, smooth 10", ObstacleMode::touch, 0, 10},
+        Mode{"overlap 0.2 s", ObstacleMode::overlap, 0.2, 0}}) {
+    ReconstructionOptions options;
     options.spacing = s;
     options.cell = cell;
     options.contact = mode.contact;
-    options.gap = mode.contact == SurfaceContact::overlap ? 0 : std::min(mode.gap, 1.0) * s;
-    options.overlap_depth = mode.contact == SurfaceContact::overlap ? mode.gap * s : 0;
+    options.gap = mode.contact == ObstacleMode::overlap ? 0 : std::min(mode.gap, 1.0) * s;
+    options.overlap_depth = mode.contact == ObstacleMode::overlap ? mode.gap * s : 0;
     options.smoothing_iterations = mode.smoothing;
     options.threads = threads;
     const Measured m = measure(scene, options, runs);
-    if (mode.contact == SurfaceContact::none) {
+    if (mode.contact == ObstacleMode::none) {
       alone[mode.smoothing] = m.seconds;
       if (mode.smoothing == 0) volume = m.report.volume;
     }
-    const SurfaceCheck check = check_surface(m.mesh, scene.obstacles(), options.gap, threads);
+    const MeshCheck check = check_mesh(m.mesh, scene.obstacles(), options.gap, threads);
     std::printf(
         "%-8s cell %.2f s  %-17s %7.3f CPU s (x %4.2f) %7zu triangles  volume %7.1f cm3 (%+5.1f %%)  %4zu "
         "pairs cut, "
@@ -184,7 +184,7 @@ int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "all";
   const int threads = argc > 2 ? std::atoi(argv[2]) : 2, runs = argc > 3 ? std::atoi(argv[3]) : 3;
   const auto asked = [&](const char* name) { return what == name || what == "all"; };
-  SurfaceOptions options;
+  ReconstructionOptions options;
   options.threads = threads;
   if (asked("dam"))
     apart([&] {

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "ccd/exact_arbiter.h"
+#include "ccd/exact_query.h"
 #include "ccd/point_triangle.h"
 #include "ccd/queries.h"
 
@@ -28,13 +28,13 @@ void expect_known_start_helps(const ccd::PointTriangleMotion& m, const exact::An
   for (const double width : {1e-8, 1e-12}) {
     const ccd::detail::TimeSpan around{std::max(0.0, touch - width), std::min(1.0, touch + width)},
         before{std::max(0.0, touch - 3 * width), std::max(0.5 * width, touch - 2 * width)};
-    const ccd::Meeting in = ccd::detail::exact_meeting_from(m, around);
+    const ccd::Impact in = ccd::detail::exact_impact_from(m, around);
     ASSERT_EQ(in.hit, truth.hit) << "query " << query;
     if (truth.hit) {
       ASSERT_LE(in.time, truth.touch_lower) << "query " << query;
       ASSERT_GE(in.time, around.begin - 4e-12) << "query " << query;
     }
-    const ccd::Meeting after = ccd::detail::exact_meeting_from(m, before);
+    const ccd::Impact after = ccd::detail::exact_impact_from(m, before);
     ASSERT_EQ(after.hit, truth.hit) << "query " << query;
     if (truth.hit) {
       ASSERT_LE(after.time, truth.touch_lower) << "query " << query;
@@ -87,7 +87,7 @@ TEST_P(Adversarial, AnswersAreExactAndNeverLate) {
   double earliest = 0;
   for (int i = 0; i < count; ++i) {
     const Corners x = family.make(random);
-    const ccd::Meeting found = ccd::point_triangle(to_motion(x));
+    const ccd::Impact found = ccd::point_triangle(to_motion(x));
     if (x[0] == x[4] && x[1] == x[5] && x[2] == x[6] && x[3] == x[7]) {
       ++at_rest;
       ASSERT_FALSE(found.hit) << "what does not move is no hit by contract";
@@ -95,11 +95,11 @@ TEST_P(Adversarial, AnswersAreExactAndNeverLate) {
     }
     const exact::Answer truth = exact::point_triangle(to_exact(x));
     // Plain arithmetic answers most queries: exact arithmetic, its last resort, is asked all of them here.
-    const ccd::Meeting exact_meeting = ccd::detail::exact_meeting(to_motion(x));
-    ASSERT_EQ(exact_meeting.hit, truth.hit) << "wrong, query " << i;
+    const ccd::Impact exact_impact = ccd::detail::exact_impact(to_motion(x));
+    ASSERT_EQ(exact_impact.hit, truth.hit) << "wrong, query " << i;
     if (truth.hit) {
-      ASSERT_LE(exact_meeting.time, truth.touch_lower) << "late, query " << i;
-      ASSERT_NEAR(exact_meeting.time, truth.touch_lower, 2e-12) << "early, query " << i;
+      ASSERT_LE(exact_impact.time, truth.touch_lower) << "late, query " << i;
+      ASSERT_NEAR(exact_impact.time, truth.touch_lower, 2e-12) << "early, query " << i;
     }
     expect_known_start_helps(to_motion(x), truth, i);
     for (int end = 0; end < 2; ++end) expect_right_placement(x, end, i);

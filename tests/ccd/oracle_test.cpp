@@ -87,12 +87,12 @@ TEST(Oracle, FindsTheTimeOfFirstTouch) {
 }
 
 TEST(Oracle, DecidesByTheLastBit) {
-  const double least = 0x1p-1074;
+  const double minimum = 0x1p-1074;
   EXPECT_TRUE(past_unit_triangle({0, 0, 1}, {0, 0, -1}).hit);
-  EXPECT_FALSE(past_unit_triangle({-least, 0, 1}, {-least, 0, -1}).hit);
+  EXPECT_FALSE(past_unit_triangle({-minimum, 0, 1}, {-minimum, 0, -1}).hit);
   EXPECT_FALSE(past_unit_triangle({.5, std::nextafter(.5, 1), 1}, {.5, std::nextafter(.5, 1), -1}).hit);
   EXPECT_TRUE(past_unit_triangle({.5, .5, 1}, {.5, .5, -1}).hit);
-  EXPECT_FALSE(past_unit_triangle({.25, .25, 1}, {.25, .25, least}).hit);
+  EXPECT_FALSE(past_unit_triangle({.25, .25, 1}, {.25, .25, minimum}).hit);
 }
 
 TEST(Oracle, HandlesCoplanarAndDegenerateMotion) {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "ccd/exact_arbiter.h"
+#include "ccd/exact_query.h"
 #include "ccd/queries.h"
 #include "ccd_command.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 const Vec3 kA(0, 0, 0), kB(1, 0, 0), kC(0, 1, 0);
 
-ccd::Meeting meet(const Corners& x) {
+ccd::Impact meet(const Corners& x) {
   return ccd::point_triangle(to_motion(x));
 }
 
@@ -26,7 +26,7 @@ Corners past_unit_triangle(const Vec3& from, const Vec3& to) {
 
 /// A hit, not late, and early by less than a rounding or two.
 void expect_hit_at(double time, const Corners& x) {
-  const ccd::Meeting meeting = meet(x);
+  const ccd::Impact meeting = meet(x);
   EXPECT_TRUE(meeting.hit);
   EXPECT_LE(meeting.time, time);
   EXPECT_NEAR(meeting.time, time, 3e-8);
@@ -44,7 +44,7 @@ TEST(PointTriangle, TriangleMovesTowardsThePoint) {
 }
 
 TEST(PointTriangle, GrazingAtADoubleRootIsAHit) {
-  const ccd::Meeting meeting =
+  const ccd::Impact meeting =
       meet({Vec3(.25, .75, .25), kA, kB, kC, Vec3(.25, -.25, 0), kA, kB, kC + Vec3(0, 0, 1)});
   EXPECT_TRUE(meeting.hit);
   EXPECT_LE(meeting.time, 0.5);
@@ -108,10 +108,10 @@ TEST(PointTriangle, InitialAndFinalTouchAreHits) {
 }
 
 TEST(PointTriangle, SmallestGapsAreSeen) {
-  const double least = std::numeric_limits<double>::denorm_min();
-  EXPECT_FALSE(meet(past_unit_triangle({.25, .25, 1}, {.25, .25, least})).hit);
+  const double minimum = std::numeric_limits<double>::denorm_min();
+  EXPECT_FALSE(meet(past_unit_triangle({.25, .25, 1}, {.25, .25, minimum})).hit);
   EXPECT_TRUE(meet(past_unit_triangle({.25, .25, 1}, {.25, .25, 0})).hit);
-  EXPECT_FALSE(meet(past_unit_triangle({-least, .25, 1}, {-least, .25, -1})).hit);
+  EXPECT_FALSE(meet(past_unit_triangle({-minimum, .25, 1}, {-minimum, .25, -1})).hit);
 }
 
 TEST(PointTriangle, LargestCoordinatesAreHandled) {
@@ -130,7 +130,7 @@ TEST(PointTriangle, AnyFiniteCoordinatesAreAnsweredExactly) {
     Corners x = families()[3].make(random);
     for (Vec3& v : x)
       v[random.integer(0, 2)] = std::ldexp(random.uniform(-1, 1), random.integer(0, 1) == 0 ? 1023 : -1021);
-    const ccd::Meeting found = ccd::detail::exact_meeting(to_motion(x));
+    const ccd::Impact found = ccd::detail::exact_impact(to_motion(x));
     EXPECT_EQ(found.hit, exact::point_triangle(to_exact(x)).hit);
     EXPECT_EQ(meet(x).hit, found.hit);
   }
@@ -148,7 +148,7 @@ TEST(PointTriangle, SameBitsSameAnswer) {
   Random random(11);
   for (int i = 0; i < 2000; ++i) {
     const Corners x = families()[i % families().size()].make(random);
-    const ccd::Meeting first = meet(x), second = meet(x);
+    const ccd::Impact first = meet(x), second = meet(x);
     EXPECT_EQ(first.hit, second.hit);
     EXPECT_EQ(first.time, second.time);
   }

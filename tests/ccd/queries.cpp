@@ -12,7 +12,7 @@ Corners whole(Random& random, int size) {
 }
 
 /// Moves every coordinate by up to two units in the last place.
-Corners nudged(Corners x, Random& random) {
+Corners separated(Corners x, Random& random) {
   for (Vec3& v : x) {
     for (int k = 0; k < 3; ++k) {
       for (int i = random.integer(-2, 2); i != 0; i -= i > 0 ? 1 : -1)
@@ -92,7 +92,7 @@ Corners grazing(Random& random) {
                   Vec3(.25, -.25, 0),  Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 1)};
   Corners y = mapped(x, random, 4);
   const int kind = random.integer(0, 3);
-  if (kind == 1) y = nudged(y, random);
+  if (kind == 1) y = separated(y, random);
   if (kind == 2) {  // just above or below: no root, or two close to each other
     const Vec3 shift = random.vector(1) * random.power_of_ten(-17, -3);
     y[0] += shift;
@@ -141,7 +141,7 @@ Corners dyadic_contact(Random& random) {
   const Vec3 velocity = random.whole_vector(8);
   x[0] = meeting - t * velocity;
   x[4] = meeting + (1 - t) * velocity;
-  return random.integer(0, 2) == 0 ? nudged(x, random) : x;
+  return random.integer(0, 2) == 0 ? separated(x, random) : x;
 }
 
 /// A point that lies on a sheet with a tiny gap and slides, perhaps over an edge.
@@ -177,7 +177,7 @@ Corners triple_root(Random& random) {
     x[4 + i] = x[4] + w[0] * row(0, end) + w[1] * row(1, end) + w[2] * row(2, end);
   }
   const int kind = random.integer(0, 3);
-  if (kind == 1) return nudged(x, random);
+  if (kind == 1) return separated(x, random);
   if (kind == 2) return translated(scaled(x, random.uniform(0.1, 1)), random.vector(1e3));
   if (kind == 3) x[random.integer(0, 7)] += random.vector(1) * random.power_of_ten(-17, 0);
   return x;
@@ -193,7 +193,7 @@ Corners along_an_edge(Random& random) {
   x[0] = x[1] + from * (x[2] - x[1]);
   x[4] = x[5] + to * (x[6] - x[5]);
   const int kind = random.integer(0, 2);
-  if (kind == 1) return nudged(x, random);
+  if (kind == 1) return separated(x, random);
   if (kind == 2) {
     const double gap = random.power_of_ten(-20, -8);
     x[0] += gap * any();
@@ -259,9 +259,9 @@ const std::vector<Family>& families() {
   static const std::vector<Family> all{
       {"random", [](Random& r) { return constructed(r, 1, r.uniform(0, 2)); }},
       {"small integers", [](Random& r) { return whole(r, r.integer(1, 3)); }},
-      {"small integers and ulps", [](Random& r) { return nudged(whole(r, 2), r); }},
+      {"small integers and ulps", [](Random& r) { return separated(whole(r, 2), r); }},
       {"constructed contact", [](Random& r) { return constructed(r); }},
-      {"constructed contact and ulps", [](Random& r) { return nudged(constructed(r), r); }},
+      {"constructed contact and ulps", [](Random& r) { return separated(constructed(r), r); }},
       {"dyadic contact", dyadic_contact},
       {"offset", [](Random& r) { return translated(constructed(r), r.vector(r.power_of_ten(0, 6))); }},
       {"small and offset",
@@ -271,11 +271,11 @@ const std::vector<Family>& families() {
       {"along an edge", along_an_edge},
       {"triple root", triple_root},
       {"coplanar", coplanar},
-      {"coplanar and ulps", [](Random& r) { return nudged(coplanar(r), r); }},
+      {"coplanar and ulps", [](Random& r) { return separated(coplanar(r), r); }},
       {"fast", [](Random& r) { return constructed(r, 1, std::abs(r.power_of_ten(2, 6))); }},
       {"slow", [](Random& r) { return constructed(r, 1, std::abs(r.power_of_ten(-14, -2))); }},
       {"segments and points", degenerate},
-      {"segments and points and ulps", [](Random& r) { return nudged(degenerate(r), r); }},
+      {"segments and points and ulps", [](Random& r) { return separated(degenerate(r), r); }},
       {"resting", resting},
       {"scaled by 2^±20", scaled_by_power_of_two},
       {"denormal", denormal},

@@ -57,9 +57,9 @@ TEST_P(Speed, nothing_passes_at_nodes_edges_and_faces_of_free_and_pinned_sheets)
           const Vec3 face = (sheets[0].x_t0[t[0]] + sheets[0].x_t0[t[1]] + sheets[0].x_t0[t[2]]) / 3;
           for (const Vec3& target : {node, edge, face}) {
             const double side = random.uniform() < 0.5 ? -1 : 1;
-            const Vec3 way =
+            const Vec3 displacement =
                 axis_aligned ? Vec3(0, -side, 0) : Vec3(Vec3(0, -side, 0) + 0.7 * random.in_cube(1));
-            p.add(target - 0.5 * way * speed * 1e-3, way * speed, 1.25e-4);
+            p.add(target - 0.5 * displacement * speed * 1e-3, displacement * speed, 1.25e-4);
           }
         }
       p.move(1e-3);

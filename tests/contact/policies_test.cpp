@@ -24,10 +24,10 @@ struct Press {
   }
 
   // The upper layer goes through the lower one.
-  void close(Infeasible policy, double way = -0.02) {
+  void close(Infeasible policy, double displacement = -0.02) {
     for (std::size_t i = 0; i < upper.x_t0.size(); ++i) {
-      upper.x_t1[i] = upper.x_t0[i] + Vec3(0, way, 0);
-      upper.velocity[i] = Vec3(0, way / 1e-3, 0);
+      upper.x_t1[i] = upper.x_t0[i] + Vec3(0, displacement, 0);
+      upper.velocity[i] = Vec3(0, displacement / 1e-3, 0);
     }
     ContactSettings settings;
     settings.infeasible = policy;
@@ -153,7 +153,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "thickness ≥ 4 delta"},
         Refusal{"mass", [](Press& p, double&, ContactSettings&) { p.particles.inverse_mass[1] = -1; },
                 "inverse_mass[1] is -1"},
-        Refusal{"sweeps", [](Press&, double&, ContactSettings& s) { s.sweeps = 0; }, "contact.sweeps is 0"}),
+        Refusal{"sweeps", [](Press&, double&, ContactSettings& s) { s.solver_iterations = 0; },
+                "contact.sweeps is 0"}),
     [](const ::testing::TestParamInfo<Refusal>& instance) { return instance.param.name; });
 
 TEST(Policies, nothing_at_all_runs) {

@@ -128,10 +128,10 @@ void expect_certified(const Scene& scene, int step) {
     if (scene.particles.removed[p]) continue;
     for (const SurfaceMotion& s : scene.layers)
       for (const Triangle& t : s.triangles) {
-        const contact::Quad x0{scene.particles.x_t0[p], s.x_t0[t[0]], s.x_t0[t[1]], s.x_t0[t[2]]};
-        const contact::Quad x1{scene.particles.x_t1[p], s.x_t1[t[0]], s.x_t1[t[1]], s.x_t1[t[2]]};
-        ASSERT_FALSE(contact::end_distance(x1, s.delta).near) << "step " << step;
-        ASSERT_FALSE(contact::meets(x0, x1).hit) << "step " << step;
+        const contact::PointTriangle x0{scene.particles.x_t0[p], s.x_t0[t[0]], s.x_t0[t[1]], s.x_t0[t[2]]};
+        const contact::PointTriangle x1{scene.particles.x_t1[p], s.x_t1[t[0]], s.x_t1[t[1]], s.x_t1[t[2]]};
+        ASSERT_FALSE(contact::end_distance(x1, s.delta).too_close) << "step " << step;
+        ASSERT_FALSE(contact::paths_intersect(x0, x1).hit) << "step " << step;
       }
   }
   for (const SurfaceMotion& s : scene.layers)
@@ -144,8 +144,9 @@ TEST_P(Squeezing, no_pair_meets_and_none_is_near_at_the_end) {
   Random random(static_cast<std::uint64_t>(c.at * 7 + c.pins * 100 + c.steps));
   ContactSettings settings;
   settings.infeasible = c.policy;
-  std::uint64_t most_zone_rounds = 0, zone_steps = 0, removed = 0, followed = 0, stalled = 0, steps_run = 0;
-  double least = std::numeric_limits<double>::infinity();
+  std::uint64_t max_zone_rounds = 0, zone_steps = 0, removed = 0, carried_along = 0, stalled = 0,
+                steps_run = 0;
+  double minimum = std::numeric_limits<double>::infinity();
   int step = 0;
   while (step < c.steps) {
     Scene scene = make_scene(random, c);
@@ -162,12 +163,12 @@ TEST_P(Squeezing, no_pair_meets_and_none_is_near_at_the_end) {
       ASSERT_TRUE(status.ok()) << status.message;
       ASSERT_NO_FATAL_FAILURE(expect_certified(scene, step));
       ++steps_run;
-      most_zone_rounds = std::max(most_zone_rounds, report.zone_rounds);
+      max_zone_rounds = std::max(max_zone_rounds, report.zone_rounds);
       zone_steps += report.zone_rounds > 0;
       removed += report.removed;
-      followed += report.followed;
+      carried_along += report.carried_along;
       stalled += report.stalled;
-      for (const SurfaceMotion& s : scene.layers) least = std::min(least, report.least_distance / s.delta);
+      for (const SurfaceMotion& s : scene.layers) minimum = std::min(minimum, report.min_distance / s.delta);
       const Vec3 gained = momentum(scene) - before + report.momentum_removed + report.impulse_on_prescribed;
       ASSERT_LE(gained.norm(), 1e-12 * scale + 1e-300) << "step " << step;
       if (c.pins == 0 && step % 10 == 0) {
@@ -180,12 +181,12 @@ TEST_P(Squeezing, no_pair_meets_and_none_is_near_at_the_end) {
   }
   if (c.policy == Infeasible::stall) {
     EXPECT_EQ(removed, 0u);
-    EXPECT_EQ(followed, 0u) << "nothing needs giving up where everything that moves may be held";
+    EXPECT_EQ(carried_along, 0u) << "nothing needs giving up where everything that moves may be held";
   }
   EXPECT_GT(zone_steps, 0u) << "the squeezing is too soft to test zones";
-  EXPECT_GE(least, 1 - 1e-9);
-  std::cout << "  " << steps_run << " steps, " << zone_steps << " with zones, at most " << most_zone_rounds
-            << " rounds, least distance " << least << " δ, stalled " << stalled << ", removed " << removed
+  EXPECT_GE(minimum, 1 - 1e-9);
+  std::cout << "  " << steps_run << " steps, " << zone_steps << " with zones, at most " << max_zone_rounds
+            << " rounds, least distance " << minimum << " δ, stalled " << stalled << ", removed " << removed
             << "\n";
 }
 

@@ -123,7 +123,8 @@ TEST(Settings, validate_names_field_value_and_range) {
   expect_refused<FluidSettings>([](auto& s) { s.viscosity = -1; }, "fluid.viscosity is -1");
   expect_refused<SurfaceSettings>([](auto& s) { s.thickness = -0.001; }, "thickness is -0.001");
   expect_refused<SurfaceSettings>([](auto& s) { s.slip.friction = -1; }, "slip.friction is -1");
-  expect_refused<ContactSettings>([](auto& s) { s.sweeps = 0; }, "contact.sweeps is 0; it must be 1");
+  expect_refused<ContactSettings>([](auto& s) { s.solver_iterations = 0; },
+                                  "contact.sweeps is 0; it must be 1");
   expect_refused<WorldSettings>([&](auto& s) { s.gravity.x() = nan; }, "gravity is");
   expect_refused<WorldSettings>([](auto& s) { s.kill_box.max.y() = -200; }, "kill_box");
   expect_refused<WorldSettings>([](auto& s) { s.threads = -1; }, "threads is -1");

@@ -272,12 +272,12 @@ TEST(Boundary, light_walls_give_way_and_heavy_ones_move_as_told) {
     for (Vec3& x : water.surface.x_t1) x.y() += 2e-4;  // 0.2 m/s upwards
     water.fill(12, 1, Layer::dx / 2);
     water.find();
-    const std::vector<float> still = water.boundary.inflow();
-    water.boundary.respond(std::vector<float>(still.size(), 0.01f), water.workers);
+    const std::vector<float> still = water.boundary.normal_flux();
+    water.boundary.predict_wall_velocity(std::vector<float>(still.size(), 0.01f), water.workers);
     for (std::size_t k = 0; k < still.size(); ++k) {
       const Boundary::Point& p = water.boundary.points()[k];
       EXPECT_NEAR(still[k], 0.2f * p.gamma.y(), 1e-4f);
-      const float fallen = (still[k] - water.boundary.inflow()[k]) / 0.01f;
+      const float fallen = (still[k] - water.boundary.normal_flux()[k]) / 0.01f;
       EXPECT_NEAR(fallen, water.boundary.yielding()[k], 1e-3f * fallen + 1e-3f);
       if (inverse_mass > 0) {
         EXPECT_GT(fallen, 1);
@@ -302,14 +302,14 @@ TEST(Boundary, the_answer_of_light_walls_is_solved_for) {
     const auto n = static_cast<Eigen::Index>(water.boundary.points().size());
     ASSERT_EQ(n, 144);
     Eigen::MatrixXd a(n, n);
-    const std::vector<float> still = water.boundary.inflow();
+    const std::vector<float> still = water.boundary.normal_flux();
     for (Eigen::Index l = 0; l < n; ++l) {
       std::vector<float> theta(static_cast<std::size_t>(n), 0);
       theta[static_cast<std::size_t>(l)] = 1;
-      water.boundary.respond(theta, water.workers);
+      water.boundary.predict_wall_velocity(theta, water.workers);
       for (Eigen::Index k = 0; k < n; ++k) {
         const auto at = static_cast<std::size_t>(k);
-        a(k, l) = scale * (still[at] - water.boundary.inflow()[at]);
+        a(k, l) = scale * (still[at] - water.boundary.normal_flux()[at]);
       }
     }
     test::Random random(17);

@@ -138,7 +138,7 @@ TEST(Dfsph, pressure_at_rest_does_not_swing) {
   // More than a handful of iterations, at a time step where they used to alternate between few and many.
   Column tank(dfsph(), 10, 30);
   double sum = 0, squares = 0;
-  int fewest = 1000, most = 0;
+  int fewest = 1000, maximum = 0;
   for (int step = 0; step < 600; ++step) {
     tank.step(1e-3);
     if (step < 400) continue;
@@ -146,11 +146,11 @@ TEST(Dfsph, pressure_at_rest_does_not_swing) {
     sum += p / 200;
     squares += p * p / 200;
     fewest = std::min(fewest, tank.report.iterations);
-    most = std::max(most, tank.report.iterations);
+    maximum = std::max(maximum, tank.report.iterations);
   }
   EXPECT_NEAR(sum, 1, 0.2);
   EXPECT_LT(std::sqrt(std::max(0.0, squares - sum * sum)), 0.06);
-  EXPECT_LE(most - fewest, 1);
+  EXPECT_LE(maximum - fewest, 1);
 }
 
 TEST(Dfsph, a_deep_column_takes_fewer_iterations_than_pcisph) {
@@ -178,13 +178,13 @@ TEST(Dfsph, iterations_fall_again_after_an_impact) {
   s.max_iterations = 200;
   Column tank(s, 10, 10);
   for (Vec3& v : tank.particles.velocity) v.y() = -3;
-  int most = 0;
+  int maximum = 0;
   for (int step = 0; step < 300; ++step) {
     tank.step(5e-4);
     ASSERT_TRUE(tank.finite());
-    most = std::max(most, tank.report.iterations);
+    maximum = std::max(maximum, tank.report.iterations);
   }
-  EXPECT_GT(most, 8);
+  EXPECT_GT(maximum, 8);
   EXPECT_LE(tank.report.iterations, 4);
 }
 

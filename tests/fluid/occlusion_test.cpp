@@ -185,7 +185,7 @@ TEST(Occlusion, keeps_momentum_and_bits) {
     StageSeconds seconds;
     FluidReport report;
     solver.prepare(particles, seconds);
-    solver.meet_surfaces(1e-3, Vec3::Zero(), particles, surfaces, seconds);
+    solver.apply_surfaces(1e-3, Vec3::Zero(), particles, surfaces, seconds);
     Vec3 before = Vec3::Zero();
     for (const Vec3& v : particles.velocity) before += v;
     solver.propose(1e-3, Vec3::Zero(), particles, {}, report, seconds);

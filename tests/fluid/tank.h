@@ -54,7 +54,7 @@ struct Tank {
     solver.propose(dt, gravity, particles, bounds, report, seconds);
     for (const PredictionContact& c : bounds) {
       Vec3& v = particles.velocity[c.particle];
-      v += std::max(0.0, c.least_normal_velocity - v.dot(c.normal)) * c.normal;
+      v += std::max(0.0, c.min_normal_velocity - v.dot(c.normal)) * c.normal;
     }
     for (std::size_t i = 0; i < particles.size(); ++i) particles.position[i] += dt * particles.velocity[i];
   }

@@ -119,7 +119,7 @@ struct Problem {
     Input in(data, size);
     settings.infeasible = in.below(2) ? Infeasible::remove : Infeasible::stall;
     settings.repulsion = static_cast<Repulsion>(in.below(3));
-    settings.rounds = static_cast<int>(in.below(6));
+    settings.ccd_iterations = static_cast<int>(in.below(6));
     dt = in.positive() * 1e-3;
     const double scale = in.positive();
     const std::uint32_t count = 1 + in.below(3), drops = 1 + in.below(8);
@@ -138,8 +138,8 @@ struct Problem {
     for (std::size_t p = 0; p < particles.id.size(); ++p)
       for (const SurfaceMotion& s : sheets)
         for (const Triangle& t : s.triangles)
-          f(p, s, contact::Quad{particles.x_t0[p], s.x_t0[t[0]], s.x_t0[t[1]], s.x_t0[t[2]]},
-            contact::Quad{particles.x_t1[p], s.x_t1[t[0]], s.x_t1[t[1]], s.x_t1[t[2]]});
+          f(p, s, contact::PointTriangle{particles.x_t0[p], s.x_t0[t[0]], s.x_t0[t[1]], s.x_t0[t[2]]},
+            contact::PointTriangle{particles.x_t1[p], s.x_t1[t[0]], s.x_t1[t[1]], s.x_t1[t[2]]});
   }
 
   /// Numbers that contact refuses; no predicate is made for them.
@@ -153,23 +153,24 @@ struct Problem {
            });
   }
   bool begins_near() const {
-    bool near = false;
-    for_each_pair([&](std::size_t, const SurfaceMotion& s, const contact::Quad& x0, const contact::Quad&) {
-      near = near || contact::end_distance(x0, s.delta).near;
+    bool too_close = false;
+    for_each_pair([&](std::size_t, const SurfaceMotion& s, const contact::PointTriangle& x0,
+                      const contact::PointTriangle&) {
+      too_close = too_close || contact::end_distance(x0, s.delta).too_close;
     });
-    return near;
+    return too_close;
   }
 };
 
 void check(const Problem& problem) {
-  problem.for_each_pair(
-      [&](std::size_t p, const SurfaceMotion& s, const contact::Quad& x0, const contact::Quad& x1) {
-        if (problem.particles.removed[p]) return;
-        expect(x1.p.allFinite() && x1.a.allFinite() && x1.b.allFinite() && x1.c.allFinite(),
-               "positions are finite after contact");
-        expect(!contact::end_distance(x1, s.delta).near, "no live pair is near at the end");
-        expect(!contact::meets(x0, x1).hit, "no pair meets");
-      });
+  problem.for_each_pair([&](std::size_t p, const SurfaceMotion& s, const contact::PointTriangle& x0,
+                            const contact::PointTriangle& x1) {
+    if (problem.particles.removed[p]) return;
+    expect(x1.p.allFinite() && x1.a.allFinite() && x1.b.allFinite() && x1.c.allFinite(),
+           "positions are finite after contact");
+    expect(!contact::end_distance(x1, s.delta).too_close, "no live pair is near at the end");
+    expect(!contact::paths_intersect(x0, x1).hit, "no pair meets");
+  });
   for (const SurfaceMotion& s : problem.sheets)
     for (const Vec3& x : s.x_t1) expect(x == stored(x, s.storage), "ends are stored numbers");
 }

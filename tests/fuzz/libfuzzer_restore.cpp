@@ -70,7 +70,7 @@ Bytes saved(PressureSolver solver, BoundaryModel boundary, int steps) {
 /// for: settings of millions of iterations are right, but slow.
 void run(World& world) {
   const FluidSettings& f = world.fluid_settings();
-  if (f.max_iterations > 50 || f.max_substeps > 4 || world.contact_settings().sweeps > 50) return;
+  if (f.max_iterations > 50 || f.max_substeps > 4 || world.contact_settings().solver_iterations > 50) return;
   for (int k = 0; k < 2; ++k) world.step(1e-9);
 }
 

@@ -131,7 +131,7 @@ void RandomSheet::make_masses(Random& random) {
         random.uniform() < plan_.pins ? 0 : 1 / random.log_uniform(plan_.lightest, plan_.heaviest));
 }
 
-Vec3 RandomSheet::way_of(std::size_t node, Random& random, double size) const {
+Vec3 RandomSheet::displacement_of(std::size_t node, Random& random, double size) const {
   const bool pinned = inverse_mass_[node] == 0;
   if (pinned && plan_.pins_agree) return plan_.motion == SheetMotion::still ? Vec3(Vec3::Zero()) : drift_;
   switch (plan_.motion) {
@@ -152,20 +152,21 @@ Vec3 RandomSheet::way_of(std::size_t node, Random& random, double size) const {
 }
 
 void RandomSheet::propose(Random& random, const Arena& arena, const Vec3& gravity, double dt) {
-  const double size = plan_.edge * plan_.way * random.log_uniform(0.1, 1);
+  const double size = plan_.edge * plan_.displacement * random.log_uniform(0.1, 1);
   const bool rests = random.uniform() < 0.15;
   drift_ = random.in_cube(size);
-  squeeze_ = std::min(2.0, 0.2 * plan_.way) * random.uniform();
-  turn_ = Eigen::AngleAxisd(0.2 * plan_.way * random.uniform(), random.direction()).toRotationMatrix();
+  squeeze_ = std::min(2.0, 0.2 * plan_.displacement) * random.uniform();
+  turn_ =
+      Eigen::AngleAxisd(0.2 * plan_.displacement * random.uniform(), random.direction()).toRotationMatrix();
   center_.setZero();
   for (const Vec3& x : x_) center_ += x / static_cast<double>(x_.size());
   for (std::size_t i = 0; i < x_.size(); ++i) {
-    Vec3 way = rests ? Vec3(Vec3::Zero()) : way_of(i, random, size);
+    Vec3 displacement = rests ? Vec3(Vec3::Zero()) : displacement_of(i, random, size);
     if (plan_.motion == SheetMotion::free_flight && inverse_mass_[i] > 0) {
       v_[i] += dt * gravity;
-      way = dt * v_[i];
+      displacement = dt * v_[i];
     }
-    const Vec3 wanted = stored(x_[i] + way, plan_.storage);
+    const Vec3 wanted = stored(x_[i] + displacement, plan_.storage);
     const bool inside = ((wanted - arena.center).cwiseAbs().array() < arena.half).all();
     target_[i] = inside ? wanted : x_[i];
     if (plan_.motion != SheetMotion::free_flight || inverse_mass_[i] == 0 || !inside)

@@ -22,7 +22,7 @@ struct SheetPlan {
   SheetMotion motion = SheetMotion::still;
   Storage storage = Storage::float64;
   double edge = 0.01;                       ///< of the mesh [m]
-  double way = 1;                           ///< of a node in a step, in edges, at most
+  double displacement = 1;                  ///< of a node in a step, in edges, at most
   double pins = 0;                          ///< share of prescribed nodes
   bool pins_agree = true;                   ///< prescribed nodes move alike
   bool holdable = true;                     ///< contact may hold prescribed nodes
@@ -57,7 +57,7 @@ class RandomSheet : public SurfaceHost {
   void crumple(Random& random);
   void spoil_triangles(Random& random);
   void make_masses(Random& random);
-  Vec3 way_of(std::size_t node, Random& random, double size) const;
+  Vec3 displacement_of(std::size_t node, Random& random, double size) const;
 
   SheetPlan plan_;
   std::vector<Vec3> x_, v_, target_;

@@ -16,7 +16,7 @@ namespace {
 /// Rounding of sums in the ledgers, relative to the sum of all magnitudes in them.
 constexpr double ledger_tolerance = 1e-10;
 /// Rounds after which zones give up what is still bad, and room for who is given up one after the other.
-constexpr std::uint64_t most_zone_rounds = 60;
+constexpr std::uint64_t max_zone_rounds = 60;
 
 template <class T, std::size_t n>
 T one_of(Random& random, const T (&values)[n]) {
@@ -138,8 +138,8 @@ ContactSettings RandomWorld::draw_contact() {
   ContactSettings s;
   s.repulsion = one_of(random_, {Repulsion::split, Repulsion::split, Repulsion::bridson, Repulsion::none});
   s.stiffness = random_.log_uniform(1e-3, 1e9);
-  s.sweeps = one_of(random_, {5, 5, 1, 20});
-  s.rounds = one_of(random_, {5, 5, 0, 1, 10});
+  s.solver_iterations = one_of(random_, {5, 5, 1, 20});
+  s.ccd_iterations = one_of(random_, {5, 5, 0, 1, 10});
   s.infeasible =
       one_of(random_, {Infeasible::stall, Infeasible::stall, Infeasible::remove, Infeasible::allow});
   s.verify = true;
@@ -153,7 +153,7 @@ ContactSettings RandomWorld::draw_contact() {
 
 SlipSettings RandomWorld::draw_slip() {
   SlipSettings s;
-  s.model = one_of(random_, {SlipModel::free, SlipModel::free, SlipModel::coulomb, SlipModel::no_slip,
+  s.model = one_of(random_, {SlipModel::free, SlipModel::free, SlipModel::coulomb, SlipModel::sticking,
                              SlipModel::viscous_wall});
   s.friction = one_of(random_, {1.0, 0.0, 0.3, 1e9, std::numeric_limits<double>::infinity()});
   s.slip_length = one_of(random_, {0.0, 1e-3, std::numeric_limits<double>::infinity()});
@@ -169,7 +169,7 @@ SheetPlan RandomWorld::draw_sheet() {
                               SheetMotion::closing, SheetMotion::turning, SheetMotion::free_flight});
   p.storage = chance(random_, 0.5) ? Storage::float32 : Storage::float64;
   p.edge = dx_ * random_.uniform(0.4, 3);
-  p.way = random_.log_uniform(0.01, 100);
+  p.displacement = random_.log_uniform(0.01, 100);
   p.pins = one_of(random_, {0.0, 0.0, 0.1, 0.5, 1.0});
   p.pins_agree = chance(random_, 0.7);
   p.holdable = chance(random_, 0.6);
@@ -272,7 +272,7 @@ void RandomWorld::describe() {
     << policies[static_cast<int>(c.infeasible)] << (verdict_.promised ? "" : ", no promise") << "; surfaces:";
   for (const Sheet& sheet : sheets_) {
     const SheetPlan& p = sheet.host->plan();
-    s << ' ' << name_of(p.mesh) << ' ' << name_of(p.motion) << ' ' << p.way << " edges "
+    s << ' ' << name_of(p.mesh) << ' ' << name_of(p.motion) << ' ' << p.displacement << " edges "
       << (p.storage == Storage::float32 ? "float" : "double") << " pins " << p.pins << " h/dx "
       << sheet.settings.thickness / dx_ << ';';
   }
@@ -405,15 +405,15 @@ void RandomWorld::check_counts(const StepReport& r, const Before& before) {
   const ContactSettings& settings = world_->contact_settings();
   const auto substeps = static_cast<std::uint64_t>(r.substeps);
   expect(r.alive == world_->particle_count(), "alive");
-  expect(before.alive + r.emitted == r.alive + r.removed + r.quarantined, "particles are lost or made");
+  expect(before.alive + r.emitted == r.alive + r.removed + r.removed_invalid, "particles are lost or made");
   const double m = world_->particle_mass();
-  const double out = m * static_cast<double>(r.removed + r.quarantined),
+  const double out = m * static_cast<double>(r.removed + r.removed_invalid),
                in = m * static_cast<double>(r.emitted);
   expect(std::abs(r.mass_removed - out) <= 1e-12 * out, "mass removed");
   expect(std::abs(r.mass_emitted - in) <= 1e-12 * in, "mass emitted");
   expect(substeps >= 1 && r.substeps <= world_->fluid_settings().max_substeps, "sub-steps");
-  expect(c.rounds <= substeps * static_cast<std::uint64_t>(settings.rounds), "rounds");
-  expect(c.zone_rounds <= substeps * most_zone_rounds, "zone rounds: " + std::to_string(c.zone_rounds));
+  expect(c.ccd_iterations <= substeps * static_cast<std::uint64_t>(settings.ccd_iterations), "rounds");
+  expect(c.zone_rounds <= substeps * max_zone_rounds, "zone rounds: " + std::to_string(c.zone_rounds));
   expect(r.fluid.iterations <= r.substeps * world_->fluid_settings().max_iterations, "iterations");
   expect(c.stalled <= c.held, "stalled");
   expect(c.removed <= r.removed, "removed");
@@ -426,22 +426,22 @@ void RandomWorld::check_counts(const StepReport& r, const Before& before) {
   flag_says(flag_leaked, c.allowed > 0);
   flag_says(flag_stalled, c.stalled > 0);
   flag_says(flag_removed_by_contact, c.removed > 0);
-  flag_says(flag_quarantined, r.quarantined > 0);
+  flag_says(flag_removed_invalid, r.removed_invalid > 0);
   flag_says(flag_many_holds, c.held > 0);
   flag_says(flag_scatter_mismatch, false);
   flag_says(flag_surface_out_of_range, before.out_of_range);
   flag_says(flag_surface_refused,
             std::any_of(sheets_.begin(), sheets_.end(), [](const Sheet& s) { return s.id && s.spoilt; }));
   verdict_.particles += r.alive;
-  verdict_.meetings += c.meetings;
+  verdict_.impacts += c.impacts;
   verdict_.zone_steps += c.zone_rounds > 0;
-  verdict_.most_zone_rounds = std::max(verdict_.most_zone_rounds, c.zone_rounds / substeps);
+  verdict_.max_zone_rounds = std::max(verdict_.max_zone_rounds, c.zone_rounds / substeps);
   verdict_.stalled += c.stalled;
-  verdict_.followed += c.followed;
+  verdict_.carried_along += c.carried_along;
   verdict_.removed += c.removed;
   verdict_.allowed += c.allowed;
-  verdict_.reseeded += c.reseeded;
-  verdict_.quarantined += r.quarantined;
+  verdict_.relocated += c.relocated;
+  verdict_.removed_invalid += r.removed_invalid;
   verdict_.blocked += r.blocked_starts;
 }
 
@@ -463,7 +463,7 @@ void RandomWorld::check_momentum(const StepReport& r, const Before& before) {
     }
   }
   const double residual = r.momentum_residual().norm();
-  if (residual > ledger_tolerance * size && r.quarantined >= 2) {
+  if (residual > ledger_tolerance * size && r.removed_invalid >= 2) {
     // Two whom the pressure threw apart at 1e18 m/s take momenta along, of which the report tells the sum.
     // What is lost in rounding them is no fault.
     ++verdict_.not_judged;
@@ -511,7 +511,7 @@ void RandomWorld::check_promise(const StepReport& r) {
   const ContactReport& c = r.contact;
   something_passed_ |= c.allowed > 0;
   if (!something_passed_) {
-    expect(c.began_near == 0, "a particle begins nearer than δ");
+    expect(c.started_too_close == 0, "a particle begins nearer than δ");
     expect((r.flags & flag_no_promise) == 0, "no promise");
   }
   // It takes what passes an edge closer than rounding tells (1e-17 m) for a crossing; the auditor decides.

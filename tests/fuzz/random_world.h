@@ -16,8 +16,8 @@ struct WorldVerdict {
   bool promised = true;               ///< contact's promise covers the run
 
   // What the run had in it, over all steps
-  std::uint64_t steps = 0, particles = 0, pairs = 0, meetings = 0, zone_steps = 0, most_zone_rounds = 0;
-  std::uint64_t stalled = 0, followed = 0, removed = 0, allowed = 0, reseeded = 0, quarantined = 0,
+  std::uint64_t steps = 0, particles = 0, pairs = 0, impacts = 0, zone_steps = 0, max_zone_rounds = 0;
+  std::uint64_t stalled = 0, carried_along = 0, removed = 0, allowed = 0, relocated = 0, removed_invalid = 0,
                 blocked = 0;
   std::uint64_t false_alarms = 0;  ///< steps in which verify found more than were allowed to pass
   std::uint64_t not_judged = 0;    ///< steps whose residual of momentum may be rounding of what is not told

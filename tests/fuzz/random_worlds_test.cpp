@@ -46,15 +46,15 @@ TEST(RandomWorlds, keep_every_invariant) {
     sum.steps += v.steps;
     sum.particles += v.particles;
     sum.pairs += v.pairs;
-    sum.meetings += v.meetings;
+    sum.impacts += v.impacts;
     sum.zone_steps += v.zone_steps;
-    sum.most_zone_rounds = std::max(sum.most_zone_rounds, v.most_zone_rounds);
+    sum.max_zone_rounds = std::max(sum.max_zone_rounds, v.max_zone_rounds);
     sum.stalled += v.stalled;
-    sum.followed += v.followed;
+    sum.carried_along += v.carried_along;
     sum.removed += v.removed;
     sum.allowed += v.allowed;
-    sum.reseeded += v.reseeded;
-    sum.quarantined += v.quarantined;
+    sum.relocated += v.relocated;
+    sum.removed_invalid += v.removed_invalid;
     sum.blocked += v.blocked;
     sum.false_alarms += v.false_alarms;
     sum.not_judged += v.not_judged;
@@ -62,23 +62,24 @@ TEST(RandomWorlds, keep_every_invariant) {
   }
   std::cout << "  " << count << " worlds, " << promised << " with the promise, " << sum.steps << " steps of "
             << sum.particles / std::max<std::uint64_t>(sum.steps, 1) << " particles; " << sum.pairs
-            << " pairs audited, " << sum.meetings << " meetings, " << sum.zone_steps
-            << " steps with zones, at most " << sum.most_zone_rounds << " rounds; stalled " << sum.stalled
-            << ", followed " << sum.followed << ", removed " << sum.removed << ", allowed " << sum.allowed
-            << ", reseeded " << sum.reseeded << ", quarantined " << sum.quarantined << ", blocked "
-            << sum.blocked << "; " << sum.false_alarms << " false alarms of verify; momentum to "
-            << sum.worst_momentum << ", " << sum.not_judged << " not judged\n";
+            << " pairs audited, " << sum.impacts << " meetings, " << sum.zone_steps
+            << " steps with zones, at most " << sum.max_zone_rounds << " rounds; stalled " << sum.stalled
+            << ", followed " << sum.carried_along << ", removed " << sum.removed << ", allowed "
+            << sum.allowed << ", reseeded " << sum.relocated << ", quarantined " << sum.removed_invalid
+            << ", blocked " << sum.blocked << "; " << sum.false_alarms
+            << " false alarms of verify; momentum to " << sum.worst_momentum << ", " << sum.not_judged
+            << " not judged\n";
   EXPECT_LE(sum.false_alarms, 1 + count / 1000) << "verify errs on the safe side, but hardly ever";
   EXPECT_LE(sum.not_judged, 1 + count / 10000);
   if (count < 500) return;
-  EXPECT_GT(sum.meetings, 0u);
+  EXPECT_GT(sum.impacts, 0u);
   EXPECT_GT(sum.zone_steps, 0u);
   EXPECT_GT(sum.stalled, 0u);
-  EXPECT_GT(sum.followed, 0u);
+  EXPECT_GT(sum.carried_along, 0u);
   EXPECT_GT(sum.removed, 0u);
   EXPECT_GT(sum.allowed, 0u);
-  EXPECT_GT(sum.reseeded, 0u);
-  EXPECT_GT(sum.quarantined, 0u);
+  EXPECT_GT(sum.relocated, 0u);
+  EXPECT_GT(sum.removed_invalid, 0u);
   EXPECT_GT(sum.blocked, 0u);
 }
 

@@ -63,7 +63,7 @@ double mechanical_energy(const World& w) {
   return sum;
 }
 
-double largest_density(const World& w) {
+double max_density(const World& w) {
   double largest = 0;
   for (double d : w.densities()) largest = std::max(largest, d / w.fluid_settings().rest_density);
   return largest;
@@ -108,7 +108,7 @@ class BoxScene : public test::WorldScene {
     run_.energy_gain = std::max(run_.energy_gain, (mechanical_energy(world_) - start_) / lift_);
     run_.fastest = std::max(run_.fastest, fastest(world_));
     run_.worst_error = std::max(run_.worst_error, r.fluid.density_error_mean);
-    run_.end_density = largest_density(world_);
+    run_.end_density = max_density(world_);
     run_.most_iterations = std::max(run_.most_iterations, r.fluid.iterations);
     run_.not_converged += (r.flags & flag_pressure_not_converged) != 0;
     run_.ended_early += !r.fluid.converged && r.fluid.iterations < world_.fluid_settings().max_iterations;
@@ -156,7 +156,7 @@ TEST(HardFluid, coincident_particles_get_finite_forces) {
       const auto scene = make(1);
       scene->world().step(1e-3);
       EXPECT_EQ(scene->world().particle_count(), static_cast<std::size_t>(count));
-      density = std::max(density, largest_density(scene->world()));
+      density = std::max(density, max_density(scene->world()));
     }
   EXPECT_GT(density, 100) << "the case is not what it says";
   EXPECT_LT(speed, 50) << "they do not push each other, and walls push what is far too dense softly";
@@ -190,7 +190,7 @@ TEST(HardFluid, steps_a_hundred_and_ten_thousand_times_too_long_do_not_explode) 
       const Found found = run_checked(
           [&](int threads) { return std::make_unique<ClothScene<double>>(setup, threads, fill_it, look); },
           steps, dt);
-      meetings += found.total.meetings;
+      meetings += found.total.impacts;
       gain = std::max(gain, (highest - start) / (512 * 1000 * std::pow(dx, 3) * 0.5));
     }
   EXPECT_GT(meetings, 0u);
@@ -225,7 +225,7 @@ TEST(HardFluid, ten_crumpled_layers_within_the_support_do_not_crowd_the_density)
               fill(s.world(), lattice(5, 4, 5, Vec3(-0.0103, 0.005, -0.0107)), Vec3(0, -2, 0));
               fill(s.world(), lattice(5, 4, 5, Vec3(-0.0103, -0.028, -0.0107)), Vec3(0, 2, 0));
             },
-            [&](ClothScene<float>& s, int) { density = std::max(density, largest_density(s.world())); });
+            [&](ClothScene<float>& s, int) { density = std::max(density, max_density(s.world())); });
       };
       zone_rounds += run_checked(make, 16, 1e-3).total.zone_rounds;
     }
@@ -256,7 +256,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 const double not_a_number = std::nan("");
 
 TEST(HardFluid, a_particle_that_is_no_number_is_quarantined_and_the_others_do_not_notice) {
-  std::uint64_t quarantined = 0;
+  std::uint64_t removed_invalid = 0;
   for (PressureSolver solver : all_solvers) {
     // Without the particle, then with one that is spoilt before the first step: the last of the block's ids,
     // in the middle of its water.
@@ -277,9 +277,9 @@ TEST(HardFluid, a_particle_that_is_no_number_is_quarantined_and_the_others_do_no
       for (int k = 0; k < 20; ++k) {
         const StepReport& r = w.step(1e-3);
         ASSERT_TRUE(r.status.ok());
-        quarantined += r.quarantined;
-        ASSERT_EQ(r.quarantined, k == 0 && bad != 0 ? 1u : 0u);
-        ASSERT_EQ((r.flags & flag_quarantined) != 0, k == 0 && bad != 0);
+        removed_invalid += r.removed_invalid;
+        ASSERT_EQ(r.removed_invalid, k == 0 && bad != 0 ? 1u : 0u);
+        ASSERT_EQ((r.flags & flag_removed_invalid) != 0, k == 0 && bad != 0);
       }
       states.push_back(state_of(w));
       for (const auto& x : scene.cloths[0]->x) states.back().push_back(x);
@@ -287,7 +287,7 @@ TEST(HardFluid, a_particle_that_is_no_number_is_quarantined_and_the_others_do_no
     for (const auto& state : states) EXPECT_EQ(state, states.front());
   }
   record_outcome("24", "NaN, ±Inf and 1e300 as the velocity of one particle among 217, three solvers",
-                 std::to_string(quarantined) + " quarantined, the others bit for bit as without it");
+                 std::to_string(removed_invalid) + " quarantined, the others bit for bit as without it");
 }
 
 /// A mock cloth that spoils what it tells.
@@ -364,7 +364,7 @@ TEST(HardFluid, forces_that_are_no_numbers_are_refused_or_cost_what_they_act_on)
     EXPECT_EQ(w.state_hash(), hash) << "refused, and nothing happened";
   }
   EXPECT_TRUE(w.step(1e-3).status.ok());
-  EXPECT_EQ(w.report().quarantined, 0u);
+  EXPECT_EQ(w.report().removed_invalid, 0u);
   record_outcome("24c", "NaN or Inf as gravity, dt, emitter, place or velocity", "refused, state as it was");
 }
 
@@ -517,14 +517,14 @@ TEST(HardFluid, an_over_compressed_start_recovers_without_exploding) {
       ASSERT_TRUE(r.status.ok());
       ASSERT_LE(r.momentum_residual().norm(), 1e-12);
       not_converged += !r.fluid.converged;
-      if (k == 0) density_before = std::max(density_before, largest_density(w));
+      if (k == 0) density_before = std::max(density_before, max_density(w));
       for (double p : w.pressures()) pressure = std::max(pressure, p);
       highest = std::max(highest, fastest(w));
     }
     w.set_observer(nullptr);
     EXPECT_EQ(watch.judge().findings(), 0u);
     EXPECT_EQ(w.particle_count(), 729u);
-    density_after = std::max(density_after, largest_density(w));
+    density_after = std::max(density_after, max_density(w));
     speed = std::max(speed, highest);
     ratio = std::max(ratio, highest / std::sqrt(2 * pressure / 1000));
   }
@@ -625,7 +625,7 @@ TEST(HardFluid, a_sheet_between_equal_waters_stays_where_it_is) {
   fill(w, lattice(2 * nx, layers, nz, Vec3::Constant(0.5 * dx)));
   test::TraceWatch watch;
   w.set_observer(&watch);
-  double way = 0, impulse = 0, time = 0, fastest_node = 0;
+  double displacement = 0, impulse = 0, time = 0, fastest_node = 0;
   while (w.time() < 0.3) {
     const StepReport& r = w.step(1e-3);
     ASSERT_TRUE(r.status.ok());
@@ -634,7 +634,7 @@ TEST(HardFluid, a_sheet_between_equal_waters_stays_where_it_is) {
     time += 1e-3;
     const SurfaceMotion& s = *w.surface(sheet_id);
     for (std::size_t i = 0; i < s.x_t1.size(); ++i) {
-      way = std::max(way, std::abs(s.x_t1[i].x() - nx * dx));
+      displacement = std::max(displacement, std::abs(s.x_t1[i].x() - nx * dx));
       impulse += s.impulse[i].x();
       if (s.inverse_mass[i] > 0) fastest_node = std::max(fastest_node, s.velocity[i].norm());
     }
@@ -643,11 +643,11 @@ TEST(HardFluid, a_sheet_between_equal_waters_stays_where_it_is) {
   EXPECT_EQ(watch.judge().findings(), 0u);
   EXPECT_EQ(w.particle_count(), std::size_t{2 * nx * layers * nz});
   const double one_side = 0.5 * 1000 * g * std::pow(layers * dx, 2) * nz * dx;
-  EXPECT_LT(way, 0.5 * dx);
+  EXPECT_LT(displacement, 0.5 * dx);
   EXPECT_LT(std::abs(impulse / time), 0.02 * one_side);
   record_outcome("41", "a light sheet, pinned on its rim, in the middle of water at rest",
-                 "stays within " + shown(way / dx) + " dx, force " + shown(impulse / time / one_side) +
-                     " of one side's");
+                 "stays within " + shown(displacement / dx) + " dx, force " +
+                     shown(impulse / time / one_side) + " of one side's");
 }
 
 // --- 45

@@ -43,9 +43,10 @@ void aim(ContactScene& scene, const std::vector<Vec3>& targets, double speed, Ra
          bool straight = false) {
   for (const Vec3& target : targets)
     for (double side : {1.0, -1.0}) {
-      Vec3 way = Vec3(0, -side, 0);
-      if (!straight) way = (way + 0.6 * random.in_cube(1)).normalized();
-      scene.particles.add(target - 0.5 * way * speed * scene.dt, way * speed, particle_mass);
+      Vec3 displacement = Vec3(0, -side, 0);
+      if (!straight) displacement = (displacement + 0.6 * random.in_cube(1)).normalized();
+      scene.particles.add(target - 0.5 * displacement * speed * scene.dt, displacement * speed,
+                          particle_mass);
     }
 }
 
@@ -62,9 +63,9 @@ SurfaceMotion zero_area_mesh(const HostKind& host) {
 bool exactly_meets(const ContactScene& scene, std::size_t particle = 0) {
   const auto point = [](const Vec3& x) { return exact::Point{x.x(), x.y(), x.z()}; };
   const test::ParticleArrays& p = scene.particles;
-  Box way;
-  way.add(p.x_t0[particle]);
-  way.add(p.x_t1[particle]);
+  Box displacement;
+  displacement.add(p.x_t0[particle]);
+  displacement.add(p.x_t1[particle]);
   for (const SurfaceMotion& s : scene.surfaces)
     for (const Triangle& t : s.triangles) {
       exact::Motion m;
@@ -77,7 +78,7 @@ bool exactly_meets(const ContactScene& scene, std::size_t particle = 0) {
         m.t0[k + 1] = point(s.x_t0[t[k]]);
         m.t1[k + 1] = point(s.x_t1[t[k]]);
       }
-      if (swept.overlaps(way) && exact::point_triangle(m).hit) return true;
+      if (swept.overlaps(displacement) && exact::point_triangle(m).hit) return true;
     }
   return false;
 }
@@ -110,19 +111,19 @@ struct Shooting {
 };
 
 // Weights and normals of particles at rest close to a mesh: finite, Σ = 1, unit.
-struct Records {
+struct ContactCount {
   std::uint64_t number = 0;
   double weight_error = 0, largest_k = 0;
 };
-Records check_records(std::vector<SurfaceMotion> surfaces, const std::vector<Vec3>& points) {
+ContactCount check_records(std::vector<SurfaceMotion> surfaces, const std::vector<Vec3>& points) {
   test::ParticleArrays p;
   for (const Vec3& x : points) p.add(x, Vec3::Zero(), particle_mass);
   std::vector<SurfaceMotion*> list;
   for (SurfaceMotion& s : surfaces) list.push_back(&s);
   ContactSolver solver(ContactSettings{}, 1);
-  Records found;
+  ContactCount found;
   std::set<std::uint32_t> seen;
-  for (const ContactRecord& r : solver.find_records(p.motion(), list)) {
+  for (const Contact& r : solver.find_contacts(p.motion(), list)) {
     ++found.number;
     seen.insert(r.particle);
     double sum = 0, k = 1 / particle_mass;
@@ -144,7 +145,7 @@ Records check_records(std::vector<SurfaceMotion> surfaces, const std::vector<Vec
 
 TEST(HardGeometry, triangles_without_area_stop_particles_with_finite_weights) {
   Shooting all;
-  Records records;
+  ContactCount contacts;
   for (const HostKind& host : host_kinds)
     for (double speed : {20.0, 500.0}) {
       SCOPED_TRACE(host.name);
@@ -155,9 +156,9 @@ TEST(HardGeometry, triangles_without_area_stop_particles_with_finite_weights) {
         for (double a : {0.0, 0.5, 1.0})
           targets.push_back((1 - a) * scene.surfaces[0].x_t0[t[0]] + a * scene.surfaces[0].x_t0[t[1]]);
       for (const Vec3& x : targets) close.push_back(x + Vec3(0, 5e-4, 0));
-      const Records r = check_records(scene.surfaces, close);
-      records.number += r.number;
-      records.weight_error = std::max(records.weight_error, r.weight_error);
+      const ContactCount r = check_records(scene.surfaces, close);
+      contacts.number += r.number;
+      contacts.weight_error = std::max(contacts.weight_error, r.weight_error);
       Random random(1);
       aim(scene, targets, speed, random, true);
       scene.move();
@@ -165,7 +166,7 @@ TEST(HardGeometry, triangles_without_area_stop_particles_with_finite_weights) {
     }
   EXPECT_GT(all.true_hits, all.found.audit.particles / 2);
   record_outcome("1", "triangles of three collinear nodes, of two or three coincident ones",
-                 all.row() + "; sum of weights off by " + shown(records.weight_error) + " at most");
+                 all.row() + "; sum of weights off by " + shown(contacts.weight_error) + " at most");
 }
 
 // A fan of slivers of the given aspect between two long sides.
@@ -198,7 +199,7 @@ TEST(HardGeometry, slivers_of_aspect_1e6_to_1e12_stop_particles_with_finite_effe
           for (double a : {0.1, 0.5, 0.8})
             targets.push_back(a * x[t[0]] + 0.6 * (1 - a) * x[t[1]] + 0.4 * (1 - a) * x[t[2]]);
         for (const Vec3& target : targets) close.push_back(target + turn * Vec3(0, 5e-4, 0));
-        const Records r = check_records(scene.surfaces, close);
+        const ContactCount r = check_records(scene.surfaces, close);
         largest_k = std::max(largest_k, r.largest_k);
         weight_error = std::max(weight_error, r.weight_error);
         Random random(2);
@@ -236,7 +237,7 @@ TEST(HardGeometry,
     SurfaceMotion* list[] = {&copy};
     ContactSolver solver(ContactSettings{}, 1);
     std::set<std::uint32_t> seen;
-    for (const ContactRecord& r : solver.find_records(p.motion(), list)) {
+    for (const Contact& r : solver.find_contacts(p.motion(), list)) {
       seen.insert(r.particle);
       EXPECT_NEAR(r.normal.norm(), 1, 1e-12);
     }
@@ -245,7 +246,7 @@ TEST(HardGeometry,
     StageSeconds seconds;
     ParticleMotion motion = p.motion();
     ASSERT_TRUE(solver.resolve(1e-3, motion, list, report, seconds).ok());
-    EXPECT_GE(report.began_near, on.size());
+    EXPECT_GE(report.started_too_close, on.size());
     for (const Vec3& x : p.x_t1) EXPECT_TRUE(x.allFinite());
 
     // A world refuses them one by one …
@@ -273,13 +274,13 @@ TEST(HardGeometry,
       EXPECT_EQ(fill(early), 0u);
       ASSERT_TRUE(early.attach(wall, test::sheet_settings(), nullptr).ok());
       const StepReport& r = early.step(1e-3);
-      EXPECT_EQ(r.contact.reseeded, on.size());
-      EXPECT_EQ(r.contact.began_near, 0u);
+      EXPECT_EQ(r.contact.relocated, on.size());
+      EXPECT_EQ(r.contact.started_too_close, 0u);
       EXPECT_EQ(early.particle_count() + r.removed, on.size());
       for (const Vec3& x : early.positions()) EXPECT_GE(std::abs(x.y()), sheet.delta);
       if (again) {
         EXPECT_EQ(early.state_hash(), hash);
-        seeded += r.contact.reseeded - r.removed;
+        seeded += r.contact.relocated - r.removed;
         removed += r.removed;
       }
       hash = early.state_hash();
@@ -427,7 +428,7 @@ TEST(HardGeometry, grazing_paths_with_double_and_triple_roots_never_cross) {
             const std::uint64_t meetings = [&] {
               const Found f = resolve_checked(scene);
               all.add(f);
-              return f.total.meetings;
+              return f.total.impacts;
             }();
             ++grazes;
             if (meets) {
@@ -457,11 +458,11 @@ double check_thin(double thickness, double r) {
   test::MockCloth<Scalar> cloth;
   const Status refused = w.attach(cloth, test::sheet_settings(thickness), nullptr);
   EXPECT_FALSE(refused.ok()) << thickness;
-  const double least = smallest_that_would_do(refused.message);
-  EXPECT_GT(least, 0) << refused.message;
-  EXPECT_TRUE(w.attach(cloth, test::sheet_settings(1.0001 * least), nullptr).ok()) << least;
-  EXPECT_FALSE(w.attach(cloth, test::sheet_settings(0.999 * least), nullptr).ok()) << least;
-  return least;
+  const double minimum = smallest_that_would_do(refused.message);
+  EXPECT_GT(minimum, 0) << refused.message;
+  EXPECT_TRUE(w.attach(cloth, test::sheet_settings(1.0001 * minimum), nullptr).ok()) << minimum;
+  EXPECT_FALSE(w.attach(cloth, test::sheet_settings(0.999 * minimum), nullptr).ok()) << minimum;
+  return minimum;
 }
 
 TEST(HardGeometry, a_thickness_of_zero_or_1e_12_is_refused_with_the_smallest_that_would_do) {
@@ -546,7 +547,7 @@ TEST(HardGeometry, far_from_the_origin_contact_gives_the_same_answer_or_is_refus
     ContactScene here = busy_scene(host, 1, Vec3::Zero(), thickness, r);
     ContactScene there = busy_scene(host, 1, offset, thickness, r);
     const Found f = resolve_checked(here);
-    EXPECT_GT(f.total.meetings, 0u);
+    EXPECT_GT(f.total.impacts, 0u);
     EXPECT_GT(f.total.contacts, 0u);
     resolve_checked(there);
     const Difference d = compare(here, there, 1, offset);
@@ -581,9 +582,9 @@ TEST(HardGeometry, scaled_by_2_to_the_20_up_and_down_results_are_the_same_bit_fo
       ContactScene other = busy_scene(host, scale, Vec3::Zero(), 0x1p-4 * scale, 4 * scale);
       const Found f = resolve_checked(one);
       const Found g = resolve_checked(other);
-      EXPECT_GT(f.total.meetings, 0u);
+      EXPECT_GT(f.total.impacts, 0u);
       EXPECT_GT(f.total.contacts, 0u);
-      EXPECT_EQ(f.total.meetings, g.total.meetings);
+      EXPECT_EQ(f.total.impacts, g.total.impacts);
       EXPECT_EQ(f.total.contacts, g.total.contacts);
       const Difference d = compare(one, other, scale, Vec3::Zero());
       EXPECT_EQ(d.position, 0);
@@ -613,7 +614,7 @@ TEST(HardGeometry, with_nothing_or_one_of_everything_a_step_runs) {
                                  mass_of_nodes(host))};
     one.particles.add(Vec3(0.003, 0.01, 0.003), Vec3(0, -20, 0), particle_mass);
     one.move();
-    EXPECT_GT(resolve_checked(one).total.meetings, 0u);
+    EXPECT_GT(resolve_checked(one).total.impacts, 0u);
   }
   World empty;
   EXPECT_TRUE(empty.step(1e-3).status.ok());
@@ -661,8 +662,10 @@ TEST(HardGeometry, duplicates_give_no_double_impulses_and_seams_that_are_not_wel
       Random random(6);
       for (double z : {-0.013, -0.01, -0.0042, 0.0, 0.0071, 0.01})
         for (double tilt : {0.0, 0.4}) {
-          const Vec3 way = Vec3(tilt * random.uniform(-1, 1), -1, tilt * random.uniform(-1, 1)).normalized();
-          scene.particles.add(Vec3(0, 0, z) - 0.5 * scene.dt * speed * way, speed * way, particle_mass);
+          const Vec3 displacement =
+              Vec3(tilt * random.uniform(-1, 1), -1, tilt * random.uniform(-1, 1)).normalized();
+          scene.particles.add(Vec3(0, 0, z) - 0.5 * scene.dt * speed * displacement, speed * displacement,
+                              particle_mass);
         }
       scene.move();
       std::vector<std::uint8_t> hits;
@@ -779,7 +782,7 @@ TEST(HardGeometry, through_a_hole_only_what_keeps_clear_of_its_rim_passes_and_cr
 TEST(HardGeometry, a_fan_of_ten_thousand_edges_around_one_vertex_is_correct_and_bounded) {
   Found all;
   const std::uint32_t spokes = 10000;
-  std::uint64_t records = 0;
+  std::uint64_t contacts = 0;
   for (const HostKind& host : {host_kinds[0], host_kinds[3]}) {
     SCOPED_TRACE(host.name);
     std::vector<Vec3> nodes{Vec3::Zero()};
@@ -803,16 +806,16 @@ TEST(HardGeometry, a_fan_of_ten_thousand_edges_around_one_vertex_is_correct_and_
     CheckedContact check(scene);
     check.resolve();
     all.add(check.found);
-    records += check.records.size();
+    contacts += check.contacts.size();
     EXPECT_LE(check.report.candidates, static_cast<std::uint64_t>(spokes) * scene.particles.id.size());
     // Thousands of triangles have the hub as their closest point: one record stands for them all. A nanometre
     // beside it rounding cannot tell the spokes apart, and each keeps its record.
     std::uint64_t beside_spokes = 0;
-    for (const ContactRecord& r : check.records) {
+    for (const Contact& r : check.contacts) {
       const Vec3& x = check.scene.particles.x_t0[r.particle];
       beside_spokes += x.x() == 1e-9 && x.z() == 0;
     }
-    EXPECT_LE(check.records.size() - beside_spokes, 3 * scene.particles.id.size());
+    EXPECT_LE(check.contacts.size() - beside_spokes, 3 * scene.particles.id.size());
     if (host.free) continue;
     for (std::size_t i = 0; i < scene.particles.id.size(); ++i)
       EXPECT_GT(check.scene.particles.x_t1[i].y() * scene.particles.x_t0[i].y(), 0) << "particle " << i;
@@ -820,12 +823,12 @@ TEST(HardGeometry, a_fan_of_ten_thousand_edges_around_one_vertex_is_correct_and_
   EXPECT_EQ(all.total.removed, 0u);
   record_outcome(
       "42", "a fan of 10,000 edges around one vertex",
-      shots(all) + "; " + count(all.total.candidates) + " candidates, " + count(records) + " records");
+      shots(all) + "; " + count(all.total.candidates) + " candidates, " + count(contacts) + " records");
 }
 
 TEST(HardGeometry, huge_and_tiny_triangles_side_by_side_miss_no_pair) {
   Found all;
-  std::uint64_t aimed = 0, most = 0;
+  std::uint64_t aimed = 0, maximum = 0;
   for (const HostKind& host : host_kinds) {
     SCOPED_TRACE(host.name);
     // A triangle of 1,000 spacings, and a sheet of triangles of a hundredth of a spacing over it.
@@ -842,21 +845,22 @@ TEST(HardGeometry, huge_and_tiny_triangles_side_by_side_miss_no_pair) {
       const double reach = small ? 0.19 * dx : 100 * dx;
       const double side = k % 4 < 2 ? 1 : -1, speed = k % 3 ? 10 : 300;
       const Vec3 target(random.uniform(-reach, reach), small ? 0.02 : 0, random.uniform(-reach, reach));
-      const Vec3 way = (Vec3(0, -side, 0) + 0.3 * random.in_cube(1)).normalized();
-      scene.particles.add(target - 0.5 * scene.dt * speed * way, speed * way, particle_mass);
+      const Vec3 displacement = (Vec3(0, -side, 0) + 0.3 * random.in_cube(1)).normalized();
+      scene.particles.add(target - 0.5 * scene.dt * speed * displacement, speed * displacement,
+                          particle_mass);
     }
     // Those that begin between the sheets nearer than δ to one would break the premise.
     scene.move();
     for (std::size_t i = 0; i < scene.particles.id.size(); ++i) aimed += exactly_meets(scene, i);
     const Found f = resolve_checked(scene);
     all.add(f);
-    most = std::max(most, f.total.candidates);
+    maximum = std::max(maximum, f.total.candidates);
   }
   EXPECT_GT(aimed, 400u);
   EXPECT_EQ(all.total.removed, 0u);
   record_outcome("43", "a triangle of 1,000 spacings under a sheet of triangles of dx/100, 200 shots each",
-                 shots(all) + ", " + count(aimed) + " true hits, at most " + count(most) + " candidates of " +
-                     count(200ull * 3201) + " pairs");
+                 shots(all) + ", " + count(aimed) + " true hits, at most " + count(maximum) +
+                     " candidates of " + count(200ull * 3201) + " pairs");
 }
 
 // A zigzag of `layers` folds within `height`, crumpled by noise that makes folds pass through each other.
@@ -893,10 +897,10 @@ TEST(HardGeometry, crumpled_cloth_of_twelve_layers_through_each_other_lets_nothi
     }
     for (int k = 0; k < 400; ++k) {
       const Vec3 x(random.uniform(-0.02, 0.02), random.uniform(0, 0.01), random.uniform(-0.02, 0.02));
-      double least = 1;
+      double minimum = 1;
       for (const Triangle& t : s.triangles)
-        least = std::min(least, closest_point(x, s.x_t0[t[0]], s.x_t0[t[1]], s.x_t0[t[2]]).distance);
-      if (least > 2 * s.delta) scene.particles.add(x, random.in_cube(20), particle_mass);
+        minimum = std::min(minimum, closest_point(x, s.x_t0[t[0]], s.x_t0[t[1]], s.x_t0[t[2]]).distance);
+      if (minimum > 2 * s.delta) scene.particles.add(x, random.in_cube(20), particle_mass);
     }
     for (Vec3& v : scene.surfaces[0].velocity) v = host.free ? random.in_cube(5) : Vec3(0, 1, 0);
     CheckedContact check(scene);
@@ -956,7 +960,7 @@ class CrumpledPool : public test::WorldScene {
 
 // The largest λ (share of its density that a particle gets from walls) on a lattice through the crumpled
 // cloth.
-float largest_lambda() {
+float max_lambda() {
   test::StaticMesh mesh;
   mesh.add_rectangle(Vec3::Zero(), Vec3(1, 0, 0), Vec3(0, 0, 1), 60, 8);
   crumple(mesh.nodes, 61, 9, 12, 0.01, 0.05, 0.0008);
@@ -986,7 +990,7 @@ TEST(HardGeometry, water_on_crumpled_cloth_never_gets_three_times_as_dense) {
       [&](int threads) { return std::make_unique<CrumpledPool<double>>(threads, &density); }, 40, 1e-3));
   EXPECT_LT(density, 3);
   EXPECT_GT(all.total.impulse_on_prescribed.norm(), 0.05) << "N s: the water did not come down on it";
-  const float lambda = largest_lambda();
+  const float lambda = max_lambda();
   EXPECT_GT(lambda, 0.5f);
   EXPECT_LE(lambda, 1.0f);
   record_outcome("16", "water with mirrored boundary terms falls on it",

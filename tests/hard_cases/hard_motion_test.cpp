@@ -30,14 +30,14 @@ using test::shots;
 using test::shown;
 using test::square_sheet;
 
-double largest_speed(const std::vector<Vec3>& velocities) {
+double max_speed(const std::vector<Vec3>& velocities) {
   double largest = 0;
   for (const Vec3& v : velocities) largest = std::max(largest, v.norm());
   return largest;
 }
 
 // Relative velocity along the normal of a record: < 0 approaches.
-double normal_speed(const ContactScene& scene, const ContactRecord& r) {
+double normal_speed(const ContactScene& scene, const Contact& r) {
   Vec3 v = scene.particles.velocity[r.particle];
   for (int k = 0; k < 3; ++k) v -= r.weights[k] * scene.surfaces[r.surface].velocity[r.nodes[k]];
   return v.dot(r.normal);
@@ -68,23 +68,23 @@ TEST(HardMotion, between_layers_nearer_than_the_thickness_particles_come_to_rest
           Vec3(random.uniform(-0.008, 0.008), 0.003 * (k % 2) + random.uniform(0.0002, 0.0028),
                random.uniform(-0.008, 0.008)),
           Vec3(0, random.uniform(-0.5, 0.5), 0), 1e-6);
-    start_speed = std::max(start_speed, largest_speed(scene.particles.velocity));
+    start_speed = std::max(start_speed, max_speed(scene.particles.velocity));
     CheckedContact check(scene);
     double early = 0, late = 0;
     for (int k = 0; k < 120; ++k) {
       const std::vector<Vec3> before = check.scene.particles.x_t0;
       check.run(1);
-      double way = 0;
+      double displacement = 0;
       for (std::size_t i = 0; i < before.size(); ++i)
-        way = std::max(way, std::abs((check.scene.particles.x_t0[i] - before[i]).y()));
-      if (k >= 5 && k < 25) early = std::max(early, way);
-      if (k >= 100) late = std::max(late, way);
+        displacement = std::max(displacement, std::abs((check.scene.particles.x_t0[i] - before[i]).y()));
+      if (k >= 5 && k < 25) early = std::max(early, displacement);
+      if (k >= 100) late = std::max(late, displacement);
     }
     all.add(check.found);
     EXPECT_EQ(check.scene.particles.id.size(), 40u);
     EXPECT_LE(late, early) << "jitter grows";
     late_jitter = std::max(late_jitter, late);
-    end_speed = std::max(end_speed, largest_speed(check.scene.particles.velocity));
+    end_speed = std::max(end_speed, max_speed(check.scene.particles.velocity));
   }
   EXPECT_LT(end_speed, 0.02 * start_speed);
   record_outcome("9", "h = 5 mm, layers 3 mm apart, triangles of 2 mm, dx = 1 mm; 120 steps",
@@ -94,7 +94,7 @@ TEST(HardMotion, between_layers_nearer_than_the_thickness_particles_come_to_rest
 }
 
 TEST(HardMotion, sliding_ten_thousand_steps_at_delta_keeps_the_tangential_velocity) {
-  double worst = 0, least = 1;
+  double worst = 0, minimum = 1;
   Found all;
   for (const HostKind& host : {host_kinds[0], host_kinds[2]})
     for (Repulsion repulsion : {Repulsion::none, Repulsion::split}) {
@@ -110,14 +110,14 @@ TEST(HardMotion, sliding_ten_thousand_steps_at_delta_keeps_the_tangential_veloci
       for (int k = 0; k < 10000 && !HasFatalFailure(); ++k) {
         check.run(1);
         worst = std::max(worst, (check.scene.particles.velocity[0] - v).norm() / v.norm());
-        least = std::min(least, check.scene.particles.x_t0[0].y() / delta);
+        minimum = std::min(minimum, check.scene.particles.x_t0[0].y() / delta);
       }
       EXPECT_NEAR(check.scene.particles.x_t0[0].x(), -0.9 + 1.7, 1e-6);
       all.add(check.found);
     }
   EXPECT_LE(worst, 1e-6);
   record_outcome("9b", "10,000 steps along a sheet from 1.01 δ on, free slip",
-                 "velocity changes by " + shown(worst) + " of itself, least distance " + shown(least) +
+                 "velocity changes by " + shown(worst) + " of itself, least distance " + shown(minimum) +
                      " δ, " + count(all.audit.crossings + all.audit.touchings) + " crossings");
 }
 
@@ -246,7 +246,7 @@ TEST(HardMotion, a_step_of_a_nanosecond_ejects_nothing_and_steps_of_zero_or_less
       CheckedContact check(scene);
       check.run(1);
       all.add(check.found);
-      speed = std::max(speed, largest_speed(check.scene.particles.velocity));
+      speed = std::max(speed, max_speed(check.scene.particles.velocity));
       for (std::size_t i = 0; i < start.size(); ++i)
         displacement = std::max(displacement, (check.scene.particles.x_t0[i] - start[i]).norm());
       for (double bad : {0.0, -1e-3}) {
@@ -286,7 +286,7 @@ TEST(HardMotion, mass_ratios_of_1e_minus_12_to_1e12_keep_momentum_and_energy) {
       check.scene.move();
       check.resolve();
       all.add(check.found);
-      for (const ContactRecord& r : check.records) {
+      for (const Contact& r : check.contacts) {
         ++contacts;
         const double approach = -normal_speed(check.scene, r) / 5;
         residual = std::max(residual, approach);
@@ -321,7 +321,7 @@ TEST(HardMotion, all_pinned_all_free_and_one_pin_balance_momentum_with_reactions
       CheckedContact check(scene);
       check.scene.move();
       check.resolve();
-      for (const ContactRecord& r : check.records) {
+      for (const Contact& r : check.contacts) {
         double k = 1 / particle_mass;
         for (int i = 0; i < 3; ++i)
           k += r.weights[i] * r.weights[i] * check.scene.surfaces[0].inverse_mass[r.nodes[i]];
@@ -446,7 +446,7 @@ TEST(HardMotion, a_jet_of_500_metres_per_second_passes_neither_one_layer_nor_ten
   record_outcome("13", "a 500 m/s jet (0.5 m a step) on pinned and free sheets, 1 and 10 layers",
                  count(all.audit.particles) + " paths, " + count(all.audit.crossings + all.audit.touchings) +
                      " crossings; peak force on a node " + shown(all.impulse / 1e-3) + " N; " +
-                     count(all.total.rounds) + " rounds and " + count(all.total.zone_rounds) +
+                     count(all.total.ccd_iterations) + " rounds and " + count(all.total.zone_rounds) +
                      " zone rounds in " + count(all.intervals) + " steps");
 }
 
@@ -464,9 +464,10 @@ TEST(HardMotion, single_particles_of_5000_metres_per_second_are_stopped) {
           scene.surfaces.back().id = static_cast<std::uint64_t>(l + 1);
           lift(scene.surfaces.back(), -0.003 * l);
         }
-        const Vec3 way = (Vec3(0, -1, 0) + 0.5 * random.in_cube(1)).normalized();
+        const Vec3 displacement = (Vec3(0, -1, 0) + 0.5 * random.in_cube(1)).normalized();
         const Vec3 target(random.uniform(-0.015, 0.015), 0, random.uniform(-0.015, 0.015));
-        scene.particles.add(target - random.uniform(0.2, 4.5) * way, 5000 * way, particle_mass);
+        scene.particles.add(target - random.uniform(0.2, 4.5) * displacement, 5000 * displacement,
+                            particle_mass);
         CheckedContact check(scene);
         check.run(1);
         all.add(check.found);
@@ -546,12 +547,12 @@ TEST(HardMotion,
 }
 
 template <class Scalar>
-Found teleport(bool announced, std::uint64_t* ahead, std::uint64_t* reseeded) {
+Found teleport(bool announced, std::uint64_t* ahead, std::uint64_t* relocated) {
   ClothSetup setup;
   setup.pinned = true;
   setup.world.gravity.setZero();
   setup.world.kill_box = {Vec3::Constant(-20), Vec3::Constant(20)};
-  const double way = 10;
+  const double displacement = 10;
   const auto make = [&](int threads) {
     return std::make_unique<ClothScene<Scalar>>(
         setup, threads,
@@ -559,17 +560,18 @@ Found teleport(bool announced, std::uint64_t* ahead, std::uint64_t* reseeded) {
           test::add_block(s.world(), 6, Vec3(-0.013, 0.02, -0.013), Vec3::Zero());
           // … and some exactly where it is going to stand.
           std::vector<Vec3> x, v;
-          for (double at : {-0.05, 0.0123, 0.06}) x.push_back(Vec3(at, way, 0.01)), v.push_back(Vec3::Zero());
+          for (double at : {-0.05, 0.0123, 0.06})
+            x.push_back(Vec3(at, displacement, 0.01)), v.push_back(Vec3::Zero());
           EXPECT_TRUE(s.world().add_particles(x, v).ok());
         },
         [=](ClothScene<Scalar>& s, int k) {
           if (k == 1) {
             if (announced) s.world().reset_motion(s.ids[0]);
-            for (auto& x : s.cloths[0]->x) x.y() += static_cast<Scalar>(way);
+            for (auto& x : s.cloths[0]->x) x.y() += static_cast<Scalar>(displacement);
           }
           if (k == 2 && threads == 1) {
-            *reseeded += s.world().report().contact.reseeded;
-            for (const Vec3& x : s.world().positions()) *ahead += x.y() > way;
+            *relocated += s.world().report().contact.relocated;
+            for (const Vec3& x : s.world().positions()) *ahead += x.y() > displacement;
           }
         });
   };
@@ -577,19 +579,19 @@ Found teleport(bool announced, std::uint64_t* ahead, std::uint64_t* reseeded) {
 }
 
 TEST(HardMotion, pins_that_teleport_by_ten_metres_sweep_what_is_on_their_way_or_are_a_new_surface) {
-  std::uint64_t swept = 0, left = 0, reseeded = 0, none = 0;
+  std::uint64_t swept = 0, left = 0, relocated = 0, none = 0;
   Found all;
   all.add(teleport<float>(false, &swept, &none));
   all.add(teleport<double>(false, &swept, &none));
   EXPECT_EQ(swept, 2 * (216u + 3u)) << "all that was on the way is ahead of it";
   EXPECT_EQ(none, 0u);
-  all.add(teleport<float>(true, &left, &reseeded));
-  all.add(teleport<double>(true, &left, &reseeded));
+  all.add(teleport<float>(true, &left, &relocated));
+  all.add(teleport<double>(true, &left, &relocated));
   EXPECT_LE(left, 6u);
-  EXPECT_EQ(reseeded, 6u);
+  EXPECT_EQ(relocated, 6u);
   record_outcome("26", "all pins of a sheet move by 10 m in one step, unannounced and as reset_motion()",
                  "unannounced: " + count(swept) +
-                     " of 438 particles on the way are taken along; announced: " + count(reseeded) +
+                     " of 438 particles on the way are taken along; announced: " + count(relocated) +
                      " of 6 under the new place moved out or removed, counted; " +
                      count(all.audit.crossings + all.audit.touchings) + " crossings");
 }
@@ -720,11 +722,11 @@ TEST(HardMotion, repulsion_of_1e9_newtons_per_metre_separates_no_faster_than_a_t
           check.scene.move();
           check.resolve();
           all.add(check.found);
-          for (const ContactRecord& r : check.records) {
+          for (const Contact& r : check.contacts) {
             const double capped = 0.1 * (0.001 - r.distance) / dt;
             if (!(capped > 0)) continue;
-            double& most = particles == 1 ? ratio : crowd;
-            most = std::max(most, normal_speed(check.scene, r) / capped);
+            double& maximum = particles == 1 ? ratio : crowd;
+            maximum = std::max(maximum, normal_speed(check.scene, r) / capped);
           }
         }
       }
@@ -758,9 +760,10 @@ TEST(HardMotion, friction_of_0_1_1e9_and_infinity_gains_no_energy_and_infinity_s
       }
       all.add(check.found);
       if (host.free) continue;
-      double& most = friction == 0 ? slides : sticks;
+      double& maximum = friction == 0 ? slides : sticks;
       if (friction == 0 || friction == inf)
-        for (const Vec3& v : check.scene.particles.velocity) most = std::max(most, std::hypot(v.x(), v.z()));
+        for (const Vec3& v : check.scene.particles.velocity)
+          maximum = std::max(maximum, std::hypot(v.x(), v.z()));
     }
   EXPECT_GT(slides, 0.99);
   EXPECT_LT(sticks, 1e-9);

@@ -53,8 +53,8 @@ Motion motion_of(const ContactScene& s) {
 }
 
 void expect_bounded(const ContactReport& r, const ContactSettings& settings, int intervals = 1) {
-  EXPECT_LE(r.rounds, static_cast<std::uint64_t>(settings.rounds * intervals));
-  EXPECT_LE(r.zone_rounds, most_zone_rounds * static_cast<std::uint64_t>(intervals));
+  EXPECT_LE(r.ccd_iterations, static_cast<std::uint64_t>(settings.ccd_iterations * intervals));
+  EXPECT_LE(r.zone_rounds, max_zone_rounds * static_cast<std::uint64_t>(intervals));
 }
 
 void expect_clean(const audit::Summary& s, bool crossings_allowed) {
@@ -99,7 +99,7 @@ void Found::add(const Found& o) {
 
 std::string shots(const Found& f) {
   return count(f.audit.particles) + " shots, " + count(f.audit.crossings + f.audit.touchings) +
-         " crossings, " + count(f.total.meetings) + " meetings";
+         " crossings, " + count(f.total.impacts) + " meetings";
 }
 
 std::vector<SurfaceMotion*> ContactScene::surface_list() {
@@ -148,7 +148,7 @@ void CheckedContact::resolve() {
   ASSERT_NO_FATAL_FAILURE(solve(one_, scene, report));
   ContactReport twin_report;
   ASSERT_NO_FATAL_FAILURE(solve(two_, twin, twin_report));
-  records = one_.records();
+  contacts = one_.contacts();
   check_same_bits(twin);
   check_finite();
   audit_interval();
@@ -193,7 +193,7 @@ void CheckedContact::check_finite() const {
     all(s.impulse, "impulse of node");
     for (const Vec3& x : s.x_t1) ASSERT_EQ(x, stored(x, s.storage));
   }
-  for (const ContactRecord& r : records) {
+  for (const Contact& r : contacts) {
     EXPECT_NEAR(r.weights[0] + r.weights[1] + r.weights[2], 1, 1e-15);
     EXPECT_NEAR(r.normal.norm(), 1, 1e-12);
   }
@@ -264,7 +264,7 @@ class Recorder : public IntervalObserver {
     for (const SurfaceMotion* s : interval.surfaces) {
       record.surfaces.push_back(audited(*s));
       limits_.delta_of[s->id] = s->delta;
-      for (const Vec3& j : s->impulse) largest_impulse_ = std::max(largest_impulse_, j.norm());
+      for (const Vec3& j : s->impulse) max_impulse_ = std::max(max_impulse_, j.norm());
     }
     records_.push_back(std::move(record));
   }
@@ -273,12 +273,12 @@ class Recorder : public IntervalObserver {
     for (const audit::Record& r : records_) auditor.audit(r);
     return auditor.summary();
   }
-  double largest_impulse() const { return largest_impulse_; }
+  double max_impulse() const { return max_impulse_; }
 
  private:
   audit::Limits limits_;
   std::vector<audit::Record> records_;
-  double largest_impulse_ = 0;
+  double max_impulse_ = 0;
 };
 
 void check_step(World& w, Found& found) {
@@ -325,7 +325,7 @@ Found run_checked(const std::function<std::unique_ptr<WorldScene>(int)>& make, i
     EXPECT_NEAR(mass, alive, 1e-12 * ever) << "the ledger of mass";
     if (threads == 1) {
       found.audit = recorder.audit();
-      found.impulse = recorder.largest_impulse();
+      found.impulse = recorder.max_impulse();
       expect_clean(found.audit, w.contact_settings().infeasible == Infeasible::allow);
     }
   }

@@ -19,7 +19,7 @@
 namespace oilskin::test {
 
 /// Zones are over after this many rounds: 20 until everything is held, 4 more, then a follow and a removal.
-constexpr std::uint64_t most_zone_rounds = 28;
+constexpr std::uint64_t max_zone_rounds = 28;
 
 /// How a host stores its nodes and whether they are free.
 struct HostKind {
@@ -98,7 +98,7 @@ class CheckedContact {
   ContactScene scene;
   Found found;
   ContactReport report;  ///< of the last interval
-  std::vector<ContactRecord> records;
+  std::vector<Contact> contacts;
 
  private:
   void check_finite() const;

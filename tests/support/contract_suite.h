@@ -58,7 +58,7 @@ TYPED_TEST_P(HostContract, nothing_crosses_at_any_speed) {
     ASSERT_TRUE(w.report().status.ok());
     ASSERT_EQ(w.report().contact.crossings_found_by_verify, 0u) << "step " << k;
     ASSERT_EQ(w.report().contact.removed, 0u);
-    meetings += w.report().contact.meetings;
+    meetings += w.report().contact.impacts;
   }
   EXPECT_GT(meetings, 0u);
 }
@@ -122,7 +122,7 @@ TYPED_TEST_P(HostContract, a_teleport_is_a_new_surface_and_leaves_no_particle_to
   w.reset_motion(host.id());
   host.step(1e-3);
   EXPECT_NE(w.surface(host.id())->id, before);
-  EXPECT_GT(w.report().contact.reseeded, 0u);
+  EXPECT_GT(w.report().contact.relocated, 0u);
   EXPECT_EQ(w.report().contact.crossings_found_by_verify, 0u);
   host.step(1e-3);
   EXPECT_EQ(w.report().contact.crossings_found_by_verify, 0u);

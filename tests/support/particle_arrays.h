@@ -52,13 +52,13 @@ struct ParticleArrays {
 
 /// A grid of (nu × nv) nodes over origin + s·u + t·v, two triangles a cell; node (i, j) has index i + nu·j.
 inline SurfaceMotion make_grid(std::uint32_t nu, std::uint32_t nv, const Vec3& origin, const Vec3& u,
-                               const Vec3& v, double node_mass, double thickness, double largest_coordinate,
+                               const Vec3& v, double node_mass, double thickness, double max_coordinate,
                                Storage storage, std::uint64_t id = 1) {
   SurfaceMotion s;
   s.id = id;
   s.storage = storage;
   s.thickness = thickness;
-  s.delta = minimum_separation(thickness, largest_coordinate, storage);
+  s.delta = minimum_separation(thickness, max_coordinate, storage);
   for (std::uint32_t j = 0; j < nv; ++j)
     for (std::uint32_t i = 0; i < nu; ++i)
       s.x_t0.push_back(stored(origin + u * (i / (nu - 1.0)) + v * (j / (nv - 1.0)), storage));

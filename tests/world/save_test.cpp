@@ -163,7 +163,7 @@ TEST(Save, surfaces_keep_their_ids_in_the_trace_and_get_the_handles_of_the_new_w
   scene->world.detach(scene->floor_id);  // a gap in the ids
   SurfaceSettings slippery = test::sheet_settings();
   ASSERT_TRUE(
-      scene->world.set_slip(scene->cloth_id, {SlipModel::coulomb, 0.5, 0}, {SlipModel::no_slip, 1, 0}).ok());
+      scene->world.set_slip(scene->cloth_id, {SlipModel::coulomb, 0.5, 0}, {SlipModel::sticking, 1, 0}).ok());
   scene->step(saved_after);
   const Bytes bytes = save(scene->world);
   const auto hosts = scene->host_state();

@@ -48,7 +48,7 @@ Vec3 sum(const std::vector<Vec3>& values) {
 
 struct Jet {
   std::uint64_t hash = 0, emitted = 0, intervals = 0, crossings = 0;
-  int most = 0, least = 1000;  ///< sub-steps of a step
+  int maximum = 0, minimum = 1000;  ///< sub-steps of a step
   std::string trace;
   audit::Limits limits;
 };
@@ -87,8 +87,8 @@ Jet run_jet(const FluidSettings& fluid, int threads, double dt, double duration,
     jet.emitted += r.emitted;
     jet.intervals += static_cast<std::uint64_t>(r.substeps);
     jet.crossings += r.contact.crossings_found_by_verify;
-    jet.most = std::max(jet.most, r.substeps);
-    jet.least = std::min(jet.least, r.substeps);
+    jet.maximum = std::max(jet.maximum, r.substeps);
+    jet.minimum = std::min(jet.minimum, r.substeps);
   }
   jet.hash = w.state_hash();
   jet.trace = out.str();
@@ -103,14 +103,14 @@ TEST(Substeps, one_at_most_is_the_step_as_it_was) {
   EXPECT_EQ(a.intervals, 30u);
   // Slow enough for one sub-step, the limit does not matter either.
   const Jet c = run_jet<float>(cut_into(100, 1000), 1, 1e-3, 0.03, false);
-  EXPECT_EQ(c.most, 1);
+  EXPECT_EQ(c.maximum, 1);
   EXPECT_EQ(a.hash, c.hash);
 }
 
 template <class Scalar>
 void expect_certified_intervals() {
   const Jet jet = run_jet<Scalar>(cut_into(12), 2, 2e-3, 0.04, true);
-  EXPECT_GT(jet.most, 8);
+  EXPECT_GT(jet.maximum, 8);
   EXPECT_EQ(jet.crossings, 0u);
   std::istringstream in(jet.trace);
   audit::Summary summary;
@@ -137,7 +137,7 @@ TEST(Substeps, same_bits_on_any_number_of_threads) {
 TEST(Substeps, emit_as_many_as_the_whole_step) {
   const Jet whole = run_jet<double>(cut_into(1), 1, 2e-3, 0.03, false);
   const Jet cut = run_jet<double>(cut_into(12), 1, 2e-3, 0.03, false);
-  EXPECT_GT(cut.most, 1);
+  EXPECT_GT(cut.maximum, 1);
   EXPECT_EQ(cut.emitted, whole.emitted);
   EXPECT_GT(cut.emitted, 300u);
 }
@@ -179,11 +179,11 @@ TEST(Substeps, the_ledger_closes_and_impulses_are_those_of_the_whole_step) {
   test::add_block(w, 4, Vec3(0.01, 0.003, -0.013), Vec3(0, -4, 0));
   // Every spring force of the host is internal or holds a pin, so its own part of the momentum is known.
   double given = 0;
-  int most = 0;
+  int maximum = 0;
   for (int k = 0; k < 40; ++k) {
     const StepReport& r = w.step(2e-3);
     ASSERT_TRUE(r.status.ok());
-    most = std::max(most, r.substeps);
+    maximum = std::max(maximum, r.substeps);
     const double scale = r.momentum_before.norm() + r.momentum_emitted.norm();
     EXPECT_LE(r.momentum_residual().norm(), 1e-12 * scale) << "step " << k;
     EXPECT_NEAR((r.momentum_after - test::fluid_momentum(w)).norm(), 0, 1e-13 * scale);
@@ -193,7 +193,7 @@ TEST(Substeps, the_ledger_closes_and_impulses_are_those_of_the_whole_step) {
     given += booked.norm();
     EXPECT_EQ(r.contact.crossings_found_by_verify, 0u);
   }
-  EXPECT_GT(most, 4);
+  EXPECT_GT(maximum, 4);
   EXPECT_GT(given, 0.01);
 }
 

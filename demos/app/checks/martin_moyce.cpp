@@ -132,11 +132,11 @@ double fastest_front(const std::vector<DamMoment>& run, double unit) {
 std::vector<Vec3> bulk_of(Span<const Vec3> positions, double reach) {
   Linked linked = link(positions, reach);
   std::unordered_map<std::size_t, std::size_t> count;
-  std::size_t largest = 0, most = 0;
+  std::size_t largest = 0, maximum = 0;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const std::size_t root = linked.find(i);
-    if (++count[root] > most) {
-      most = count[root];
+    if (++count[root] > maximum) {
+      maximum = count[root];
       largest = root;
     }
   }
@@ -148,29 +148,29 @@ std::vector<Vec3> bulk_of(Span<const Vec3> positions, double reach) {
 
 DamMoment look_at_dam(Span<const Vec3> positions, const DamPlace& place, double t) {
   const double near_wall = 0.25 * place.width;
-  std::vector<double> ways;
+  std::vector<double> displacements;
   double at_wall = 0;  // particles
   for (const Vec3& x : bulk_of(positions, 2 * place.spacing)) {
-    ways.push_back((x - place.foot).dot(place.along));
-    if (ways.back() < near_wall) ++at_wall;
+    displacements.push_back((x - place.foot).dot(place.along));
+    if (displacements.back() < near_wall) ++at_wall;
   }
   const double volume = at_wall * place.spacing * place.spacing * place.spacing;
-  return {t, quantile_of(ways) + 0.5 * place.spacing, volume / (near_wall * place.breadth)};
+  return {t, quantile_of(displacements) + 0.5 * place.spacing, volume / (near_wall * place.breadth)};
 }
 
 DamComparison compare_with_martin_moyce(const std::vector<DamMoment>& run, double width, double gravity,
                                         const DamFit& fit) {
   const double unit = std::sqrt(width / (2 * gravity));
   DamComparison found;
-  double least = not_covered;
-  const int steps = static_cast<int>(std::floor(fit.most_shift / shift_step + 1e-9));
+  double minimum = not_covered;
+  const int steps = static_cast<int>(std::floor(fit.max_shift / shift_step + 1e-9));
   for (int i = -steps; i <= steps; ++i) {
     const double shift = i * shift_step;
     const double front = front_difference(run, width, unit, shift);
     const double height = height_difference(run, width, unit, shift);
     const double worse = std::max(front / fit.front, std::isinf(fit.height) ? 0 : height / fit.height);
-    if (worse >= least) continue;
-    least = worse;
+    if (worse >= minimum) continue;
+    minimum = worse;
     found.front = front;
     found.height = height;
     found.shift = shift;

@@ -46,7 +46,7 @@ struct DamComparison {
 
 /// What the shift may do to fit.
 struct DamFit {
-  double most_shift = 0.15;
+  double max_shift = 0.15;
   double front = 0.1;                                       ///< tolerated difference
   double height = std::numeric_limits<double>::infinity();  ///< tolerated difference; infinite: not looked at
 };

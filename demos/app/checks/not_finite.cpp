@@ -14,7 +14,7 @@ class NotFinite : public Check {
  public:
   std::vector<CheckResult> results(const RunEnd& end) override {
     const World& world = end.simulation.world();
-    std::uint64_t count = end.totals.quarantined;
+    std::uint64_t count = end.totals.removed_invalid;
     count += count_not_finite(world.positions()) + count_not_finite(world.velocities());
     for (std::size_t c = 0; c < end.scene.cloth.size(); ++c) {
       const SurfaceMotion* motion = end.simulation.cloth(c);

@@ -12,7 +12,7 @@ void Totals::add(const StepReport& r) {
   contact.add(r.contact);
   emitted += r.emitted;
   removed += r.removed;
-  quarantined += r.quarantined;
+  removed_invalid += r.removed_invalid;
   blocked_starts += r.blocked_starts;
   mass_emitted += r.mass_emitted;
   mass_removed += r.mass_removed;

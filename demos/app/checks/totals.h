@@ -10,7 +10,7 @@ struct Totals {
   double simulated = 0;  ///< [s]
   StageSeconds seconds;
   ContactReport contact;
-  std::uint64_t emitted = 0, removed = 0, quarantined = 0, blocked_starts = 0;
+  std::uint64_t emitted = 0, removed = 0, removed_invalid = 0, blocked_starts = 0;
   double mass_emitted = 0, mass_removed = 0;  ///< [kg]
   double density_error_sum = 0, density_error_max = 0;
   std::uint64_t pressure_iterations = 0;

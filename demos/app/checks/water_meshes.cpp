@@ -13,7 +13,7 @@ class WaterMeshes : public Check {
     const auto none = [](const char* name, std::uint64_t count) {
       return at_most(name, static_cast<double>(count), 0);
     };
-    if (end.scene.surface->mode == SurfaceContact::overlap) return {none("surface_flaws", meshes.flaws)};
+    if (end.scene.surface->mode == ObstacleMode::overlap) return {none("surface_flaws", meshes.flaws)};
     return {none("surface_flaws", meshes.flaws), none("surface_intersections", meshes.intersecting_pairs),
             none("surface_submerged", meshes.submerged), none("surface_below_gap", meshes.near_pairs)};
   }

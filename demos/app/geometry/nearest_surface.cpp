@@ -5,7 +5,7 @@
 namespace oilskin::demo {
 namespace {
 
-constexpr double most_cells = 4096;  // per triangle
+constexpr double max_cells = 4096;  // per triangle
 
 }
 
@@ -22,7 +22,7 @@ void NearestSurface::add(const SurfaceMotion& motion, int surface) {
     box = box.inflated(reach_);
     const Entry entry{&motion, t, surface};
     const Vec3 cells = ((box.max - box.min) / cell_).array() + 1;
-    if (!(cells.prod() < most_cells)) {
+    if (!(cells.prod() < max_cells)) {
       large_.push_back(entry);
       continue;
     }
@@ -56,9 +56,9 @@ bool NearestSurface::is_clear(const Vec3& p, const Vec3& n, double along, double
     const Triangle& nodes = entry.motion->triangles[entry.triangle];
     Vec3 corner[3];
     for (int k = 0; k < 3; ++k) {
-      const Vec3 way = entry.motion->x_t1[nodes[static_cast<std::size_t>(k)]] - p;
-      const double up = way.dot(n);
-      corner[k] = (way - up * n) / across + (up / along) * n;
+      const Vec3 displacement = entry.motion->x_t1[nodes[static_cast<std::size_t>(k)]] - p;
+      const double up = displacement.dot(n);
+      corner[k] = (displacement - up * n) / across + (up / along) * n;
     }
     return closest_point(Vec3::Zero(), corner[0], corner[1], corner[2]).distance < 1;
   };

@@ -45,9 +45,9 @@ class Basin {
   }
 
   double lowest() const {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Vec3& x : cloth_.x_t1) least = std::min(least, x.dot(up_));
-    return least;
+    double minimum = std::numeric_limits<double>::infinity();
+    for (const Vec3& x : cloth_.x_t1) minimum = std::min(minimum, x.dot(up_));
+    return minimum;
   }
 
   /// Of the nodes on edges of one triangle only: from there on the basin runs over.
@@ -55,11 +55,11 @@ class Basin {
     std::map<std::array<std::uint32_t, 2>, int> edges;
     for (const Triangle& t : cloth_.triangles)
       for (int k = 0; k < 3; ++k) ++edges[{std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])}];
-    double least = std::numeric_limits<double>::infinity();
+    double minimum = std::numeric_limits<double>::infinity();
     for (const auto& [edge, count] : edges)
       if (count == 1)
-        for (const std::uint32_t i : edge) least = std::min(least, cloth_.x_t1[i].dot(up_));
-    return least;
+        for (const std::uint32_t i : edge) minimum = std::min(minimum, cloth_.x_t1[i].dot(up_));
+    return minimum;
   }
 
  private:
@@ -90,8 +90,8 @@ double level_in_middle(const SurfaceMotion& cloth, Span<const Vec3> positions, c
   const auto deepest = std::min_element(cloth.x_t1.begin(), cloth.x_t1.end(), lower);
   std::vector<double> heights;
   for (const Vec3& x : positions) {
-    const Vec3 way = x - *deepest;
-    if ((way - up * way.dot(up)).norm() < radius) heights.push_back(x.dot(up));
+    const Vec3 displacement = x - *deepest;
+    if ((displacement - up * displacement.dot(up)).norm() < radius) heights.push_back(x.dot(up));
   }
   if (heights.empty()) return std::numeric_limits<double>::infinity();
   const auto at = heights.begin() + static_cast<std::ptrdiff_t>(0.95 * double(heights.size() - 1));

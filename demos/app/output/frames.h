@@ -16,7 +16,7 @@ struct FrameData {
   Span<const Vec3> position, velocity;
   Span<const double> density, pressure;
   std::vector<const SurfaceMotion*> cloth, bodies;  ///< drawn at x_t1; null = left out
-  const SurfaceMesh* surface = nullptr;             ///< the water's, if the scene wants one
+  const WaterMesh* surface = nullptr;               ///< the water's, if the scene wants one
   std::uint64_t crossings = 0;                      ///< found by verify so far
 };
 

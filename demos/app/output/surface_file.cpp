@@ -24,7 +24,7 @@ void append(std::string& bytes, T value) {
 
 const std::string comment = "comment made with ";
 
-std::string header(const SurfaceMesh& mesh, const std::string& made_with) {
+std::string header(const WaterMesh& mesh, const std::string& made_with) {
   std::string text = "ply\nformat binary_little_endian 1.0\n" + comment + made_with + "\nelement vertex " +
                      std::to_string(mesh.positions.size()) + "\n";
   const char* names[] = {"x", "y", "z", "nx", "ny", "nz", "vx", "vy", "vz"};
@@ -34,7 +34,7 @@ std::string header(const SurfaceMesh& mesh, const std::string& made_with) {
          "\nproperty list uchar int vertex_indices\nend_header\n";
 }
 
-std::string body(const SurfaceMesh& mesh) {
+std::string body(const WaterMesh& mesh) {
   std::string bytes;
   bytes.reserve(mesh.positions.size() * 36 + mesh.triangles.size() * 13);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -52,7 +52,7 @@ std::string body(const SurfaceMesh& mesh) {
 
 }  // namespace
 
-void write_surface(const std::string& path, const SurfaceMesh& mesh, const std::string& made_with) {
+void write_surface(const std::string& path, const WaterMesh& mesh, const std::string& made_with) {
   // Several processes may work on one folder: each has a file of its own.
   const std::string part = path + "." + std::to_string(getpid()) + ".part";
   {

@@ -3,14 +3,14 @@
 
 #include <string>
 
-#include "oilskin/surface_mesh.h"
+#include "oilskin/reconstruction.h"
 
 namespace oilskin::demo {
 
 /// PLY, binary little endian: x y z nx ny nz and, if the mesh has velocities, vx vy vz as float32; triangles
 /// as lists of int; `made_with`, one line, as a comment. Written beside its place and renamed, so that a file
 /// of that name is whole. Throws OutputError.
-void write_surface(const std::string& path, const SurfaceMesh& mesh, const std::string& made_with);
+void write_surface(const std::string& path, const WaterMesh& mesh, const std::string& made_with);
 
 /// What the file says that it was made with; empty if it says nothing.
 std::string surface_made_with(const std::string& path);

@@ -247,8 +247,8 @@ void Picture::Impl::open_window() {
 Vec3 Picture::Impl::in_front(const View& view) const {
   if (!view.slice) return Vec3::Zero();
   const Vec3 n = view.slice->normal.normalized();
-  const double way = 0.5 * view.slice->thickness + spacing;
-  return n.dot(view.eye - view.slice->point) > 0 ? Vec3(way * n) : Vec3(-way * n);
+  const double displacement = 0.5 * view.slice->thickness + spacing;
+  return n.dot(view.eye - view.slice->point) > 0 ? Vec3(displacement * n) : Vec3(-displacement * n);
 }
 
 WaterLook Picture::Impl::look_of(const View& view) const {

@@ -149,10 +149,10 @@ void DrawnWater::fill(Part& part, const Points& points, vtkColorTransferFunction
 namespace {
 
 /// How far a flat drop may spread before it comes through a fold or the rim of a sheet.
-double spread(const NearestSurface& nearest, const Vec3& p, const Vec3& n, double height, double most) {
-  double r = most;
+double spread(const NearestSurface& nearest, const Vec3& p, const Vec3& n, double height, double maximum) {
+  double r = maximum;
   while (r > height && !nearest.is_clear(p, n, height, r)) r *= 0.8;
-  return std::max(r, std::min(most, height));
+  return std::max(r, std::min(maximum, height));
 }
 
 }  // namespace

@@ -85,7 +85,7 @@ DrawnWaterSurface::DrawnWaterSurface() {
   cut_->GetProperty()->LightingOff();
 }
 
-void DrawnWaterSurface::update(const SurfaceMesh* mesh) {
+void DrawnWaterSurface::update(const WaterMesh* mesh) {
   mesh_ = mesh;
   if (mesh == nullptr) return;
   vtkNew<vtkPoints> points;
@@ -95,7 +95,7 @@ void DrawnWaterSurface::update(const SurfaceMesh* mesh) {
   normals->SetNumberOfComponents(3);
   normals->SetNumberOfTuples(static_cast<vtkIdType>(mesh->positions.size()));
   for (std::size_t i = 0; i < mesh->positions.size(); ++i) {
-    const SurfaceMesh::Float3 &x = mesh->positions[i], &n = mesh->normals[i];
+    const WaterMesh::Float3 &x = mesh->positions[i], &n = mesh->normals[i];
     points->SetPoint(static_cast<vtkIdType>(i), x[0], x[1], x[2]);
     normals->SetTuple3(static_cast<vtkIdType>(i), n[0], n[1], n[2]);
   }
@@ -113,7 +113,7 @@ void DrawnWaterSurface::show(WaterLook look, const std::optional<Slice>& slice, 
   if (!there || !slice) return;
   std::vector<Vec3> vertices;
   vertices.reserve(mesh_->positions.size());
-  for (const SurfaceMesh::Float3& x : mesh_->positions) vertices.emplace_back(x[0], x[1], x[2]);
+  for (const WaterMesh::Float3& x : mesh_->positions) vertices.emplace_back(x[0], x[1], x[2]);
   draw_cut(*slice, vertices, mesh_->triangles, lift, cut_lines_);
 }
 

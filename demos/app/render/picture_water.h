@@ -8,7 +8,7 @@
 
 #include <optional>
 
-#include "oilskin/surface_mesh.h"
+#include "oilskin/reconstruction.h"
 #include "scene/scene.h"
 
 namespace oilskin::demo {
@@ -17,7 +17,7 @@ namespace oilskin::demo {
 class DrawnWaterSurface {
  public:
   DrawnWaterSurface();
-  void update(const SurfaceMesh* mesh);
+  void update(const WaterMesh* mesh);
   /// Opaque, or so that what lies behind shines through; in a cut, the line where it meets the middle plane,
   /// moved by `lift` [m]. After update(), while its mesh lives.
   void show(WaterLook look, const std::optional<Slice>& slice, const Vec3& lift);
@@ -25,7 +25,7 @@ class DrawnWaterSurface {
   vtkActor* cut() { return cut_; }
 
  private:
-  const SurfaceMesh* mesh_ = nullptr;
+  const WaterMesh* mesh_ = nullptr;
   vtkNew<vtkPolyData> data_, cut_lines_;
   vtkNew<vtkActor> actor_, cut_;
 };

@@ -70,33 +70,33 @@ Json seconds(const RunSummary& s) {
           {"verify", t.verify}};
 }
 
-/// The smallest δ of all surfaces: what least_distance must reach.
-double smallest_delta(const RunSummary& s) {
-  double least = std::numeric_limits<double>::infinity();
+/// The smallest δ of all surfaces: what min_distance must reach.
+double min_delta(const RunSummary& s) {
+  double minimum = std::numeric_limits<double>::infinity();
   auto look = [&](const SurfaceMotion* motion) {
-    if (motion != nullptr) least = std::min(least, motion->delta);
+    if (motion != nullptr) minimum = std::min(minimum, motion->delta);
   };
   for (std::size_t i = 0; i < s.scene.cloth.size(); ++i) look(s.simulation.cloth(i));
   for (std::size_t i = 0; i < s.scene.bodies.size(); ++i) look(s.simulation.body(i));
-  return least;
+  return minimum;
 }
 
 Json contact(const RunSummary& s) {
   const ContactReport& c = s.totals.contact;
   return {{"candidates", c.candidates},
           {"contacts", c.contacts},
-          {"meetings", c.meetings},
+          {"meetings", c.impacts},
           {"zone_rounds", c.zone_rounds},
           {"held", c.held},
-          {"nudged", c.nudged},
+          {"nudged", c.separated},
           {"stalled", c.stalled},
           {"removed", c.removed},
           {"allowed", c.allowed},
-          {"delta", smallest_delta(s)},
-          {"least_distance", c.least_distance},
+          {"delta", min_delta(s)},
+          {"least_distance", c.min_distance},
           {"crossings_found_by_verify", c.crossings_found_by_verify},
-          {"followed", c.followed},
-          {"reseeded", c.reseeded},
+          {"followed", c.carried_along},
+          {"reseeded", c.relocated},
           {"verified_pairs", c.verified_pairs}};
 }
 
@@ -107,7 +107,7 @@ Json surface(const SurfaceTotals& s) {
           {"nearer_than_gap", s.near_pairs},
           {"submerged", s.submerged},
           {"flaws", s.flaws},
-          {"least_distance", s.least_distance},
+          {"least_distance", s.min_distance},
           {"seconds", s.seconds}};
 }
 

@@ -149,7 +149,7 @@ class Run {
   }
 
   MadeSurface make_water_surface(const FrameData& data) {
-    SurfaceInput input;
+    ReconstructionInput input;
     input.positions = data.position;
     input.velocities = data.velocity;
     for (const auto* list : {&data.cloth, &data.bodies})

@@ -40,21 +40,21 @@ std::string shown(const Json& value) {
 }  // namespace
 
 std::string Range::text() const {
-  const bool from = std::isfinite(least), to = std::isfinite(most);
+  const bool from = std::isfinite(minimum), to = std::isfinite(maximum);
   if (from && to)
-    return (least_excluded ? "> " : "from ") + short_number(least) +
-           (least_excluded ? " and at most " : " to ") + short_number(most);
-  if (from) return std::string(least_excluded ? "> " : ">= ") + short_number(least);
+    return (min_excluded ? "> " : "from ") + short_number(minimum) +
+           (min_excluded ? " and at most " : " to ") + short_number(maximum);
+  if (from) return std::string(min_excluded ? "> " : ">= ") + short_number(minimum);
   return "finite";
 }
 
 std::string nearest_name(const std::string& word, const std::vector<std::string>& known) {
   std::string best;
-  std::size_t least = std::string::npos;
+  std::size_t minimum = std::string::npos;
   for (const std::string& name : known) {
     const std::size_t d = edit_distance(word, name);
-    if (d < least) {
-      least = d;
+    if (d < minimum) {
+      minimum = d;
       best = name;
     }
   }
@@ -106,7 +106,7 @@ void Fields::integer(const char* key, int& value, const Range& range) {
     (*out_)[key] = value;
   } else if (const Json* found = find(key)) {
     const double x =
-        finite(*found, key, {std::max(range.least, -2147483647.0), std::min(range.most, 2147483647.0)});
+        finite(*found, key, {std::max(range.minimum, -2147483647.0), std::min(range.maximum, 2147483647.0)});
     if (x != std::floor(x)) fail(key, "is " + shown(*found) + ", must be a whole number, " + range.text());
     value = static_cast<int>(x);
   }

@@ -25,11 +25,11 @@ class SceneError : public std::runtime_error {
 
 /// Accepted values of a number.
 struct Range {
-  double least = -std::numeric_limits<double>::infinity();
-  double most = std::numeric_limits<double>::infinity();
-  bool least_excluded = false;
+  double minimum = -std::numeric_limits<double>::infinity();
+  double maximum = std::numeric_limits<double>::infinity();
+  bool min_excluded = false;
 
-  bool contains(double x) const { return (least_excluded ? x > least : x >= least) && x <= most; }
+  bool contains(double x) const { return (min_excluded ? x > minimum : x >= minimum) && x <= maximum; }
   std::string text() const;
 };
 
@@ -42,8 +42,8 @@ inline Range positive() {
 inline Range not_negative() {
   return {0, std::numeric_limits<double>::infinity(), false};
 }
-inline Range between(double least, double most) {
-  return {least, most, false};
+inline Range between(double minimum, double maximum) {
+  return {minimum, maximum, false};
 }
 
 /// The known name nearest to `word` by edit distance; empty where none is known.

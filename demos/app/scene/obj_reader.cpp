@@ -12,7 +12,7 @@
 namespace oilskin::demo {
 namespace {
 
-constexpr double largest_coordinate = 1e9;  // [m]; beyond it, it is a typing error
+constexpr double max_coordinate = 1e9;  // [m]; beyond it, it is a typing error
 
 struct Line {
   const std::string& file;
@@ -30,7 +30,7 @@ Vec3 read_vertex(std::istringstream& words, const Line& line) {
     if (!(words >> word)) line.fail("a vertex needs three coordinates");
     char* end = nullptr;
     x[k] = std::strtod(word.c_str(), &end);
-    if (*end != '\0' || !std::isfinite(x[k]) || std::abs(x[k]) > largest_coordinate)
+    if (*end != '\0' || !std::isfinite(x[k]) || std::abs(x[k]) > max_coordinate)
       line.fail("coordinate \"" + word + "\" must be a finite number within ±1e9");
   }
   return x;

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "oilskin/emitter.h"
+#include "oilskin/reconstruction.h"
 #include "oilskin/settings.h"
-#include "oilskin/surface_mesh.h"
 #include "scene/fields.h"
 
 namespace oilskin::demo {
@@ -104,8 +104,8 @@ using Emitter = std::variant<DiscEmitter, BoxEmitter, PlacedMeshEmitter, RainEmi
 struct WaterSurface {
   double cell = 0;  ///< edge of a grid cell [m]; 0 = half a spacing
   double gap = 0;   ///< to cloth and bodies [m]
-  SurfaceContact mode = SurfaceContact::gap;
-  SurfaceField field = SurfaceField::density_decay;
+  ObstacleMode mode = ObstacleMode::gap;
+  ReconstructionField field = ReconstructionField::density_decay;
   double touch_range = 1;    ///< in spacings
   double overlap_depth = 0;  ///< [m]
   int smoothing = 10;        ///< iterations

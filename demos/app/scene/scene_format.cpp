@@ -32,7 +32,7 @@ void describe(Fields& f, SlipSettings& s) {
   f.choice("model", s.model,
            {{"free", SlipModel::free},
             {"coulomb", SlipModel::coulomb},
-            {"strict_no_slip", SlipModel::no_slip},
+            {"strict_no_slip", SlipModel::sticking},
             {"viscous_wall", SlipModel::viscous_wall},
             {"no_slip", SlipModel::viscous_wall}});  // the last name of a value is the one that is written
   f.number("friction", s.friction, not_negative());
@@ -262,8 +262,8 @@ void describe(Fields& f, ContactSettings& s) {
   f.number("stiffness", s.stiffness, not_negative());
   f.boolean("ccd", s.ccd);
   f.boolean("zones", s.zones);
-  f.integer("sweeps", s.sweeps, between(1, 1000));
-  f.integer("rounds", s.rounds, between(0, 100));
+  f.integer("sweeps", s.solver_iterations, between(1, 1000));
+  f.integer("rounds", s.ccd_iterations, between(0, 100));
   f.choice("infeasible", s.infeasible,
            {{"stall", Infeasible::stall}, {"remove", Infeasible::remove}, {"allow", Infeasible::allow}});
   f.boolean("verify", s.verify);
@@ -309,16 +309,16 @@ void describe(Fields& f, WaterSurface& s) {
   f.number("cell", s.cell, not_negative());
   f.number("gap", s.gap, not_negative());
   f.choice("mode", s.mode,
-           {{"none", SurfaceContact::none},
-            {"reset", SurfaceContact::reset},
-            {"gap", SurfaceContact::gap},
-            {"touch", SurfaceContact::touch},
-            {"overlap", SurfaceContact::overlap}});
+           {{"none", ObstacleMode::none},
+            {"reset", ObstacleMode::reset},
+            {"gap", ObstacleMode::gap},
+            {"touch", ObstacleMode::touch},
+            {"overlap", ObstacleMode::overlap}});
   f.choice("field", s.field,
-           {{"density_decay", SurfaceField::density_decay},
-            {"eigenvalue_decay", SurfaceField::eigenvalue_decay},
-            {"zhu_bridson", SurfaceField::zhu_bridson},
-            {"density", SurfaceField::density}});
+           {{"density_decay", ReconstructionField::density_decay},
+            {"eigenvalue_decay", ReconstructionField::eigenvalue_decay},
+            {"zhu_bridson", ReconstructionField::zhu_bridson},
+            {"density", ReconstructionField::density}});
   f.number("touch_range", s.touch_range, between(0, 1.5));
   f.number("overlap_depth", s.overlap_depth, not_negative());
   f.integer("smoothing", s.smoothing, between(0, 1000));

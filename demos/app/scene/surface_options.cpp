@@ -7,9 +7,9 @@
 namespace oilskin::demo {
 
 Status check_water_surface(const WaterSurface& wanted, double spacing) {
-  const auto range = [&](const char* key, double value, double least, double most) {
+  const auto range = [&](const char* key, double value, double minimum, double maximum) {
     std::ostringstream text;
-    text << key << " is " << value << " m; it must be " << least << " … " << most << " m, of particles "
+    text << key << " is " << value << " m; it must be " << minimum << " … " << maximum << " m, of particles "
          << spacing << " m apart";
     return Status::refused(text.str());
   };
@@ -19,8 +19,8 @@ Status check_water_surface(const WaterSurface& wanted, double spacing) {
   return surface_options(wanted, spacing, 0).validate();
 }
 
-SurfaceOptions surface_options(const WaterSurface& wanted, double spacing, int threads) {
-  SurfaceOptions options;
+ReconstructionOptions surface_options(const WaterSurface& wanted, double spacing, int threads) {
+  ReconstructionOptions options;
   options.spacing = spacing;
   if (wanted.cell > 0) options.cell = wanted.cell / spacing;
   options.gap = wanted.gap;

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "oilskin/surface_mesh.h"
+#include "oilskin/reconstruction.h"
 #include "scene/scene.h"
 
 namespace oilskin::demo {
@@ -12,7 +12,7 @@ namespace oilskin::demo {
 Status check_water_surface(const WaterSurface& wanted, double spacing);
 
 /// Spacing in metres.
-SurfaceOptions surface_options(const WaterSurface& wanted, double spacing, int threads);
+ReconstructionOptions surface_options(const WaterSurface& wanted, double spacing, int threads);
 
 /// The options that make the mesh, as one line of JSON; equal for equal meshes of equal frames.
 std::string made_with(const WaterSurface& wanted, double spacing);

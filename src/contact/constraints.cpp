@@ -1,0 +1,159 @@
+#include "contact/constraints.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/contacts.h"
+#include "contact/friction.h"
+#include "core/assert.h"
+
+namespace oilskin::contact {
+
+namespace {
+
+Vec3 relative_velocity(const Context& context, const Contact& c) {
+  const SurfaceMotion& s = *context.surfaces[c.surface];
+  Vec3 v = context.particles->velocity[c.particle];
+  for (int k = 0; k < 3; ++k) v -= c.weights[k] * s.velocity[c.nodes[k]];
+  return v;
+}
+
+// v_p += J/m_p, v_i −= w_i u_i J. The share of a prescribed node, −w_i J, is the reaction of its support.
+void apply_impulse(Context& context, const Contact& c, const Vec3& impulse, bool moves_particle) {
+  SurfaceMotion& s = *context.surfaces[c.surface];
+  OILSKIN_ASSERT(impulse.allFinite());
+  const Vec3 dv = context.particles->inverse_mass[c.particle] * impulse;
+  context.particles->velocity[c.particle] += dv;
+  if (moves_particle)
+    context.set_particle_end(c.particle, context.particles->x_t1[c.particle] + context.dt * dv);
+  if (context.particles->inverse_mass[c.particle] == 0) context.report->impulse_on_prescribed += impulse;
+  for (int k = 0; k < 3; ++k) {
+    if (c.weights[k] == 0) continue;
+    const std::uint32_t node = c.nodes[k];
+    const Vec3 share = -c.weights[k] * impulse;
+    s.velocity[node] += s.inverse_mass[node] * share;
+    s.impulse[node] += share;
+  }
+}
+
+// Inelastic stop: v_n ≥ 0 with λ ≥ 0 accumulated (method A.9.2; Eq. 2 of the paper with the effective mass of
+// A.7.2).
+void stop(Context& context, ContactConstraint& constraint, bool moves_particle) {
+  const double vn = relative_velocity(context, constraint.contact).dot(constraint.contact.normal);
+  const double lambda = std::max(constraint.normal_impulse - vn / constraint.k, 0.0);
+  const double change = lambda - constraint.normal_impulse;
+  if (change == 0) return;
+  OILSKIN_ASSERT(lambda >= 0);
+  constraint.normal_impulse = lambda;
+  apply_impulse(context, constraint.contact, change * constraint.contact.normal, moves_particle);
+}
+
+// Spring repulsion of Bridson et al. 2002 with its cap (Eq. 4 of the paper has none and is unstable).
+void spring(Context& context, ContactConstraint& constraint) {
+  if (!(constraint.overlap > 0)) return;
+  const double vn = relative_velocity(context, constraint.contact).dot(constraint.contact.normal);
+  const double wanted = (0.1 * constraint.overlap / context.dt - vn) / constraint.k;
+  const double maximum = context.settings->stiffness * constraint.overlap * context.dt;
+  const double impulse = std::min(constraint.spring_impulse + std::max(wanted, 0.0), maximum);
+  const double change = impulse - constraint.spring_impulse;
+  if (change == 0) return;
+  OILSKIN_ASSERT(impulse >= 0 && impulse <= maximum);
+  constraint.spring_impulse = impulse;
+  apply_impulse(context, constraint.contact, change * constraint.contact.normal, true);
+}
+
+// Split repulsion: displaces without adding velocity. Accumulated like an impulse, so that many particles on
+// one node remove a tenth of the overlap together, not a tenth each.
+void push_apart(Context& context, ContactConstraint& constraint) {
+  if (!(constraint.k_position > 0)) return;
+  const Contact& c = constraint.contact;
+  SurfaceMotion& s = *context.surfaces[c.surface];
+  Vec3 foot = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) foot += c.weights[k] * s.x_t1[c.nodes[k]];
+  const double gap = c.normal.dot(context.particles->x_t1[c.particle] - foot);
+  const double push = std::max(constraint.push + (constraint.target_gap - gap) / constraint.k_position, 0.0);
+  const double change = push - constraint.push;
+  if (change == 0) return;
+  OILSKIN_ASSERT(push >= 0);
+  constraint.push = push;
+  context.set_particle_end(c.particle, context.particles->x_t1[c.particle] +
+                                           change * context.particles->inverse_mass[c.particle] * c.normal);
+  if (!s.nodes_movable) return;
+  for (int k = 0; k < 3; ++k) {
+    const double u = s.inverse_mass[c.nodes[k]];
+    if (c.weights[k] == 0 || u == 0) continue;
+    context.set_node_end(c.surface, c.nodes[k], s.x_t1[c.nodes[k]] - change * c.weights[k] * u * c.normal);
+  }
+}
+
+void slip(Context& context, ContactConstraint& constraint) {
+  const SlipModel model = context.surfaces[constraint.contact.surface]->slip_on(constraint.contact.back).model;
+  if (model == SlipModel::free || (model == SlipModel::viscous_wall && constraint.wall_area == 0)) return;
+  if (!constraint.friction_active && !(constraint.normal_impulse + constraint.spring_impulse > 0)) return;
+  const Vec3 v = relative_velocity(context, constraint.contact);
+  const Vec3 vt = v - v.dot(constraint.contact.normal) * constraint.contact.normal;
+  const Vec3 impulse = tangential_impulse(context, constraint, vt);
+  const Vec3 change = impulse - constraint.tangential_impulse;
+  if (change.isZero(0)) return;
+  constraint.tangential_impulse = impulse;
+  // The particle is ours: what it loses in speed along the sheet it loses in way too.
+  apply_impulse(context, constraint.contact, change, true);
+}
+
+// Split repulsion removes a tenth of the overlap in a step.
+double target_gap(double distance, double thickness) {
+  return distance >= thickness ? thickness : distance + 0.1 * (thickness - distance);
+}
+
+}  // namespace
+
+ContactConstraint make_constraint(const Context& context, const Contact& contact) {
+  const SurfaceMotion& s = *context.surfaces[contact.surface];
+  ContactConstraint constraint;
+  constraint.contact = contact;
+  const double h = s.thickness, d0 = contact.distance;
+  constraint.overlap = h - d0;
+  constraint.target_gap = target_gap(d0, h);
+  constraint.normal_active = comes_within_thickness(context, contact);
+  constraint.friction_active = friction_may_act(context, contact);
+  constraint.k_position = constraint.k = context.particles->inverse_mass[contact.particle];
+  for (int k = 0; k < 3; ++k)
+    constraint.k += contact.weights[k] * contact.weights[k] * s.inverse_mass[contact.nodes[k]];
+  if (s.nodes_movable) constraint.k_position = constraint.k;
+  OILSKIN_ASSERT(constraint.k_position >= 0 && constraint.k >= constraint.k_position);
+  return constraint;
+}
+
+void split_gap_between_opposing_contacts(const Context& context, std::vector<ContactConstraint>& constraints) {
+  constexpr double side_of = -0.5;  // of the normals' product: within 60° of opposite
+  for (std::size_t begin = 0, end = 0; begin < constraints.size(); begin = end) {
+    while (end < constraints.size() && constraints[end].contact.particle == constraints[begin].contact.particle) ++end;
+    for (std::size_t k = begin; k < end; ++k) {
+      const Contact& c = constraints[k].contact;
+      double gap = context.surfaces[c.surface]->thickness;
+      for (std::size_t o = begin; o < end; ++o) {
+        const Contact& other = constraints[o].contact;
+        if (c.normal.dot(other.normal) < side_of) gap = std::min(gap, 0.5 * (c.distance + other.distance));
+      }
+      constraints[k].target_gap = target_gap(c.distance, gap);
+      OILSKIN_ASSERT(constraints[k].target_gap >= std::min(c.distance, gap));
+    }
+  }
+}
+
+void solve_constraints(Context& context, std::vector<ContactConstraint>& constraints) {
+  OILSKIN_ASSERT(context.settings->solver_iterations >= 1);
+  const Repulsion repulsion = context.settings->repulsion;
+  const bool split = repulsion == Repulsion::split;
+  for (int sweep = 0; sweep < context.settings->solver_iterations; ++sweep) {
+    for (ContactConstraint& constraint : constraints) {
+      if (!(constraint.k > 0)) continue;  // an immovable particle on prescribed nodes
+      if (constraint.normal_active) stop(context, constraint, !split);
+      if (constraint.normal_active && repulsion == Repulsion::bridson) spring(context, constraint);
+      slip(context, constraint);
+      if (constraint.normal_active && split) push_apart(context, constraint);
+    }
+  }
+}
+
+}  // namespace oilskin::contact

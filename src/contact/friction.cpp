@@ -1,0 +1,131 @@
+#include "contact/friction.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/assert.h"
+
+namespace oilskin::contact {
+
+namespace {
+
+/// Where the water begins in front of a surface: half a spacing before the layer that rests at the thickness,
+/// at the sheet itself if that is nearer.
+double wall_offset(const ParticleMotion& particles, const SurfaceMotion& surface) {
+  OILSKIN_ASSERT(particles.spacing > 0 && surface.thickness > 0);
+  return std::max(0.0, surface.thickness - 0.5 * particles.spacing);
+}
+
+double angle_between(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+}  // namespace
+
+double friction_distance(const ParticleMotion& particles, const SurfaceMotion& surface, const SlipSettings& slip) {
+  switch (slip.model) {
+    case SlipModel::free:
+      return 0;
+    case SlipModel::viscous_wall:
+      return wall_offset(particles, surface) + particles.spacing;
+    case SlipModel::coulomb:
+    case SlipModel::sticking:
+      break;
+  }
+  // At rest particles sit at h exactly, so d0 ≤ h would be decided by rounding.
+  return surface.thickness + 0.1 * particles.spacing;
+}
+
+double wall_layer(const ParticleMotion& particles, const SurfaceMotion& surface) {
+  double layer = 0;
+  for (bool back : {false, true}) {
+    const SlipSettings& slip = surface.slip_on(back);
+    if (slip.model == SlipModel::viscous_wall) layer = std::max(layer, friction_distance(particles, surface, slip));
+  }
+  return layer;
+}
+
+SurfaceSide side_of(const Topology& topology, Span<const Triangle> triangles, Span<const Vec3> x,
+              std::uint32_t triangle, std::uint8_t feature, const Vec3& normal) {
+  SurfaceSide f;
+  OILSKIN_ASSERT(triangle < triangles.size() && feature >= 1 && feature <= 7);
+  const Triangle& own = triangles[triangle];
+  if (feature == 7) {
+    f.back = normal.dot((x[own[1]] - x[own[0]]).cross(x[own[2]] - x[own[0]])) < 0;
+    return f;
+  }
+  const int first = feature & 1 ? 0 : (feature & 2 ? 1 : 2);
+  const bool is_edge = (feature & (feature - 1)) != 0;
+  const int second = !is_edge ? first : (feature & 4 ? 2 : 1);
+  const std::uint32_t u = own[first], v = own[second];
+  Vec3 sum = Vec3::Zero();
+  f.share = 0;
+  for (std::uint32_t t : topology.triangles_of(u)) {
+    const Triangle& nodes = triangles[t];
+    const auto at = static_cast<std::size_t>(std::find(nodes.begin(), nodes.end(), u) - nodes.begin());
+    if (std::find(nodes.begin(), nodes.end(), v) == nodes.end()) continue;
+    const Vec3 a = x[nodes[(at + 1) % 3]] - x[u], b = x[nodes[(at + 2) % 3]] - x[u];
+    const Vec3 area = a.cross(b);
+    const double size = area.norm();
+    if (!(size > 1e-7 * std::max(a.squaredNorm(), b.squaredNorm()))) continue;
+    const Vec3 n = area / size;
+    sum += u == v ? Vec3(angle_between(a, b) * n) : n;  // both triangles of an edge meet it by π
+    f.share = std::max(f.share, std::abs(normal.dot(n)));
+  }
+  f.back = normal.dot(sum) < -1e-9 * sum.norm();
+  return f;
+}
+
+// The first layer stands for as much wall as there is: a particle that several records tie to one wall (inner
+// edges of a flat sheet, a cloth on a floor) has dx² of it once; in a corner it has dx² of each wall. A
+// record gets what nearer ones leave, by the part of its normal that they do not have.
+void distribute_wall_area(const Context& context, std::vector<ContactConstraint>& constraints) {
+  const double area = context.particles->spacing * context.particles->spacing;
+  for (std::size_t begin = 0, end = 0; begin < constraints.size(); begin = end) {
+    while (end < constraints.size() && constraints[end].contact.particle == constraints[begin].contact.particle) ++end;
+    for (std::size_t k = begin; k < end; ++k) {
+      const Contact& c = constraints[k].contact;
+      if (!constraints[k].friction_active || context.surfaces[c.surface]->slip_on(c.back).model != SlipModel::viscous_wall)
+        continue;
+      double share = c.normal_alignment;
+      for (std::size_t o = begin; o < end; ++o) {
+        const Contact& other = constraints[o].contact;
+        const bool nearer = other.distance < c.distance || (other.distance == c.distance && o < k);
+        if (nearer) share *= 1 - std::clamp(c.normal.dot(other.normal), 0.0, 1.0);
+      }
+      OILSKIN_ASSERT(share >= 0 && share < 1 + 1e-9);
+      constraints[k].wall_area = share * area;
+    }
+  }
+}
+
+Vec3 tangential_impulse(const Context& context, const ContactConstraint& constraint, const Vec3& vt) {
+  OILSKIN_ASSERT(constraint.k > 0 && vt.allFinite());
+  const SurfaceMotion& surface = *context.surfaces[constraint.contact.surface];
+  const SlipSettings& slip = surface.slip_on(constraint.contact.back);
+  const Vec3 sticking = constraint.tangential_impulse - vt / constraint.k;
+  switch (slip.model) {
+    case SlipModel::free:
+      return Vec3::Zero();
+    case SlipModel::coulomb: {
+      const double normal = constraint.normal_impulse + constraint.spring_impulse;
+      const double maximum =
+          normal > 0 ? slip.friction * normal : 0;  // infinite friction, no pressure: no impulse
+      const double size = sticking.norm();
+      return size <= maximum ? sticking : Vec3(sticking * (maximum / size));
+    }
+    case SlipModel::sticking:
+      return sticking;
+    case SlipModel::viscous_wall: {
+      // J = −c dt v_t(after), c = μ_f A/(z + ℓ): implicit, so it never reverses the velocity.
+      const ParticleMotion& p = *context.particles;
+      const double z = std::max(constraint.contact.distance - wall_offset(p, surface), 0.25 * p.spacing);
+      const double drag = context.dt * p.viscosity * p.rest_density * constraint.wall_area / (z + slip.slip_length);
+      const Vec3 velocity_without = vt - constraint.k * constraint.tangential_impulse;
+      return -drag / (1 + drag * constraint.k) * velocity_without;
+    }
+  }
+  return Vec3::Zero();
+}
+
+}  // namespace oilskin::contact

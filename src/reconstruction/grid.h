@@ -1,0 +1,202 @@
+/// The sparse grid: blocks of 8³ nodes at world multiples of the cell. Only blocks that the surface may pass
+/// hold values; the nodes of all others are alike.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "core/assert.h"
+#include "oilskin/types.h"
+#include "reconstruction/disjoint_sets.h"
+
+namespace oilskin::reconstruction {
+
+constexpr int side = 8;                    ///< nodes along an edge of a block
+constexpr int nodes = side * side * side;  ///< of a block
+
+struct Int3 {
+  int x = 0, y = 0, z = 0;
+  bool operator==(const Int3& o) const { return x == o.x && y == o.y && z == o.z; }
+  Int3 operator+(const Int3& o) const { return {x + o.x, y + o.y, z + o.z}; }
+  Int3 operator-(const Int3& o) const { return {x - o.x, y - o.y, z - o.z}; }
+};
+
+/// 21 bits each, z first: sorted keys run along x.
+inline std::uint64_t key_of(const Int3& b) {
+  const auto part = [](int v) { return static_cast<std::uint64_t>(v + (1 << 20)) & 0x1fffff; };
+  return part(b.z) << 42 | part(b.y) << 21 | part(b.x);
+}
+
+inline Int3 block_of_key(std::uint64_t key) {
+  const auto part = [](std::uint64_t v) { return static_cast<int>(v & 0x1fffff) - (1 << 20); };
+  return {part(key), part(key >> 21), part(key >> 42)};
+}
+
+inline int node_index(int i, int j, int k) {
+  return i + side * (j + side * k);
+}
+
+/// Keys to numbers, open addressing. Never iterated over.
+class KeyMap {
+ public:
+  explicit KeyMap(std::size_t expected = 0) { resize(expected); }
+
+  std::uint32_t find(std::uint64_t key) const {
+    for (std::size_t i = slot(key);; i = (i + 1) & mask_) {
+      if (values_[i] == none) return none;
+      if (keys_[i] == key) return values_[i];
+    }
+  }
+  /// The value of the key; `value` where it is new.
+  std::uint32_t insert(std::uint64_t key, std::uint32_t value) {
+    OILSKIN_ASSERT(value != none);
+    if (2 * (size_ + 1) > keys_.size()) resize(2 * size_ + 8);
+    std::size_t i = slot(key);
+    for (; values_[i] != none; i = (i + 1) & mask_)
+      if (keys_[i] == key) return values_[i];
+    keys_[i] = key;
+    values_[i] = value;
+    ++size_;
+    return value;
+  }
+  std::size_t size() const { return size_; }
+
+ private:
+  std::size_t slot(std::uint64_t key) const {
+    key *= 0x9e3779b97f4a7c15ull;
+    return static_cast<std::size_t>(key ^ key >> 32) & mask_;
+  }
+  void resize(std::size_t expected) {
+    std::size_t slots = 16;
+    while (slots < 4 * expected) slots *= 2;
+    std::vector<std::uint64_t> old_keys(slots);
+    std::vector<std::uint32_t> old_values(slots, none);
+    old_keys.swap(keys_);
+    old_values.swap(values_);
+    mask_ = slots - 1;
+    size_ = 0;
+    for (std::size_t i = 0; i < old_keys.size(); ++i)
+      if (old_values[i] != none) insert(old_keys[i], old_values[i]);
+  }
+
+  std::vector<std::uint64_t> keys_;
+  std::vector<std::uint32_t> values_;
+  std::size_t mask_ = 0, size_ = 0;
+};
+
+/// A crossing of a grid edge by obstacles: nearest to its low and to its high end, as shares of the edge.
+struct CutEdge {
+  std::uint16_t edge = 0;  ///< axis · 512 + node of the low end
+  float first = 0, last = 0;
+};
+
+/// What a block knows of the obstacles near it.
+struct NearBlock {
+  std::vector<std::uint32_t> triangles;  ///< all that come within reach of the block, ascending
+  std::vector<float> distance;     ///< of each node [cells], infinite beyond the band; empty: everywhere
+  std::vector<CutEdge> cut_edges;  ///< ascending
+  std::array<std::array<std::uint64_t, side>, 3> cut{};  ///< bit per node of a slice: its edge along the axis
+
+  const CutEdge* find_cut(int axis, int node) const;
+};
+
+struct Block {
+  Int3 at;
+  std::uint32_t field = none;  ///< number of its 512 values; none: all nodes are alike
+  std::uint32_t near = none;   ///< number of its NearBlock; none: no obstacle within reach
+  bool solid = false;          ///< without values: inside, else outside
+  /// The blocks towards +x (bit 0), +y (bit 1), +z (bit 2); [0] is the block itself. None: outside.
+  std::array<std::uint32_t, 8> plus{};
+};
+
+struct NodeRef {
+  std::uint32_t block = none;
+  int node = 0;
+};
+
+class Grid {
+ public:
+  double cell = 0;            ///< [m]
+  float clearance = 0;        ///< distance from obstacles at which the surface is meant to lie [cells]
+  float outside = 0;          ///< value of nodes that no particle reaches [cells]
+  float inside = 0;           ///< value of nodes of solid blocks
+  std::vector<Block> blocks;  ///< ascending by key
+  KeyMap index;
+  std::vector<float> values;                                 ///< 512 for each field [cells]; < 0 is inside
+  std::vector<std::array<std::uint64_t, side>> inside_bits;  ///< for each field, a word per slice
+  std::vector<NearBlock> nears;
+
+  Vec3 origin(const Block& b) const {
+    return Vec3(double(b.at.x) * side * cell, double(b.at.y) * side * cell, double(b.at.z) * side * cell);
+  }
+  /// Nodes 0 … 8 in each direction.
+  NodeRef node(std::uint32_t block, int i, int j, int k) const {
+    const std::uint32_t b = blocks[block].plus[static_cast<std::size_t>(i >> 3 | j >> 3 << 1 | k >> 3 << 2)];
+    return {b, node_index(i & 7, j & 7, k & 7)};
+  }
+  float value(NodeRef n) const {
+    if (n.block == none) return outside;
+    const Block& b = blocks[n.block];
+    if (b.field == none) return b.solid ? inside : outside;
+    return values[std::size_t(b.field) * nodes + std::size_t(n.node)];
+  }
+  bool is_inside(NodeRef n) const {
+    if (n.block == none) return false;
+    const Block& b = blocks[n.block];
+    if (b.field == none) return b.solid;
+    return inside_bits[b.field][std::size_t(n.node >> 6)] >> (n.node & 63) & 1;
+  }
+  /// Infinite where no obstacle is within the band.
+  float distance(NodeRef n) const {
+    if (n.block == none || blocks[n.block].near == none) return std::numeric_limits<float>::infinity();
+    const NearBlock& near = nears[blocks[n.block].near];
+    return near.distance.empty() ? std::numeric_limits<float>::infinity()
+                                 : near.distance[std::size_t(n.node)];
+  }
+  void set_outside(NodeRef n, float value) {
+    const Block& b = blocks[n.block];
+    OILSKIN_ASSERT(b.field != none && value > 0);
+    values[std::size_t(b.field) * nodes + std::size_t(n.node)] = value;
+    inside_bits[b.field][std::size_t(n.node >> 6)] &= ~(1ull << (n.node & 63));
+  }
+  std::uint64_t slice(std::uint32_t block, int k) const {
+    if (block == none) return 0;
+    const Block& b = blocks[block];
+    return b.field != none ? inside_bits[b.field][std::size_t(k)] : (b.solid ? ~0ull : 0ull);
+  }
+};
+
+/// A bit per node or edge of a block's 9³ nodes: row [j + 9k], bit i.
+using Rows = std::array<std::uint16_t, 81>;
+
+/// `slice(block, k)`: 64 bits of a slice of a block (none allowed).
+template <class Slice>
+Rows gather_rows(const Block& b, const Slice& slice) {
+  Rows rows;
+  for (int k = 0; k <= side; ++k)
+    for (int up = 0; up < 2; ++up) {
+      const std::size_t octant = std::size_t(up << 1 | k >> 3 << 2);
+      const std::uint64_t low = slice(b.plus[octant], k & 7), high = slice(b.plus[octant | 1], k & 7);
+      for (int j = up * side; j < (up ? side + 1 : side); ++j) {
+        const int shift = side * (j & 7);
+        rows[std::size_t(j + 9 * k)] =
+            static_cast<std::uint16_t>((low >> shift & 0xff) | (high >> shift & 1) << side);
+      }
+    }
+  return rows;
+}
+
+inline const CutEdge* NearBlock::find_cut(int axis, int node) const {
+  if (!(cut[std::size_t(axis)][std::size_t(node >> 6)] >> (node & 63) & 1)) return nullptr;
+  const int edge = axis * nodes + node;
+  std::size_t low = 0, high = cut_edges.size();
+  while (low < high) {
+    const std::size_t middle = (low + high) / 2;
+    (cut_edges[middle].edge < edge ? low : high) = cut_edges[middle].edge < edge ? middle + 1 : middle;
+  }
+  OILSKIN_ASSERT(low < cut_edges.size() && cut_edges[low].edge == edge);
+  return &cut_edges[low];
+}
+
+}  // namespace oilskin::surface

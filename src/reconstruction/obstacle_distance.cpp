@@ -1,0 +1,221 @@
+#include "reconstruction/obstacle_distance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/assert.h"
+#include "core/closest_point.h"
+#include "reconstruction/lanes.h"
+
+namespace oilskin::reconstruction {
+
+namespace {
+
+/// Bounds of a triangle [cells].
+struct Bounds {
+  double low[3], high[3];
+
+  explicit Bounds(const Corners& c) {
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min({c[0][a], c[1][a], c[2][a]});
+      high[a] = std::max({c[0][a], c[1][a], c[2][a]});
+    }
+  }
+  bool reaches_block(double by) const {
+    for (int a = 0; a < 3; ++a)
+      if (low[a] - by > side || high[a] + by < 0) return false;
+    return true;
+  }
+};
+
+/// Nodes 0 … 7 of the block that the inflated box covers.
+struct Covered {
+  int first[3], last[3];
+
+  Covered(const Bounds& b, double by) {
+    for (int a = 0; a < 3; ++a) {
+      const double low = b.low[a] - by, high = b.high[a] + by;
+      first[a] = low <= 0 ? 0 : (low > side - 1 ? side : static_cast<int>(std::ceil(low)));
+      last[a] = high >= side - 1 ? side - 1 : (high < 0 ? -1 : static_cast<int>(std::floor(high)));
+    }
+  }
+  bool empty() const { return first[0] > last[0] || first[1] > last[1] || first[2] > last[2]; }
+};
+
+/// A triangle as the row of nodes at (j, k) sees it: over its face, or at least so far away.
+struct RowView {
+  Lanes min_squared;      ///< of the distance
+  std::uint32_t over_face;  ///< bit i: the plane's distance is the triangle's
+};
+
+/// The triangle's plane, and the planes through its sides that stand on it and face out.
+class TrianglePlanes {
+ public:
+  explicit TrianglePlanes(const Corners& c) {
+    const Vec3 cross = (c[1] - c[0]).cross(c[2] - c[0]);
+    double size = 2 * side, longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      size = std::max(size, c[k].cwiseAbs().maxCoeff());
+      longest = std::max(longest, (c[(k + 1) % 3] - c[k]).norm());
+    }
+    // A sliver's planes are not known well enough: zeros say nothing.
+    if (!(cross.norm() > 1e-9 * size * size * longest)) return;
+    const Vec3 n = cross.normalized();
+    planes_[0] = {n, n.dot(c[0])};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 out = (c[(k + 1) % 3] - c[k]).cross(n).normalized();
+      planes_[k + 1] = {out, out.dot(c[k])};
+    }
+  }
+  RowView row(int j, int k) const {
+    const Lanes i = Lanes::load(node_numbers);
+    Lanes above[4];
+    for (std::size_t p = 0; p < 4; ++p)
+      above[p] = i * static_cast<float>(planes_[p].normal.x()) + static_cast<float>(planes_[p].at(0, j, k));
+    const Lanes beyond = largest(largest(above[1], above[2]), above[3]),
+                off = positive_part(largest(above[0], 0.0f - above[0]) - rounding),
+                beside = positive_part(beyond - rounding);
+    return {off * off + beside * beside, larger(-rounding, beyond)};
+  }
+  double distance_to_plane(int i, int j, int k) const { return std::abs(planes_[0].at(i, j, k)); }
+
+ private:
+  static constexpr float rounding = 1e-5f;  // of the sums in floats
+  struct Plane {
+    Vec3 normal = Vec3::Zero();
+    double offset = 0;
+    double at(int i, int j, int k) const { return normal.x() * i + normal.y() * j + normal.z() * k - offset; }
+  };
+  std::array<Plane, 4> planes_;
+};
+
+/// Distances of a block's nodes. What lies over a face is done at once, and lets most other triangles
+/// go without a closer look, which comes last.
+class NodeDistances {
+ public:
+  NodeDistances(double band, std::vector<float>& distance) : band_(band), distance_(distance) {}
+
+  void add(const Corners& c, const Bounds& bounds) {
+    const Covered s(bounds, band_);
+    if (s.empty()) return;
+    if (distance_.empty()) distance_.assign(nodes, std::numeric_limits<float>::infinity());
+    const auto maximum = static_cast<float>(band_ * band_ * (1 + 1e-6));
+    const TrianglePlanes planes(c);
+    const unsigned covered = (2u << s.last[0]) - (1u << s.first[0]);
+    bool kept = false;
+    for (int k = s.first[2]; k <= s.last[2]; ++k)
+      for (int j = s.first[1]; j <= s.last[1]; ++j) {
+        float* const row = &distance_[std::size_t(node_index(0, j, k))];
+        const Lanes now = Lanes::load(row);
+        const RowView view = planes.row(j, k);
+        const std::uint32_t may =
+            covered & ~(larger(view.min_squared, now * now) | larger(view.min_squared, maximum));
+        for (std::uint32_t bits = may & view.over_face; bits != 0; bits &= bits - 1) {
+          const int i = __builtin_ctz(bits);
+          lower(row[i], planes.distance_to_plane(i, j, k));
+        }
+        if (const std::uint32_t rest = may & ~view.over_face; rest != 0) {
+          waiting_.push_back(
+              {view.min_squared, rest, static_cast<std::uint32_t>(waiting_corners_.size()), j, k});
+          kept = true;
+        }
+      }
+    if (kept) waiting_corners_.push_back(c);
+  }
+  void finish() {
+    for (const Waiting& w : waiting_) {
+      float* const row = &distance_[std::size_t(node_index(0, w.j, w.k))];
+      const Lanes now = Lanes::load(row);
+      const Corners& c = waiting_corners_[w.corners];
+      for (std::uint32_t bits = w.nodes & ~larger(w.min_squared, now * now); bits != 0; bits &= bits - 1) {
+        const int i = __builtin_ctz(bits);
+        lower(row[i], closest_point(Vec3(i, w.j, w.k), c[0], c[1], c[2]).distance);
+      }
+    }
+  }
+
+ private:
+  void lower(float& d, double to) const {
+    if (to <= band_) d = std::min(d, static_cast<float>(to));
+  }
+  struct Waiting {
+    Lanes min_squared;
+    std::uint32_t nodes, corners;
+    int j, k;
+  };
+  double band_;
+  std::vector<float>& distance_;
+  std::vector<Waiting> waiting_;
+  std::vector<Corners> waiting_corners_;
+};
+
+struct Hit {
+  int edge;
+  float at;
+};
+
+/// Crossings of the triangle with the grid lines along `axis`, as long as they lie on the block's edges. The
+/// closed triangle counts: a line through an edge meets both triangles there.
+void add_crossings(const Corners& c, const Bounds& bounds, const Covered& s, int axis,
+                   std::vector<Hit>& hits) {
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const double low = bounds.low[axis], high = bounds.high[axis];
+  if (low >= side || high < 0) return;
+  for (int q = s.first[v]; q <= s.last[v]; ++q)
+    for (int p = s.first[u]; p <= s.last[u]; ++p) {
+      double area[3];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 &a = c[(k + 1) % 3], &b = c[(k + 2) % 3];
+        area[k] = (a[u] - p) * (b[v] - q) - (a[v] - q) * (b[u] - p);
+      }
+      const bool in =
+          (area[0] >= 0 && area[1] >= 0 && area[2] >= 0) || (area[0] <= 0 && area[1] <= 0 && area[2] <= 0);
+      const double sum = area[0] + area[1] + area[2];
+      if (!in || sum == 0) continue;
+      double x = (area[0] * c[0][axis] + area[1] * c[1][axis] + area[2] * c[2][axis]) / sum;
+      x = std::min(std::max(x, low), high);
+      if (!(x >= 0 && x < side)) continue;
+      const int i = static_cast<int>(x);
+      int at[3];
+      at[axis] = i;
+      at[u] = p;
+      at[v] = q;
+      hits.push_back({axis * nodes + node_index(at[0], at[1], at[2]), static_cast<float>(x - i)});
+    }
+}
+
+void keep_crossings(std::vector<Hit>& hits, NearBlock& near) {
+  std::sort(hits.begin(), hits.end(),
+            [](const Hit& a, const Hit& b) { return a.edge != b.edge ? a.edge < b.edge : a.at < b.at; });
+  for (std::size_t h = 0; h < hits.size(); ++h) {
+    if (h == 0 || hits[h].edge != hits[h - 1].edge) {
+      near.cut_edges.push_back({static_cast<std::uint16_t>(hits[h].edge), hits[h].at, hits[h].at});
+      const int axis = hits[h].edge / nodes, node = hits[h].edge % nodes;
+      near.cut[std::size_t(axis)][std::size_t(node >> 6)] |= 1ull << (node & 63);
+    }
+    near.cut_edges.back().last = hits[h].at;
+  }
+}
+
+}  // namespace
+
+void measure_obstacles(const Obstacles& obstacles, const Vec3& origin, double cell, double band,
+                       bool cut_edges, NearBlock& near) {
+  OILSKIN_ASSERT(band >= 0 && near.cut_edges.empty());
+  std::vector<Hit> hits;
+  NodeDistances distances(band, near.distance);
+  for (std::uint32_t t : near.triangles) {
+    Corners c = obstacles.corners(t);
+    for (Vec3& x : c) x = (x - origin) / cell;
+    const Bounds bounds(c);
+    if (!bounds.reaches_block(band)) continue;
+    distances.add(c, bounds);
+    if (!cut_edges || !bounds.reaches_block(0)) continue;
+    const Covered covered(bounds, 0);
+    for (int axis = 0; axis < 3; ++axis) add_crossings(c, bounds, covered, axis, hits);
+  }
+  distances.finish();
+  keep_crossings(hits, near);
+}
+
+}  // namespace oilskin::surface

@@ -1,0 +1,123 @@
+#include "reconstruction/obstacle_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/assert.h"
+
+namespace oilskin::reconstruction {
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+/// The surface is aimed at this much more than the gap [cells], so that bends of a sheet leave little to
+/// repair.
+constexpr double slack = 0.15;
+
+/// A node nearer than this lies on the obstacle, up to rounding [cells].
+constexpr float on_obstacle = 1e-4f;
+
+struct CellAt {
+  std::uint32_t block = none;
+  int i = 0, j = 0, k = 0;
+};
+
+CellAt cell_at(const Grid& grid, const Vec3& x) {
+  const Vec3 q = x / grid.cell;
+  if (!(q.cwiseAbs().maxCoeff() < 0x1p21)) return {};
+  const int i = static_cast<int>(std::floor(q.x())), j = static_cast<int>(std::floor(q.y())),
+            k = static_cast<int>(std::floor(q.z()));
+  return {grid.index.find(key_of({i >> 3, j >> 3, k >> 3})), i & 7, j & 7, k & 7};
+}
+
+/// Corners of the cell that are inside.
+std::uint8_t inside_corners(const Grid& grid, const CellAt& c) {
+  unsigned inside = 0;
+  for (int corner = 0; corner < 8; ++corner)
+    inside |= unsigned(grid.is_inside(corner_node(grid, c.block, c.i, c.j, c.k, corner))) << corner;
+  return static_cast<std::uint8_t>(inside);
+}
+
+}  // namespace
+
+ContactParameters contact_parameters(const ReconstructionOptions& o) {
+  ContactParameters p;
+  const double cell = o.cell * o.spacing;
+  p.mode = o.contact;
+  p.gap = o.gap;
+  p.clearance = o.gap / cell + slack;
+  p.touch_range = o.touch_range / o.cell;
+  p.depth = o.overlap_depth / cell;
+  if (o.contact == ObstacleMode::reset) p.clearance = std::max(o.gap / cell, 0.5);
+  // touch looks no farther than it draws, overlap at the neighbours of what it draws, too.
+  p.band = p.clearance + 1.25;
+  if (o.contact == ObstacleMode::touch) p.band = std::max(p.band, p.touch_range);
+  if (o.contact == ObstacleMode::overlap) p.band = std::max(p.band, std::max(p.touch_range, p.depth) + 1);
+  // Sight, distances, and corners that repair may set outside: they must have values of their own.
+  p.reach = std::max({o.kernel_radius / o.cell, p.band, o.gap / cell + 1.8});
+  return p;
+}
+
+float value_at_contact(const ContactParameters& p, float seen, float all, float distance) {
+  OILSKIN_ASSERT(distance >= 0);
+  const auto clearance = static_cast<float>(p.clearance), range = static_cast<float>(p.touch_range);
+  // A node on an obstacle sees nothing. The surface passes it at the clearance, as it does beside it.
+  if (p.promises() && distance < on_obstacle) return clearance;
+  const float drawn = distance < range ? seen - (range - distance) : seen;
+  switch (p.mode) {
+    case ObstacleMode::none:
+      break;
+    case ObstacleMode::reset:
+      return distance < clearance ? std::max(seen, cleared_value) : seen;
+    case ObstacleMode::gap:
+      return std::max(seen, clearance - distance);
+    case ObstacleMode::touch:
+      return std::max(drawn, clearance - distance);
+    case ObstacleMode::overlap:
+      return std::min(drawn, std::max(distance - static_cast<float>(p.depth), all - distance - range));
+  }
+  return seen;
+}
+
+double winding_number(const std::vector<std::array<float, 3>>& positions,
+                      const std::vector<Triangle>& triangles, const Vec3& x, const Workers& workers) {
+  const auto corner = [&](std::uint32_t v) {
+    const auto& p = positions[v];
+    return Vec3(Vec3(p[0], p[1], p[2]) - x);
+  };
+  const double sum = workers.ordered_sum(triangles.size(), 4096, 0.0, [&](std::size_t from, std::size_t to) {
+    double part = 0;
+    for (std::size_t t = from; t < to; ++t) {
+      const Vec3 a = corner(triangles[t][0]), b = corner(triangles[t][1]), c = corner(triangles[t][2]);
+      const double la = a.norm(), lb = b.norm(), lc = c.norm();
+      part += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+    }
+    return part;
+  });
+  return sum / (2 * pi);
+}
+
+bool is_submerged(const Obstacles& obstacles, const std::vector<std::uint32_t>& piece, const Grid& grid,
+                  const RawMesh& mesh, const Workers& workers) {
+  OILSKIN_ASSERT(!piece.empty());
+  for (std::uint32_t v : piece) {
+    const CellAt c = cell_at(grid, obstacles.vertex(v));
+    // No corner inside, no surface in the cell: all of it is outside.
+    if (c.block == none || inside_corners(grid, c) == 0) return false;
+  }
+  return std::abs(winding_number(mesh.positions, mesh.triangles, obstacles.vertex(piece[0]), workers)) > 0.5;
+}
+
+std::vector<NodeRef> nodes_around(const Vec3& x, const Grid& grid) {
+  const CellAt c = cell_at(grid, x);
+  std::vector<NodeRef> found;
+  if (c.block == none) return found;
+  for (int corner = 0; corner < 8; ++corner) {
+    const NodeRef n = corner_node(grid, c.block, c.i, c.j, c.k, corner);
+    if (grid.is_inside(n)) found.push_back(n);
+  }
+  return found;
+}
+
+}  // namespace oilskin::surface

@@ -1,0 +1,103 @@
+#include "reconstruction/obstacles.h"
+
+#include <algorithm>
+#include <numeric>
+#include <sstream>
+
+#include "core/assert.h"
+#include "oilskin/surface_motion.h"
+#include "reconstruction/disjoint_sets.h"
+
+namespace oilskin::reconstruction {
+
+namespace {
+
+Corners corners_of(const ObstacleMesh& mesh, std::size_t triangle) {
+  const Triangle& i = mesh.triangles[triangle];
+  OILSKIN_ASSERT(std::max({i[0], i[1], i[2]}) < mesh.vertices.size());
+  return {mesh.vertices[i[0]], mesh.vertices[i[1]], mesh.vertices[i[2]]};
+}
+
+Box box_of(const Corners& c) {
+  Box box;
+  for (const Vec3& x : c) box.add(x);
+  return box;
+}
+
+}  // namespace
+
+Status validate_obstacles(const std::vector<ObstacleMesh>& obstacles) {
+  for (std::size_t m = 0; m < obstacles.size(); ++m) {
+    const ObstacleMesh& mesh = obstacles[m];
+    const std::string name = "obstacle " + std::to_string(m);
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+      if (!mesh.vertices[v].allFinite())
+        return Status::refused(name + ": vertex " + std::to_string(v) + " is not finite");
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      for (std::uint32_t i : mesh.triangles[t])
+        if (i >= mesh.vertices.size())
+          return Status::refused(name + ": triangle " + std::to_string(t) + " names vertex " +
+                                 std::to_string(i) + "; there are " + std::to_string(mesh.vertices.size()));
+  }
+  return {};
+}
+
+double rounding_of(const Corners& c) {
+  double maximum = 0;
+  for (const Vec3& x : c) maximum = std::max(maximum, (stored(x, Storage::float32) - x).norm());
+  return maximum * (1 + 1e-9);
+}
+
+Status validate_resolution(const std::vector<ObstacleMesh>& obstacles, const Box& region, double cell) {
+  for (std::size_t m = 0; m < obstacles.size(); ++m)
+    for (std::size_t t = 0; t < obstacles[m].triangles.size(); ++t) {
+      const Corners c = corners_of(obstacles[m], t);
+      if (!box_of(c).overlaps(region)) continue;
+      double far = 0;
+      for (const Vec3& x : c) far = std::max(far, x.cwiseAbs().maxCoeff());
+      // What separation.cpp takes off a distance, and a margin.
+      if (std::max(rounding_of(c), 64 * 0x1p-53 * far) <= 0.5 * cell) continue;
+      std::ostringstream text;
+      text << "obstacle " << m << ": triangle " << t << " has a corner at " << far
+           << " m, where numbers are too coarse for a cell of " << cell
+           << " m. Leave it out, or bring it nearer";
+      return Status::refused(text.str());
+    }
+  return {};
+}
+
+Obstacles::Obstacles(Span<const ObstacleMesh> meshes, const Box& region) {
+  for (const ObstacleMesh& mesh : meshes) {
+    const auto first = static_cast<std::uint32_t>(vertices_.size());
+    vertices_.insert(vertices_.end(), mesh.vertices.begin(), mesh.vertices.end());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (!box_of(corners_of(mesh, t)).overlaps(region)) continue;
+      const Triangle& i = mesh.triangles[t];
+      triangles_.push_back({first + i[0], first + i[1], first + i[2]});
+    }
+  }
+}
+
+std::vector<std::vector<std::uint32_t>> Obstacles::pieces() const {
+  DisjointSets sets(vertices_.size());
+  std::vector<std::uint8_t> used(vertices_.size(), 0);
+  for (const Triangle& t : triangles_) {
+    sets.unite(t[0], t[1]);
+    sets.unite(t[0], t[2]);
+    for (std::uint32_t v : t) used[v] = 1;
+  }
+  std::vector<std::vector<std::uint32_t>> pieces;
+  std::vector<std::uint32_t> piece_of(vertices_.size(), none);
+  for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
+    if (!used[v]) continue;
+    std::uint32_t& piece = piece_of[sets.find(v)];
+    if (piece == none) {
+      piece = static_cast<std::uint32_t>(pieces.size());
+      pieces.emplace_back();
+    }
+    pieces[piece].push_back(v);
+  }
+  return pieces;
+}
+
+}  // namespace oilskin::surface

@@ -1,0 +1,181 @@
+#include "reconstruction/vertex_data.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/assert.h"
+
+namespace oilskin::reconstruction {
+
+namespace {
+
+/// Added to the particles' covariance [spacings²]: where they lie in a plane the slope across it is taken as
+/// 0.
+constexpr double ridge = 0.002;
+
+/// Particles that a vertex sees, with the weights that give a quantity there.
+struct Sample {
+  std::vector<std::uint32_t> particle;  ///< number in the input
+  std::vector<Vec3> offset;             ///< from the vertex [cells]
+  std::vector<double> weight;
+
+  void clear() {
+    particle.clear();
+    offset.clear();
+    weight.clear();
+  }
+  void make_linear(double ridge_in_cells) {
+    double sum = 0;
+    Vec3 mean = Vec3::Zero();
+    for (std::size_t i = 0; i < weight.size(); ++i) {
+      sum += weight[i];
+      mean += weight[i] * offset[i];
+    }
+    if (!(sum > 0)) return;
+    mean /= sum;
+    Eigen::Matrix3d covariance = ridge_in_cells * Eigen::Matrix3d::Identity();
+    for (std::size_t i = 0; i < weight.size(); ++i)
+      covariance += weight[i] / sum * (offset[i] - mean) * (offset[i] - mean).transpose();
+    const Vec3 slope = covariance.inverse() * (-mean);
+    for (std::size_t i = 0; i < weight.size(); ++i) weight[i] *= (1 + slope.dot(offset[i] - mean)) / sum;
+  }
+  /// `value(particle)`; 0 without particles.
+  template <class F>
+  float of(const F& value) const {
+    if (weight.empty()) return 0;
+    double result = 0, low = std::numeric_limits<double>::infinity(), high = -low;
+    for (std::size_t i = 0; i < weight.size(); ++i) {
+      const double v = value(particle[i]);
+      result += weight[i] * v;
+      low = std::min(low, v);
+      high = std::max(high, v);
+    }
+    const double margin = 0.5 * (high - low);
+    return static_cast<float>(std::min(std::max(result, low - margin), high + margin));
+  }
+};
+
+/// Vertices of one block.
+class BlockSampler {
+ public:
+  BlockSampler(const ParticleBlocks& particles, const FieldParameters& field)
+      : particles_(particles), field_(field) {}
+
+  void set(const Grid& grid, const Block& block, const Obstacles& obstacles, bool sees) {
+    // Vertices lie on edges of the block, and smoothing may have moved them by a cell.
+    gathered_.gather(particles_, {}, block.at, -1, side + 1, field_.kernel_radius);
+    sight_ = BlockSight();
+    if (sees && block.near != none)
+      sight_.set(obstacles, grid.nears[block.near].triangles, grid.origin(block), grid.cell,
+                 field_.kernel_radius + 3);
+    front_.clear();
+    back_.clear();
+    if (sight_.empty()) return;
+    open_.resize(sight_.words());
+    for (std::size_t c = 0; c < gathered_.count; ++c) {
+      const std::array<float, 3> q = {gathered_.x[c], gathered_.y[c], gathered_.z[c]};
+      sight_.sides(q, own_front_, own_back_);
+      front_.insert(front_.end(), own_front_.begin(), own_front_.end());
+      back_.insert(back_.end(), own_back_.begin(), own_back_.end());
+    }
+  }
+  /// `x` relative to the block [cells].
+  void sample(const std::array<float, 3>& x, Sample& out) {
+    collect(x, !sight_.empty(), out);
+    if (out.weight.empty()) collect(x, false, out);        // squeezed in between sheets: what is near, then
+    const double s = std::cbrt(field_.rest_count) / side;  // cell / spacing
+    out.make_linear(ridge / (s * s));
+  }
+
+ private:
+  void collect(const std::array<float, 3>& x, bool look, Sample& out) {
+    out.clear();
+    const float scale = 1 / (field_.kernel_radius * field_.kernel_radius);
+    if (look) {
+      sight_.sides(x, own_front_, own_back_);
+    }
+    std::uint32_t last = none;
+    for (std::size_t c = 0; c < gathered_.count; ++c) {
+      const float dx = gathered_.x[c] - x[0], dy = gathered_.y[c] - x[1], dz = gathered_.z[c] - x[2];
+      const float u = 1 - (dx * dx + dy * dy + dz * dz) * scale;
+      if (!(u > 0)) continue;
+      const std::size_t at = c * sight_.words();
+      const std::array<float, 3> q = {gathered_.x[c], gathered_.y[c], gathered_.z[c]};
+      if (look &&
+          sight_.may_hide(own_front_.data(), own_back_.data(), &front_[at], &back_[at],
+                          {std::min(q[0], x[0]), std::min(q[1], x[1]), std::min(q[2], x[2])},
+                          {std::max(q[0], x[0]), std::max(q[1], x[1]), std::max(q[2], x[2])}, open_.data()) &&
+          sight_.hides(x, q, open_.data(), last))
+        continue;
+      out.particle.push_back(particles_.source[gathered_.particle[c]]);
+      out.offset.emplace_back(dx, dy, dz);
+      out.weight.push_back(double(u) * u * u);
+    }
+  }
+
+  const ParticleBlocks& particles_;
+  const FieldParameters& field_;
+  NearParticles gathered_;
+  BlockSight sight_;
+  Words front_, back_, own_front_, own_back_, open_;
+};
+
+}  // namespace
+
+std::vector<std::array<float, 3>> vertex_normals(const RawMesh& mesh) {
+  std::vector<std::array<float, 3>> normals(mesh.positions.size(), {0, 0, 0});
+  for (const Triangle& t : mesh.triangles) {
+    const auto &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    const float u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]},
+                v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    const float n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    for (std::uint32_t corner : t)
+      for (std::size_t k = 0; k < 3; ++k) normals[corner][k] += n[k];
+  }
+  for (auto& n : normals) {
+    const double length = std::sqrt(double(n[0]) * n[0] + double(n[1]) * n[1] + double(n[2]) * n[2]);
+    if (length > 0)
+      for (float& x : n) x = static_cast<float>(x / length);
+    else
+      n = {0, 0, 1};
+  }
+  return normals;
+}
+
+void interpolate(const ReconstructionInput& input, const ParticleBlocks& particles, const FieldParameters& field,
+                 const Obstacles& obstacles, bool sees, const Grid& grid, const RawMesh& raw,
+                 WaterMesh& mesh, const Workers& workers) {
+  const std::size_t n = raw.positions.size();
+  OILSKIN_ASSERT(raw.first_vertex.size() == grid.blocks.size() + 1 && raw.first_vertex.back() == n);
+  if (!input.velocities.empty()) mesh.velocities.resize(n);
+  for (const ParticleAttribute& a : input.attributes)
+    mesh.attributes.push_back({std::vector<float>(n * std::size_t(a.components)), a.components});
+  if (mesh.velocities.empty() && mesh.attributes.empty()) return;
+  workers.for_chunks(grid.blocks.size(), 8, [&](std::size_t from, std::size_t to, std::size_t) {
+    BlockSampler sampler(particles, field);
+    Sample sample;
+    for (std::size_t b = from; b < to; ++b) {
+      const std::uint32_t begin = raw.first_vertex[b], end = raw.first_vertex[b + 1];
+      if (begin == end) continue;
+      sampler.set(grid, grid.blocks[b], obstacles, sees);
+      const Vec3 origin = grid.origin(grid.blocks[b]);
+      for (std::uint32_t v = begin; v < end; ++v) {
+        const auto& p = raw.positions[v];
+        const Vec3 x = (Vec3(p[0], p[1], p[2]) - origin) / grid.cell;
+        sampler.sample({float(x.x()), float(x.y()), float(x.z())}, sample);
+        if (!mesh.velocities.empty())
+          for (int k = 0; k < 3; ++k)
+            mesh.velocities[v][std::size_t(k)] =
+                sample.of([&](std::uint32_t i) { return input.velocities[i][k]; });
+        for (std::size_t a = 0; a < input.attributes.size(); ++a) {
+          const std::size_t m = std::size_t(input.attributes[a].components);
+          for (std::size_t k = 0; k < m; ++k)
+            mesh.attributes[a].values[v * m + k] =
+                sample.of([&](std::uint32_t i) { return double(input.attributes[a].values[i * m + k]); });
+        }
+      }
+    }
+  });
+}
+
+}  // namespace oilskin::surface
