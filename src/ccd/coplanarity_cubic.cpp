@@ -5,9 +5,9 @@
 
 #include "core/assert.h"
 
-// The error bound. Every computed number is a sum of products of exact ones, and u = 2⁻⁵³. A term that went
-// through n roundings is wrong by n u of its magnitude (and terms of second order), so n u times the sum of
-// the magnitudes of all terms bounds the error. Roundings per term, on top of the lines before:
+// The error bound (T.6). Every computed number is a sum of products of exact ones, and u = 2⁻⁵³. A term that
+// went through n roundings is wrong by n u of its magnitude (and terms of second order), so n u times the sum
+// of the magnitudes of all terms bounds the error. Roundings per term, on top of the lines before:
 //
 //   E = b − a, F = c − a, W = p − a      the difference                                         1
 //   E×F                                  two inputs, the product, the difference                4

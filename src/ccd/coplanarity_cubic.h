@@ -1,5 +1,6 @@
 /// The cubic whose roots are the times at which a moving point lies in the plane of a moving triangle
-/// (Provot 1997), in Bernstein form on [0, 1], with a bound of its rounding error. Internal to the room.
+/// [Provot1997] (T.3), in Bernstein form on [0, 1] (T.4), with a bound of its rounding error (T.6). Internal
+/// to the room.
 #pragma once
 
 #include "ccd/separation.h"

@@ -6,16 +6,16 @@
 #include <cstdint>
 #include <tuple>
 
-#include "ccd/relative_polynomials.h"
 #include "ccd/integer_polynomials.h"
+#include "ccd/relative_polynomials.h"
 #include "core/assert.h"
 
 // The method. Coordinates become whole numbers, axis by axis (scaling an axis moves no contact), and
 // functions of time polynomials with whole coefficients. The four points are coplanar at the roots of a cubic
 // F. A simple root of F is not computed: all that is asked of it are the signs of quadratics q (barycentric
 // numerators), and these follow from where the roots of q, numbers (p ± √D) / d, lie among the extrema of F
-// and what sign F has there. So every decision is the sign of a number a + b √D with whole a, b, D, at worst
-// that of a² − b² D: a bounded number of products and sums.
+// and what sign F has there. So every decision is the sign of a number a + b √D (T.14) with whole a, b, D, at
+// worst that of a² − b² D (T.15): a bounded number of products and sums.
 
 namespace oilskin::ccd::detail {
 namespace {

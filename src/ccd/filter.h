@@ -10,7 +10,8 @@ enum class Verdict { kApart, kImpact, kUnclear };
 
 struct FilterResult {
   Verdict verdict = Verdict::kApart;
-  /// kImpact: begins not later than the first meeting. kUnclear: nothing meets before it, something may in it.
+  /// kImpact: begins not later than the first meeting. kUnclear: nothing meets before it, something may in
+  /// it.
   TimeSpan span;
 };
 

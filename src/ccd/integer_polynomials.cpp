@@ -60,7 +60,8 @@ Polynomial Algebra::derivative(const Polynomial& f) {
 }
 
 /// Horner's rule in s.
-Polynomial Algebra::stretched(const Polynomial& f, const BigInteger& start, const BigInteger& width, const BigInteger& d) {
+Polynomial Algebra::stretched(const Polynomial& f, const BigInteger& start, const BigInteger& width,
+                              const BigInteger& d) {
   if (f.degree < 0) return {};
   std::array<BigInteger, 4> c{f.c[f.degree]};
   BigInteger power = d;
@@ -102,7 +103,7 @@ SurdRoots Algebra::roots_of(const Polynomial& q) {
   return roots;
 }
 
-/// Sign of a + b (± √D), the surd's root.
+/// Sign of a + b (± √D), the surd's root (T.15).
 int Algebra::sign_of_sum(const BigInteger& a, const BigInteger& b, const Surd& s) {
   const int root_sign = s.D.sign * s.side * b.sign;
   if (root_sign == 0 || root_sign == a.sign) return a.sign;
@@ -118,7 +119,7 @@ int Algebra::sign_at(const Function& f, const Surd& t) {
   return sign != 0 ? sign : exact_sign_at(f.exact, t);
 }
 
-/// Horner's rule for dⁿ f(t) = a + b (± √D), which has the sign of f.
+/// Horner's rule for dⁿ f(t) = a + b (± √D) (T.14), which has the sign of f.
 int Algebra::exact_sign_at(const Polynomial& f, const Surd& t) {
   const Workspace::Scope scope(&workspace_);
   if (f.degree < 0) return 0;

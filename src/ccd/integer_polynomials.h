@@ -30,7 +30,7 @@ Polynomial::Polynomial(const std::array<BigInteger, Count>& terms) {
   }
 }
 
-/// The time (p ± √D) / d with d > 0 and D ≥ 0.
+/// The time (p ± √D) / d with d > 0 and D ≥ 0 (T.13).
 struct Surd {
   BigInteger p, d, D;
   int side = 1;     ///< the sign before the root
@@ -77,7 +77,8 @@ class Algebra {
   Polynomial sum(const Polynomial& f, const Polynomial& g);
   Polynomial derivative(const Polynomial& f);
   /// d^degree f((start + width s) / d), a polynomial in s.
-  Polynomial stretched(const Polynomial& f, const BigInteger& start, const BigInteger& width, const BigInteger& d);
+  Polynomial stretched(const Polynomial& f, const BigInteger& start, const BigInteger& width,
+                       const BigInteger& d);
 
   Surd fraction(const BigInteger& numerator, const BigInteger& denominator);
   /// Of a polynomial of degree one or two.

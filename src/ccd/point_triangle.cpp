@@ -37,8 +37,8 @@ bool nothing_moves(const PointTriangleMotion& m) {
          std::memcmp(start, end, 12 * sizeof(double)) == 0;
 }
 
-/// Fills `relative` axis by axis; true as soon as an axis separates. The six signs are exact, and what has
-/// one sign at both ends of a linear motion has it in between: no error analysis needed.
+/// (T.2). Fills `relative` axis by axis; true as soon as an axis separates. The six signs are exact, and what
+/// has one sign at both ends of a linear motion has it in between: no error analysis needed.
 bool axis_separates(const PointTriangleMotion& m, RelativeMotion* relative) {
   for (int k = 0; k < 3; ++k) {
     const double p0 = m.p_t0[k], p1 = m.p_t1[k];
@@ -57,7 +57,8 @@ bool axis_separates(const PointTriangleMotion& m, RelativeMotion* relative) {
   return false;
 }
 
-/// How the signs of the coefficients limit the number of roots (Descartes' rule for the Bernstein basis).
+/// How the signs of the coefficients limit the number of roots (Descartes' rule for the Bernstein basis;
+/// (T.7), (T.8)).
 enum class Roots { kNone, kOne, kUnknown, kInvisible };
 
 Roots count_roots(const CoplanarityCubic& cubic, const Coefficients& c) {
@@ -71,7 +72,7 @@ Roots count_roots(const CoplanarityCubic& cubic, const Coefficients& c) {
   return Roots::kUnknown;
 }
 
-/// Twice the areas of point and edges, projected along axis k.
+/// Twice the areas of point and edges, projected along axis k (T.9).
 void projected_areas(const double corner[3][3], int k, double area[3]) {
   const int x = (k + 1) % 3, y = (k + 2) % 3;
   for (int i = 0; i < 3; ++i) {
@@ -84,11 +85,12 @@ void projected_areas(const double corner[3][3], int k, double area[3]) {
 enum class Place { kInside, kOutside, kUnclear };
 
 /// With M the largest component at the ends of the step, a component computed for the middle of a span of
-/// half width h is within δ = (2 h + 8 u) M of the true one at any time of the span: 4 u M from roundings
-/// (input, 1 − t, product, sum), 2 M (h + 2 u) from the motion. With m the largest computed component, an
-/// area (two products) is within 4 m δ + 2 δ² + 4 u m² ≤ 8 m δ of the true one, unless δ > m/4; but then 8 m
-/// δ exceeds any area. In the plane, the three areas on an axis are that of the triangle times the point's
-/// weights: all of one sign for certain, the point is inside; two of different signs, it is outside.
+/// half width h is within δ = (2 h + 8 u) M (T.10) of the true one at any time of the span: 4 u M from
+/// roundings (input, 1 − t, product, sum), 2 M (h + 2 u) from the motion. With m the largest computed
+/// component, an area (two products) is within 4 m δ + 2 δ² + 4 u m² ≤ 8 m δ (T.11) of the true one, unless δ
+/// > m/4; but then 8 m δ exceeds any area. In the plane, the three areas on an axis are that of the triangle
+/// times the point's weights: all of one sign for certain, the point is inside; two of different signs, it is
+/// outside.
 Place place_of_point(const RelativeMotion& motion, const TimeSpan& span) {
   const double t = span.middle(), s = 1 - t;
   double corner[3][3], max_at_ends = 0, maximum = 0;
@@ -106,10 +108,10 @@ Place place_of_point(const RelativeMotion& motion, const TimeSpan& span) {
   for (int k = 0; k < 3; ++k) {
     double area[3];
     projected_areas(corner, k, area);
-    const double minimum = std::min(std::min(area[0], area[1]), area[2]);
-    const double maximum = std::max(std::max(area[0], area[1]), area[2]);
-    if (minimum > error || maximum < -error) return Place::kInside;
-    if (minimum < -error && maximum > error) return Place::kOutside;
+    const double min_area = std::min(std::min(area[0], area[1]), area[2]);
+    const double max_area = std::max(std::max(area[0], area[1]), area[2]);
+    if (min_area > error || max_area < -error) return Place::kInside;
+    if (min_area < -error && max_area > error) return Place::kOutside;
   }
   return Place::kUnclear;
 }

@@ -18,7 +18,7 @@ struct Impact {
 
 /// Do the closed paths touch for some t in [0, 1]? Exact for any finite input, with two exceptions by
 /// contract: four bit-equal end points (nothing moves) are no hit, before anything else (the zones of contact
-/// rest on it, docs/architecture.md); what is not finite is a hit unless an axis separates it.
+/// rest on it, docs/theory/contact.md); what is not finite is a hit unless an axis separates it.
 ///
 /// Plain arithmetic with error bounds decides what it can (tens of nanoseconds to a microsecond), exact
 /// arithmetic the rest (2 to 10 µs for coordinates of similar size). Deterministic, without allocation.

@@ -141,8 +141,8 @@ bool improve(const RelativeMotion& motion, double guess, double at, const TimeSp
 
 }  // namespace
 
-/// Let S = Σ|d_k A_k| with the exact A. What a term of the computed dot product goes through, in units of u
-/// S:
+/// (T.12). Let S = Σ|d_k A_k| with the exact A. What a term of the computed dot product goes through, in
+/// units of u S:
 ///
 ///   A itself, the product, two sums                                   4
 ///   the bound's subtraction from the sum                              1

@@ -25,8 +25,8 @@ struct TimeSpan {
   double width() const { return end - begin; }
 };
 
-/// A lower bound of d·a for one corner at one end of the step, low enough that bounds at both ends may be
-/// interpolated in time with rounding.
+/// A lower bound of d·a for one corner at one end of the step (T.12), low enough that bounds at both ends may
+/// be interpolated in time with rounding.
 double lower_bound(const std::array<double, 3>& d, const double* a);
 
 /// Cuts `span` down by separating directions until nothing is left. True: point and triangle are certainly

@@ -18,7 +18,7 @@ Vec3 relative_velocity(const Context& context, const Contact& c) {
   return v;
 }
 
-// v_p += J/m_p, v_i −= w_i u_i J. The share of a prescribed node, −w_i J, is the reaction of its support.
+// (C.11). The share of a prescribed node is the reaction of its support.
 void apply_impulse(Context& context, const Contact& c, const Vec3& impulse, bool moves_particle) {
   SurfaceMotion& s = *context.surfaces[c.surface];
   OILSKIN_ASSERT(impulse.allFinite());
@@ -36,8 +36,8 @@ void apply_impulse(Context& context, const Contact& c, const Vec3& impulse, bool
   }
 }
 
-// Inelastic stop: v_n ≥ 0 with λ ≥ 0 accumulated (method A.9.2; Eq. 2 of the paper with the effective mass of
-// A.7.2).
+// Inelastic stop (C.12): v_n ≥ 0 with an accumulated impulse ≥ 0. [Huber2013] Eq. 2 with the effective mass
+// of (C.10).
 void stop(Context& context, ContactConstraint& constraint, bool moves_particle) {
   const double vn = relative_velocity(context, constraint.contact).dot(constraint.contact.normal);
   const double lambda = std::max(constraint.normal_impulse - vn / constraint.k, 0.0);
@@ -48,7 +48,7 @@ void stop(Context& context, ContactConstraint& constraint, bool moves_particle) 
   apply_impulse(context, constraint.contact, change * constraint.contact.normal, moves_particle);
 }
 
-// Spring repulsion of Bridson et al. 2002 with its cap (Eq. 4 of the paper has none and is unstable).
+// Spring repulsion of [Bridson2002] with its cap (C.15); [Huber2013] Eq. 4 has none and is unstable.
 void spring(Context& context, ContactConstraint& constraint) {
   if (!(constraint.overlap > 0)) return;
   const double vn = relative_velocity(context, constraint.contact).dot(constraint.contact.normal);
@@ -62,8 +62,8 @@ void spring(Context& context, ContactConstraint& constraint) {
   apply_impulse(context, constraint.contact, change * constraint.contact.normal, true);
 }
 
-// Split repulsion: displaces without adding velocity. Accumulated like an impulse, so that many particles on
-// one node remove a tenth of the overlap together, not a tenth each.
+// Split repulsion (C.14): displaces without adding velocity. Accumulated like an impulse, so that many
+// particles on one node remove a tenth of the overlap together, not a tenth each.
 void push_apart(Context& context, ContactConstraint& constraint) {
   if (!(constraint.k_position > 0)) return;
   const Contact& c = constraint.contact;
@@ -86,8 +86,9 @@ void push_apart(Context& context, ContactConstraint& constraint) {
   }
 }
 
-void slip(Context& context, ContactConstraint& constraint) {
-  const SlipModel model = context.surfaces[constraint.contact.surface]->slip_on(constraint.contact.back).model;
+void apply_friction(Context& context, ContactConstraint& constraint) {
+  const SlipModel model =
+      context.surfaces[constraint.contact.surface]->slip_on(constraint.contact.back).model;
   if (model == SlipModel::free || (model == SlipModel::viscous_wall && constraint.wall_area == 0)) return;
   if (!constraint.friction_active && !(constraint.normal_impulse + constraint.spring_impulse > 0)) return;
   const Vec3 v = relative_velocity(context, constraint.contact);
@@ -96,11 +97,11 @@ void slip(Context& context, ContactConstraint& constraint) {
   const Vec3 change = impulse - constraint.tangential_impulse;
   if (change.isZero(0)) return;
   constraint.tangential_impulse = impulse;
-  // The particle is ours: what it loses in speed along the sheet it loses in way too.
+  // The particle's displacement changes with its velocity; the host moves its nodes itself.
   apply_impulse(context, constraint.contact, change, true);
 }
 
-// Split repulsion removes a tenth of the overlap in a step.
+// (C.13): split repulsion removes a tenth of the overlap in a step.
 double target_gap(double distance, double thickness) {
   return distance >= thickness ? thickness : distance + 0.1 * (thickness - distance);
 }
@@ -124,16 +125,20 @@ ContactConstraint make_constraint(const Context& context, const Contact& contact
   return constraint;
 }
 
-void split_gap_between_opposing_contacts(const Context& context, std::vector<ContactConstraint>& constraints) {
-  constexpr double side_of = -0.5;  // of the normals' product: within 60° of opposite
+void split_gap_between_opposing_contacts(const Context& context,
+                                         std::vector<ContactConstraint>& constraints) {
+  constexpr double opposing_cosine = -0.5;  // normals within 60° of opposite
   for (std::size_t begin = 0, end = 0; begin < constraints.size(); begin = end) {
-    while (end < constraints.size() && constraints[end].contact.particle == constraints[begin].contact.particle) ++end;
+    while (end < constraints.size() &&
+           constraints[end].contact.particle == constraints[begin].contact.particle)
+      ++end;
     for (std::size_t k = begin; k < end; ++k) {
       const Contact& c = constraints[k].contact;
       double gap = context.surfaces[c.surface]->thickness;
       for (std::size_t o = begin; o < end; ++o) {
         const Contact& other = constraints[o].contact;
-        if (c.normal.dot(other.normal) < side_of) gap = std::min(gap, 0.5 * (c.distance + other.distance));
+        if (c.normal.dot(other.normal) < opposing_cosine)
+          gap = std::min(gap, 0.5 * (c.distance + other.distance));
       }
       constraints[k].target_gap = target_gap(c.distance, gap);
       OILSKIN_ASSERT(constraints[k].target_gap >= std::min(c.distance, gap));
@@ -145,12 +150,12 @@ void solve_constraints(Context& context, std::vector<ContactConstraint>& constra
   OILSKIN_ASSERT(context.settings->solver_iterations >= 1);
   const Repulsion repulsion = context.settings->repulsion;
   const bool split = repulsion == Repulsion::split;
-  for (int sweep = 0; sweep < context.settings->solver_iterations; ++sweep) {
+  for (int iteration = 0; iteration < context.settings->solver_iterations; ++iteration) {
     for (ContactConstraint& constraint : constraints) {
       if (!(constraint.k > 0)) continue;  // an immovable particle on prescribed nodes
       if (constraint.normal_active) stop(context, constraint, !split);
       if (constraint.normal_active && repulsion == Repulsion::bridson) spring(context, constraint);
-      slip(context, constraint);
+      apply_friction(context, constraint);
       if (constraint.normal_active && split) push_apart(context, constraint);
     }
   }

@@ -7,11 +7,11 @@ namespace oilskin::contact {
 
 struct ContactConstraint {
   Contact contact;
-  double target_gap = 0;  ///< split: least n·(x1_p − Σ w_i x1_i) at the end [m]
-  double overlap = 0;     ///< h − d0 [m], > 0 where the contact begins within the thickness
-  bool normal_active = true;      ///< stop and repulsion act
-  bool friction_active = true;      ///< slip acts although no normal impulse does (first layer at rest)
-  double wall_area = 0;   ///< viscous_wall: of the sheet that the particle stands for [m²]
+  double target_gap = 0;        ///< split: least n·(x1_p − Σ w_i x1_i) at the end [m]
+  double overlap = 0;           ///< h − d0 [m], > 0 where the contact begins within the thickness
+  bool normal_active = true;    ///< stop and repulsion act
+  bool friction_active = true;  ///< slip acts although no normal impulse does (first layer at rest)
+  double wall_area = 0;         ///< viscous_wall: of the sheet that the particle stands for [m²]
 
   // accumulated
   double normal_impulse = 0;  ///< λ ≥ 0 [N s]
@@ -20,7 +20,7 @@ struct ContactConstraint {
   Vec3 tangential_impulse = Vec3::Zero();
 
   // of the masses
-  double k = 0;           ///< K = 1/m_p + Σ w_i² u_i [1/kg]
+  double k = 0;           ///< K (C.10) [1/kg]
   double k_position = 0;  ///< the same where nodes may be moved, else 1/m_p
 };
 
@@ -28,7 +28,8 @@ struct ContactConstraint {
 ContactConstraint make_constraint(const Context& context, const Contact& contact);
 
 /// A particle between two layers less than two thicknesses apart cannot keep one from both: rows that face
-/// each other share their gap, so that it comes to rest in the middle. Rows of records, ordered by particle.
+/// each other share their gap (C.20), so that it comes to rest in the middle. Rows of records, ordered by
+/// particle.
 void split_gap_between_opposing_contacts(const Context& context, std::vector<ContactConstraint>& constraints);
 
 /// Sweeps over rows in their order: impulses to velocities (both ways), displacements to end positions.

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t chunk = 256;
 
-Contact make_contact(const Context& context, std::uint32_t p, std::uint32_t surface,
-                          std::uint32_t triangle, const PointTriangle& q, const ClosestPoint& c) {
+Contact make_contact(const Context& context, std::uint32_t p, std::uint32_t surface, std::uint32_t triangle,
+                     const PointTriangle& q, const ClosestPoint& c) {
   const SurfaceMotion& motion = *context.surfaces[surface];
   Contact r;
   r.particle = p;
@@ -49,12 +49,13 @@ std::vector<double> max_displacements(const Context& context) {
 void find_for_particle(const Context& context, const CandidateSet& candidates,
                        const std::vector<double>& longest, std::uint32_t p, std::vector<Contact>& out) {
   const ParticleMotion& particles = *context.particles;
-  const double displacement = (particles.x_t1[p] - particles.x_t0[p]).norm() + 2 * CandidateSet::prediction_margin(particles);
+  const double displacement =
+      (particles.x_t1[p] - particles.x_t0[p]).norm() + 2 * CandidateSet::prediction_margin(particles);
   std::vector<std::uint64_t>
       vertices;  // of the surface, each judged once: thousands of triangles may share it
   for (std::uint32_t s = 0; s < context.surfaces.size(); ++s) {
     const SurfaceMotion& motion = *context.surfaces[s];
-    // Beyond h + dx no record acts, and none whose gap the ways of both sides cannot bring below h.
+    // (C.4): beyond h + dx no contact acts, and none whose gap the motion cannot bring below h.
     const double acts = motion.thickness + std::min(particles.spacing, displacement + longest[s]);
     const double reach = std::max(acts, wall_layer(particles, motion));
     const std::size_t first = out.size();
@@ -109,13 +110,12 @@ void ContactSet::find(const Context& context, const CandidateSet& candidates) {
   });
   near_.clear();
   for (const auto& contacts : part) near_.insert(near_.end(), contacts.begin(), contacts.end());
-  OILSKIN_ASSERT(
-      std::is_sorted(near_.begin(), near_.end(),
-                     [](const Contact& a, const Contact& b) { return a.particle < b.particle; }));
+  OILSKIN_ASSERT(std::is_sorted(near_.begin(), near_.end(),
+                                [](const Contact& a, const Contact& b) { return a.particle < b.particle; }));
 }
 
 void ContactSet::update(const Context& context, const CandidateSet& candidates,
-                       const std::vector<std::uint32_t>& particles) {
+                        const std::vector<std::uint32_t>& particles) {
   if (particles.empty()) return;
   const std::vector<double> longest = max_displacements(context);
   std::vector<Contact> fresh;
@@ -146,7 +146,8 @@ namespace {
 
 // Does the way from a point come nearer than h to the triangle? The distance from a convex set is convex
 // along a line, and grows by no more than the way does: far triangles of a hub take one look.
-bool comes_within(const Vec3& from, const Vec3& displacement, const Vec3& a, const Vec3& b, const Vec3& c, double h) {
+bool comes_within(const Vec3& from, const Vec3& displacement, const Vec3& a, const Vec3& b, const Vec3& c,
+                  double h) {
   double low = 0, high = 1;
   const double length = displacement.norm();
   for (int k = 0; k < 40; ++k) {
@@ -178,8 +179,8 @@ bool passes_beside(const Context& context, const Contact& r, double h) {
   for (std::uint32_t t : context.caches[r.surface]->topology.triangles_of(u)) {
     const Triangle& nodes = s.triangles[t];
     if (std::find(nodes.begin(), nodes.end(), v) == nodes.end()) continue;
-    if (comes_within(particles.x_t0[r.particle], displacement, s.x_t0[nodes[0]], s.x_t0[nodes[1]], s.x_t0[nodes[2]],
-                     h))
+    if (comes_within(particles.x_t0[r.particle], displacement, s.x_t0[nodes[0]], s.x_t0[nodes[1]],
+                     s.x_t0[nodes[2]], h))
       return false;
   }
   return true;
@@ -188,7 +189,7 @@ bool passes_beside(const Context& context, const Contact& r, double h) {
 }  // namespace
 
 bool comes_within_thickness(const Context& context, const Contact& r) {
-  // d0 + n·(D_p − Σ w_i D_i) is the end gap along n, because d0 = n·(x0_p − Σ w_i x0_i).
+  // (C.5), (C.6).
   const double h = context.surfaces[r.surface]->thickness;
   if (r.distance < h) return true;
   return context.settings->ccd && end_gap(context, r) < h && !passes_beside(context, r, h);
@@ -204,7 +205,8 @@ bool friction_may_act(const Context& context, const Contact& r) {
 void ContactSet::select_active(const Context& context, std::vector<Contact>& active) const {
   active.clear();
   for (const Contact& r : near_)
-    if (!context.out_of_play[r.particle] && (comes_within_thickness(context, r) || friction_may_act(context, r)))
+    if (!context.out_of_play[r.particle] &&
+        (comes_within_thickness(context, r) || friction_may_act(context, r)))
       active.push_back(r);
 }
 

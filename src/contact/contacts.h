@@ -1,4 +1,4 @@
-/// Contact records at the start positions, by closest feature (contact loop: "Records and rows").
+/// Contact records at the start positions, by closest feature (docs/theory/contact.md, "Contacts").
 #pragma once
 
 #include "contact/candidates.h"
@@ -22,15 +22,15 @@ class ContactSet {
   std::vector<Contact> near_;
 };
 
-/// d0 < h, or the gap along n falls below h by the end (records exist for d0 < h + dx only) and the way does
-/// not pass farther than h beside a border or a fold: stop and repulsion act.
+/// (C.6): d0 < h, or the gap along n falls below h by the end (records exist for d0 < h + dx only) and the
+/// way does not pass farther than h beside a border or a fold: stop and repulsion act.
 bool comes_within_thickness(const Context& context, const Contact& contact);
 
 /// Is the particle in the first layer of a side that is not free slip: d0 ≤ h + 0.1 dx, or z < dx of a
 /// viscous wall? See friction_distance().
 bool friction_may_act(const Context& context, const Contact& contact);
 
-/// Gap along the record's normal at the end of the step: n·(x1_p − Σ w_i x1_i) [m].
+/// Gap along the contact's normal at the end of the interval (C.5) [m].
 double end_gap(const Context& context, const Contact& contact);
 
 /// A unit direction for a particle that lies on a triangle: its geometric normal, or the axis of smallest

@@ -25,22 +25,22 @@ bool swept_boxes_apart(const PointTriangle& x0, const PointTriangle& x1) {
 // Tests one pair; true = bad. The end distance is judged at δ; beyond it is measured only where it can be the
 // particle's least (for the report).
 bool test_pair(const Context& context, const SurfaceMotion& s, const PointTriangle& x0,
-               const PointTriangle& x1, CandidatePair& pair, double& minimum, Violation& violations) {
+               const PointTriangle& x1, CandidatePair& pair, double& minimum, Violation& violation) {
   pair.end_distance = std::numeric_limits<double>::infinity();
   const double relevant_distance = std::max(too_close_cutoff(s.delta), std::min(s.thickness, minimum));
   if (squared_distance_to_box(x1) <= relevant_distance * relevant_distance) {
     const EndDistance d = end_distance(x1, s.delta);
     pair.end_distance = d.distance;
     minimum = std::min(minimum, d.distance);
-    violations.too_close = d.too_close;
+    violation.too_close = d.too_close;
   }
   if (context.settings->ccd && !swept_boxes_apart(x0, x1)) {
     const ccd::Impact m = paths_intersect(x0, x1);
-    violations.paths_intersect = m.hit;
+    violation.paths_intersect = m.hit;
     OILSKIN_ASSERT(!m.hit || (m.time >= 0 && m.time <= 1));
-    if (m.hit) violations.time = m.time;
+    if (m.hit) violation.time = m.time;
   }
-  return violations.too_close || violations.paths_intersect;
+  return violation.too_close || violation.paths_intersect;
 }
 
 void detect_for_particle(const Context& context, CandidateSet& candidates, std::uint32_t p,
@@ -57,15 +57,15 @@ void detect_for_particle(const Context& context, CandidateSet& candidates, std::
           for (std::uint32_t v : t) youngest = std::max(youngest, context.node_stamp[s][v]);
         if (youngest <= pair.tested) continue;
       }
-      Violation violations;
-      violations.particle = p;
-      violations.surface = s;
+      Violation violation;
+      violation.particle = p;
+      violation.surface = s;
       OILSKIN_ASSERT(pair.triangle < motion.triangles.size() && pair.tested <= context.epoch);
-      violations.triangle = pair.triangle;
+      violation.triangle = pair.triangle;
       const bool is_violation = test_pair(context, motion, context.start(p, s, pair.triangle),
-                                          context.end(p, s, pair.triangle), pair, minimum, violations);
+                                          context.end(p, s, pair.triangle), pair, minimum, violation);
       pair.tested = is_violation ? 0 : context.epoch;
-      if (is_violation) out.push_back(violations);
+      if (is_violation) out.push_back(violation);
     }
   }
 }

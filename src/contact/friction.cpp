@@ -9,8 +9,8 @@ namespace oilskin::contact {
 
 namespace {
 
-/// Where the water begins in front of a surface: half a spacing before the layer that rests at the thickness,
-/// at the sheet itself if that is nearer.
+/// z₀ of (C.18). Where the water begins in front of a surface: half a spacing before the layer that rests at
+/// the thickness, at the sheet itself if that is nearer.
 double wall_offset(const ParticleMotion& particles, const SurfaceMotion& surface) {
   OILSKIN_ASSERT(particles.spacing > 0 && surface.thickness > 0);
   return std::max(0.0, surface.thickness - 0.5 * particles.spacing);
@@ -22,7 +22,8 @@ double angle_between(const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
-double friction_distance(const ParticleMotion& particles, const SurfaceMotion& surface, const SlipSettings& slip) {
+double friction_distance(const ParticleMotion& particles, const SurfaceMotion& surface,
+                         const SlipSettings& slip) {
   switch (slip.model) {
     case SlipModel::free:
       return 0;
@@ -40,13 +41,14 @@ double wall_layer(const ParticleMotion& particles, const SurfaceMotion& surface)
   double layer = 0;
   for (bool back : {false, true}) {
     const SlipSettings& slip = surface.slip_on(back);
-    if (slip.model == SlipModel::viscous_wall) layer = std::max(layer, friction_distance(particles, surface, slip));
+    if (slip.model == SlipModel::viscous_wall)
+      layer = std::max(layer, friction_distance(particles, surface, slip));
   }
   return layer;
 }
 
 SurfaceSide side_of(const Topology& topology, Span<const Triangle> triangles, Span<const Vec3> x,
-              std::uint32_t triangle, std::uint8_t feature, const Vec3& normal) {
+                    std::uint32_t triangle, std::uint8_t feature, const Vec3& normal) {
   SurfaceSide f;
   OILSKIN_ASSERT(triangle < triangles.size() && feature >= 1 && feature <= 7);
   const Triangle& own = triangles[triangle];
@@ -82,10 +84,13 @@ SurfaceSide side_of(const Topology& topology, Span<const Triangle> triangles, Sp
 void distribute_wall_area(const Context& context, std::vector<ContactConstraint>& constraints) {
   const double area = context.particles->spacing * context.particles->spacing;
   for (std::size_t begin = 0, end = 0; begin < constraints.size(); begin = end) {
-    while (end < constraints.size() && constraints[end].contact.particle == constraints[begin].contact.particle) ++end;
+    while (end < constraints.size() &&
+           constraints[end].contact.particle == constraints[begin].contact.particle)
+      ++end;
     for (std::size_t k = begin; k < end; ++k) {
       const Contact& c = constraints[k].contact;
-      if (!constraints[k].friction_active || context.surfaces[c.surface]->slip_on(c.back).model != SlipModel::viscous_wall)
+      if (!constraints[k].friction_active ||
+          context.surfaces[c.surface]->slip_on(c.back).model != SlipModel::viscous_wall)
         continue;
       double share = c.normal_alignment;
       for (std::size_t o = begin; o < end; ++o) {
@@ -117,10 +122,11 @@ Vec3 tangential_impulse(const Context& context, const ContactConstraint& constra
     case SlipModel::sticking:
       return sticking;
     case SlipModel::viscous_wall: {
-      // J = −c dt v_t(after), c = μ_f A/(z + ℓ): implicit, so it never reverses the velocity.
+      // (C.17): implicit, so it never reverses the velocity.
       const ParticleMotion& p = *context.particles;
       const double z = std::max(constraint.contact.distance - wall_offset(p, surface), 0.25 * p.spacing);
-      const double drag = context.dt * p.viscosity * p.rest_density * constraint.wall_area / (z + slip.slip_length);
+      const double drag =
+          context.dt * p.viscosity * p.rest_density * constraint.wall_area / (z + slip.slip_length);
       const Vec3 velocity_without = vt - constraint.k * constraint.tangential_impulse;
       return -drag / (1 + drag * constraint.k) * velocity_without;
     }

@@ -61,7 +61,8 @@ ImpactGeometry impact_geometry(const PointTriangle& x0, const PointTriangle& x1,
   return g;
 }
 
-std::vector<ContactConstraint> impact_constraints(Context& context, const std::vector<Violation>& violations, int round) {
+std::vector<ContactConstraint> impact_constraints(Context& context, const std::vector<Violation>& violations,
+                                                  int round) {
   std::vector<ContactConstraint> constraints;
   constraints.reserve(violations.size());
   std::vector<std::uint32_t> landed;

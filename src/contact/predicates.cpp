@@ -8,8 +8,8 @@ namespace oilskin::contact {
 
 namespace {
 
-// Lower bound of n·(p − corner), in units of |n|: differences and products are each off by one rounding
-// u = 2⁻⁵³, sums by two more, n's length by four; 12 u Σ|n_k (p − corner)_k| covers them with room.
+// (C.23). Lower bound of n·(p − corner), in units of |n|: differences and products are each off by one
+// rounding u = 2⁻⁵³, sums by two more, n's length by four; 12 u Σ|n_k (p − corner)_k| covers them with room.
 double lower_bound(const Vec3& n, const Vec3& p, const Vec3& corner) {
   constexpr double u = 0x1p-53;
   double sum = 0, magnitude = 0;

@@ -15,9 +15,9 @@ class Topology {
   /// either winding, have one face between them.
   std::uint64_t feature_key(std::uint32_t triangle, const Triangle& nodes, std::uint8_t feature) const;
 
-  /// Is the closest point of `triangle` a local minimum of the distance over the mesh? Not if it lies on an
-  /// edge or a vertex from which another triangle comes nearer: such a record would brake what slides over
-  /// inner edges. All triangles of a vertex give the same answer for it.
+  /// Is the closest point of `triangle` a local minimum of the distance over the mesh (C.3)? Not if it lies
+  /// on an edge or a vertex from which another triangle comes nearer: such a record would brake what slides
+  /// over inner edges. All triangles of a vertex give the same answer for it.
   bool is_local_minimum(Span<const Triangle> triangles, Span<const Vec3> x, std::uint32_t triangle,
                         const ClosestPoint& c) const;
 

@@ -1,5 +1,5 @@
 /// The promise checked by another route: all pairs by sweep and prune, paths by additive continuous collision
-/// detection (Li, Kaufman, Jiang 2021) and halving, distances by their own formula. Shares no code with
+/// detection [Li2021] and halving, distances by their own formula. Shares no code with
 /// detection.
 #include <algorithm>
 #include <cmath>

@@ -47,7 +47,7 @@ class Zones {
 
   /// A bad pair and the zones of its points, as they were when the round began.
   struct ZoneViolation {
-    Violation violations;
+    Violation violation;
     std::array<std::uint32_t, 4> roots;
     Level level;
   };
@@ -171,7 +171,7 @@ Zones::ZoneViolation Zones::zones_of(const Violation& b) {
 // Zones and levels are those of the start of the round: what another pair changes in this round has not been
 // tried.
 void Zones::escalate(const ZoneViolation& c) {
-  const Violation& b = c.violations;
+  const Violation& b = c.violation;
   if (carried_in_round_[b.particle] >= 0) {
     resolve_infeasible(b);
     return;
@@ -196,7 +196,8 @@ void Zones::escalate(const ZoneViolation& c) {
   }
 }
 
-// First an affine follow of the triangle, certified like any end; if that is bad too, by policy.
+// First try moving the particle with the triangle (C.27), certified like any end; if that violates, too,
+// apply settings.infeasible.
 void Zones::resolve_infeasible(const Violation& b) {
   const std::uint32_t p = b.particle;
   OILSKIN_ASSERT(p < carried_in_round_.size() && (b.paths_intersect || b.too_close));
@@ -365,7 +366,7 @@ void Zones::run(std::vector<Violation> violations) {
       for (const Violation& b : violations) cases.push_back(zones_of(b));
       for (const ZoneViolation& c : cases) {
         if (round_ > resolve_infeasible_after)
-          resolve_infeasible(c.violations);
+          resolve_infeasible(c.violation);
         else
           escalate(c);
       }

@@ -1,4 +1,5 @@
-/// Impact zones: the fail-safe that ends with a certificate whatever the input (contact loop, "The loop").
+/// Impact zones: the fail-safe that ends with a certificate whatever the input (docs/theory/contact.md, "The
+/// loop").
 #pragma once
 
 #include "contact/detection.h"

@@ -12,7 +12,7 @@ struct ClosestPoint {
   std::uint8_t feature = 0;         ///< bit k: node k carries weight. 1, 2, 4 vertices; 3, 5, 6 edges; 7 face
 };
 
-/// Region method (Ericson 2005, 5.1.5) where the triangle is well shaped; where it is degenerate
+/// Region method ([Ericson2005] 5.1.5) where the triangle is well shaped; where it is degenerate
 /// (|e1×e2|² ≤ 1e-14 · maxedge⁴) the minimum over its three segments.
 ClosestPoint closest_point(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 

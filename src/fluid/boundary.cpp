@@ -202,7 +202,8 @@ void Boundary::integrate(const Vec3& x, Span<SurfaceMotion* const> surfaces, Spa
   std::size_t nearest = 0;
   for (std::size_t k = 1; k < near.size(); ++k)
     if (near[k].closest.distance < near[nearest].closest.distance) nearest = k;
-  // Cloth that follows the water swings more with what the depth adds (docs/architecture.md).
+  // Cloth that follows the water oscillates more with the hydrostatic term
+  // (docs/decisions/0001-mirrored-boundary.md).
   const auto yields = [&](const Near& n) {
     const SurfaceMotion& s = *surfaces[n.surface];
     const Triangle& t = s.triangles[n.triangle];

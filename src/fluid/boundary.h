@@ -3,7 +3,7 @@
 /// For a particle at distance z of a plane the first layer of the image stands 2 z away, and adds
 /// λ(z) = κ L(2 a z/H) to its relative density, L the kernel's integral over a plane. κ and a are such that
 /// in a lattice that ends half a spacing off the wall, a particle has its rest density and the same pressure
-/// as its neighbours: λ is what the lattice lacks, γ = −H dλ/dz 1.03 times twice its pull (κ = 0.52, a = 1.03
+/// as its neighbours: λ is what the lattice lacks, γ = −H dλ/dz 1.03 times twice its pull (κ = 0.54, a = 1.02
 /// for H = 2 dx, where the second layer of the image is out of reach). A triangle T does so by the share that
 /// it hides of its plane (wall_integral.h), γ_T along its normal towards the particle.
 ///
@@ -15,7 +15,7 @@
 /// particle and what the water between it and the wall weighs. With p_i alone the layer on a floor would need
 /// half a layer's pressure more than it should have to carry the column.
 ///
-/// The density of a half-space of water behind the wall with mirrored pressure (method A.10.5, mode 2) has
+/// The density of a half-space of water behind the wall with mirrored pressure, Λ of (B.1), has
 /// the right value and force too, but its force is twice its slope: that does work on the fluid, and columns
 /// at rest boil (0.2 m/s where this one stays below 0.02). With the image both follow from one function.
 #pragma once

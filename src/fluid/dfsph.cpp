@@ -1,4 +1,4 @@
-/// Divergence-free SPH [Bender, Koschier 2015] with the cubic spline.
+/// Divergence-free SPH [Bender2015] with the cubic spline.
 ///
 /// One pass over the pairs at the start of a step gives densities, gradients, viscosity, the factors α and
 /// the rates of compression; the loops then go over stored gradients. Both solvers write the same pressures:
@@ -15,8 +15,8 @@ namespace oilskin::fluid {
 
 namespace {
 
-/// A particle with fewer neighbours is spray: its density says nothing about compression [Bender, Koschier
-/// 2015, Sec. 3.3].
+/// A particle with fewer neighbours is spray: its density says nothing about compression [Bender2015,
+/// Sec. 3.3].
 constexpr float min_neighbours = 20;
 
 /// Denominators of α that are smaller, relative to that of the lattice, belong to isolated particles, or to
@@ -137,7 +137,7 @@ void Dfsph::resize(const StepState& state) {
   displacement_[n] = Record{0, 0, 0, 0};
 }
 
-/// By how much the density of particle i falls per φ_i, 1/α of Bender, Koschier 2015, Eq. 8, in our units.
+/// By how much the density of particle i falls per φ_i, 1/α (F.28), [Bender2015] Eq. 8 in our units.
 /// The image of a particle behind a wall has its pressure.
 float Dfsph::response(const StepState& state, std::size_t i) const {
   const Record& g = gradient_[i];
@@ -167,7 +167,7 @@ bool Dfsph::has_neighbours(const StepState& state, std::size_t i) const {
 }
 
 /// The start velocities compress the fluid by no more than the tolerance in the step: Dρ/Dt = Σ m (v_i −
-/// v_j)·∇W [Bender, Koschier 2015, Alg. 2]. Mostly they do not, as the first pass over the pairs already
+/// v_j)·∇W (F.31), [Bender2015] Alg. 2. Mostly they do not, as the first pass over the pairs already
 /// knows. Unlike the published solver this one lets a fluid close its gaps up to ρ0: else whatever falls
 /// stops half a support radius above what it falls on, and a light sheet that swings back is hit before it
 /// touches.
@@ -201,7 +201,7 @@ void Dfsph::solve_divergence(StepState& state, FluidReport& report) {
   }
 }
 
-/// ρ* = ρ + dt Dρ/Dt = ρ0 where compressed [Bender, Koschier 2015, Alg. 3].
+/// ρ* = ρ + dt Dρ/Dt = ρ0 where compressed (F.32), [Bender2015] Alg. 3.
 void Dfsph::solve_density(StepState& state, const std::vector<double>& pressure, FluidReport& report) {
   const double dt_over_h = state.dt / support_radius_, factor = warm_start(state);
   state.for_each([&](std::size_t i) {
@@ -252,10 +252,11 @@ void Dfsph::solve(StepState& state, PressureLoop& loop, const ErrorOf& error_of)
 }
 
 /// φ ← max(least, φ + ω step error), with a momentum that makes the residual after k corrections the k-th
-/// ultraspherical polynomial in place of the k-th power of Jacobi's iteration matrix [Hanke 1991, ν-methods]:
-/// a column of N layers takes in the order of N corrections instead of N². The residual of no mode goes below
-/// −1/6. That matters: with a warm start of one half, steps in time whose solves overshoot by more than 0.2
-/// make the pressure swing from step to step. The clamp belongs inside the loop, or free surfaces contract.
+/// ultraspherical polynomial in place of the k-th power of Jacobi's iteration matrix (F.34), the ν-methods of
+/// [Hanke1991]: a column of N layers takes in the order of N corrections instead of N². From the second
+/// correction on the residual of no mode is below −1/6. That matters: with a warm start of one half, steps in
+/// time whose solves overshoot by more than 0.2 make the pressure swing from step to step. The clamp belongs
+/// inside the loop, or free surfaces contract.
 template <class ErrorOf>
 Errors Dfsph::correct(StepState& state, const ErrorOf& error_of) {
   const float k = static_cast<float>(corrections_++), a = polynomial_order;

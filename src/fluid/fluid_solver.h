@@ -14,7 +14,7 @@ namespace oilskin::fluid {
 
 /// A one-sided bound on predicted velocities: v*·normal ≥ min_normal_velocity. For a particle at distance
 /// d0 of a sheet of thickness h that moves with v_w: least = v_w·n − max(0, d0 − h)/dt. Keeps the prediction
-/// of PCISPH on its side of the sheet (method of A.3); gives no impulse to anything.
+/// of PCISPH on its side of the sheet (F.36); gives no impulse to anything.
 struct PredictionContact {
   std::uint32_t particle = 0;
   Vec3 normal = Vec3::Zero();

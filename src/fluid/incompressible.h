@@ -44,8 +44,8 @@ struct IncompressibleSums : DensityModel<CubicSpline> {
   IncompressibleSums(double volume, double support_radius, double smoothed_fraction, double viscosity_dt,
                      const ViscousWeights& weights);
 
-  /// a_i = −2 ν/H² Σ φ(q) (v_ij·Δ) Δ: Monaghan 2005 (a_i = 2(d+2) ν Σ V (v_ij·x_ij)/(|x_ij|² + 0.01 H²) ∇W)
-  /// with a second part that makes it isotropic on the lattice; conserves angular momentum too.
+  /// a_i = −2 ν/H² Σ φ(q) (v_ij·Δ) Δ: (F.10), [Monaghan2005] (a_i = 2(d+2) ν Σ V (v_ij·x_ij)/(|x_ij|² + 0.01
+  /// H²) ∇W) with a second part that makes it isotropic on the lattice; conserves angular momentum too.
   Shear shear(const Pairs& pairs, F4 dv_dot_delta, F4 q, F4 slope, F4 w) const {
     const F4 u = larger(F4(1) - q, F4(0));
     return {dv_dot_delta * (F4(by_slope) * slope / (pairs.q2 + F4(0.01f)) - F4(by_hat) * u * u),

@@ -13,7 +13,7 @@ constexpr double pi = 3.14159265358979323846;
 /// coincident ones none.
 constexpr float min_q = 1e-6f;
 
-/// Müller, Charypar, Gross 2003, Eq. 20.
+/// [Mueller2003] Eq. 20.
 struct Poly6 {
   static constexpr double norm = 315 / (64 * pi);
   template <class T>
@@ -33,7 +33,7 @@ struct Poly6 {
   }
 };
 
-/// Desbrun, Gascuel 1996; Müller et al. 2003, Eq. 21.
+/// [Desbrun1996]; [Mueller2003] Eq. 21.
 struct Spiky {
   static constexpr double norm = 15 / pi;
   template <class T>
@@ -48,7 +48,7 @@ struct Spiky {
   }
 };
 
-/// Müller et al. 2003, Eq. 22. W is infinite at 0; only the Laplacian is meant for use.
+/// [Mueller2003] Eq. 22. W is infinite at 0; only the Laplacian is meant for use.
 struct ViscosityKernel {
   static constexpr double norm = 15 / (2 * pi);
   template <class T>
@@ -70,7 +70,7 @@ struct ViscosityKernel {
   }
 };
 
-/// Monaghan 1992. w = 6(q³−q²)+1 for q ≤ ½, 2(1−q)³ above: both are 2(1−q)³₊ − 8(½−q)³₊.
+/// [Monaghan1992], (F.3): w = 6(q³−q²)+1 for q ≤ ½, 2(1−q)³ above: both are 2(1−q)³₊ − 8(½−q)³₊.
 struct CubicSpline {
   static constexpr double norm = 8 / pi;
   template <class T>
@@ -85,7 +85,7 @@ struct CubicSpline {
   }
 };
 
-/// Wendland 1995, C².
+/// [Wendland1995] C².
 struct WendlandC2 {
   static constexpr double norm = 21 / (2 * pi);
   template <class T>
@@ -100,7 +100,7 @@ struct WendlandC2 {
   }
 };
 
-/// Wendland 1995, C⁴.
+/// [Wendland1995] C⁴.
 struct WendlandC4 {
   static constexpr double norm = 495 / (32 * pi);
   template <class T>

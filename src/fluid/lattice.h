@@ -26,7 +26,7 @@ double lattice_sum(double ratio, const F& f) {
   return sum;
 }
 
-/// Density of the lattice with m = ρ0 dx³, relative to ρ0. Dividing dx³ ρ0 by it calibrates the mass (A.1).
+/// Density of the lattice with m = ρ0 dx³, relative to ρ0. Dividing dx³ ρ0 by it calibrates the volume (F.4).
 template <class Kernel>
 double lattice_density(double ratio) {
   return Kernel::norm / (ratio * ratio * ratio) * lattice_sum(ratio, [](double q) { return Kernel::w(q); });
@@ -101,15 +101,15 @@ double lattice_pull_beyond(double ratio) {
   return pull / lattice_sum(ratio, [](double q) { return Kernel::w(q); });
 }
 
-/// δ dt² [m²] in units of dx², for particles of volume dx³ [Solenthaler, Pajarola 2009, Eq. 8]:
+/// δ dt² [m²] in units of dx², for particles of volume dx³ [Solenthaler2009] Eq. 8, (F.17):
 /// δ = 1/(β Σ|∇W|²) with β = 2 (m dt/ρ0)²; Σ∇W = 0 by symmetry.
 template <class Kernel>
 double pcisph_stiffness(double ratio) {
   return std::pow(ratio, 8) / (2 * Kernel::norm * Kernel::norm * lattice_slope_squares<Kernel>(ratio));
 }
 
-/// max_k R(k): the loop multiplies a pressure mode of wave vector k by 1 − ω R(k) per iteration,
-/// R = |S|²/(2 Σ|∇W|²), S = Σ_r ∇W(r) sin(k·r). Scanned over k ∈ [0, π/dx]³ with `samples` per axis.
+/// max_k R(k): the loop multiplies a pressure mode of wave vector k by 1 − ω R(k) per iteration
+/// (F.21), R = |S|²/(2 Σ|∇W|²), S = Σ_r ∇W(r) sin(k·r). Scanned over k ∈ [0, π/dx]³ with `samples` per axis.
 template <class Kernel>
 double pcisph_max_mode(double ratio, int samples = 41) {
   const int n = static_cast<int>(std::ceil(ratio));
@@ -150,8 +150,8 @@ double pcisph_max_mode(double ratio, int samples = 41) {
   return largest / (2 * lattice_slope_squares<Kernel>(ratio));
 }
 
-/// ω = min(1, 1.4/max R). The loop converges for ω max R < 2; 1.4 is what the published δ (ω = 1) has at H =
-/// 2 dx, where it is known to be stable with room for compressed regions, whose modes are larger.
+/// ω = min(1, 1.4/max R) (F.22). The loop converges for ω max R < 2; 1.4 is what the published δ (ω = 1) has
+/// at H = 2 dx, where it is known to be stable with room for compressed regions, whose modes are larger.
 template <class Kernel>
 double pcisph_relaxation(double ratio) {
   return std::min(1.0, 1.4 / pcisph_max_mode<Kernel>(ratio));

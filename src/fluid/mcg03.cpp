@@ -1,4 +1,4 @@
-/// Müller, Charypar, Gross 2003: poly6 density, spiky pressure gradient, viscosity Laplacian, state equation.
+/// [Mueller2003]: poly6 density, spiky pressure gradient, viscosity Laplacian, state equation.
 #include <cmath>
 
 #include "core/assert.h"
@@ -20,7 +20,7 @@ struct Mcg03Model : DensityModel<Poly6> {
             static_cast<float>(viscosity_dt * volume * ViscosityKernel::norm / std::pow(support_radius, 5))) {
   }
 
-  /// Eq. 14: f = μ Σ V (v_j − v_i) ∇²W, here with V = m/ρ0.
+  /// (F.14), [Mueller2003] Eq. 14: f = μ Σ V (v_j − v_i) ∇²W, here with V = m/ρ0.
   Shear shear(const Pairs&, F4, F4 q, F4, F4 w) const {
     return {F4(0.0f), F4(viscous) * ViscosityKernel::laplacian(q) + F4(smoothing) * w};
   }

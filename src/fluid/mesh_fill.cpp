@@ -53,7 +53,7 @@ struct Lattice {
 
 /// On which side of the edge a→b, seen along x, the row (y, z) passes: +1 or −1, 0 for an edge along x.
 /// Antisymmetric in a, b bit for bit, since it is computed in one order of the two. A row through the edge
-/// counts as moved by (ε, ε²), the same for all edges [Edelsbrunner, Mücke 1990].
+/// counts as moved by (ε, ε²), the same for all edges [Edelsbrunner1990].
 int side(const Vec3& a, const Vec3& b, double y, double z) {
   const bool swap = std::make_pair(b[1], b[2]) < std::make_pair(a[1], a[2]);
   const Vec3 &p = swap ? b : a, &q = swap ? a : b;
@@ -120,8 +120,7 @@ class RowCrossings {
   std::vector<Crossing> crossings_;
 };
 
-/// Generalised winding number: Σ Ω/4π [Jacobson, Kavan, Sorkine-Hornung 2013], solid angles by
-/// [van Oosterom, Strackee 1983].
+/// Generalised winding number: Σ Ω/4π [Jacobson2013], solid angles by [Oosterom1983] (F.42).
 double winding_number(const MeshEmitter& mesh, const Vec3& x) {
   double sum = 0;
   for (const Triangle& t : mesh.triangles) {

@@ -1,5 +1,5 @@
 /// Nothing acts through a surface: neighbour pairs whose connecting segment meets a triangle are taken off
-/// the neighbour lists, both ways, so that no pair sum of the step sees them [method of A.10.2].
+/// the neighbour lists, both ways, so that no pair sum of the step sees them (F.8).
 #pragma once
 
 #include <cmath>

@@ -112,7 +112,7 @@ struct NoRates {
   void add(const Pairs&, F4, F4) {}
 };
 
-/// What both models need: ρ/ρ0 = scale (w(0) + Σ w), and XSPH [Schechter, Bridson 2012] Δv = c Σ V (v_j −
+/// What both models need: ρ/ρ0 = scale (w(0) + Σ w), and XSPH [Schechter2012] (F.9) Δv = c Σ V (v_j −
 /// v_i) W with c = 1 − exp(−rate dt), so that the smoothing per second does not depend on dt. V = m/ρ0 for
 /// all, so that the terms are antisymmetric.
 template <class Kernel>

@@ -1,4 +1,4 @@
-/// Predictive–corrective incompressible SPH [Solenthaler, Pajarola 2009] with the cubic spline.
+/// Predictive–corrective incompressible SPH [Solenthaler2009] with the cubic spline.
 #include "core/assert.h"
 #include "fluid/incompressible.h"
 

@@ -6,7 +6,7 @@
 
 namespace oilskin::fluid {
 
-/// The output function of SplitMix64 [Steele, Lea, Flood 2014].
+/// The output function of SplitMix64 [Steele2014].
 inline std::uint64_t mix64(std::uint64_t z) {
   z += 0x9e3779b97f4a7c15ull;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;

@@ -9,21 +9,21 @@
 
 namespace oilskin::fluid {
 
-/// Kernel mass behind a plane at distance ζ ≥ 0 [method A.10.3].
+/// Kernel mass behind a plane at distance ζ ≥ 0, Λ(ζ) (B.1).
 template <class T>
 T half_space_mass(T z) {
   const T u = std::max(T(1) - z, T(0)), v = std::max(T(0.5) - z, T(0));
   return T(8.0 / 15) * (u * u * u * u * u * (T(1) + T(2) * z) - v * v * v * v * v * (T(2) + T(8) * z));
 }
 
-/// The kernel's integral over a plane at distance ζ ≥ 0, L(ζ) = −dλ/dζ.
+/// The kernel's integral over a plane at distance ζ ≥ 0, L(ζ) = −dΛ/dζ (B.2).
 template <class T>
 T plane_integral(T z) {
   const T u = std::max(T(1) - z, T(0)), v = std::max(T(0.5) - z, T(0));
   return T(8.0 / 5) * (u * u * u * u * (T(1) + T(4) * z) - v * v * v * v * (T(2) + T(16) * z));
 }
 
-/// −dL/dζ = 2π ζ W.
+/// −dL/dζ = 2π ζ W (B.3).
 template <class T>
 T plane_integral_slope(T z) {
   const T u = std::max(T(1) - z, T(0)), v = std::max(T(0.5) - z, T(0));
@@ -38,10 +38,10 @@ struct WallView {
 };
 
 /// Corners relative to the particle. The share is λ_T/λ(z): the kernel's mass in the triangle's shadow
-/// [method A.10.4] over that behind its plane, so that the tiles of a plane add up to 1, without orientation
+/// (B.7) over that behind its plane, so that the tiles of a plane add up to 1, without orientation
 /// or closedness. In polar coordinates (r, φ) about the particle's foot in the plane the radial integral of
 /// the shadow is λ again, and what is left is one integral along each edge,
-///   λ_T = 1/(2π) Σ_edges ∫ [λ(z) − z λ(r)/r] dφ,
+///   λ_T = 1/(2π) Σ_edges ∫ [λ(z) − z λ(r)/r] dφ (B.9),
 /// r = r(φ) at the edge: exact where summing over small triangles needs hundreds of them. 0 for a triangle
 /// without area, and for one whose plane contains the particle, which hides nothing.
 WallView view_of_wall(const std::array<Eigen::Vector3f, 3>& corners);

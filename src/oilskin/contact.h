@@ -25,8 +25,8 @@ struct ParticleMotion {
   double viscosity = 0;  ///< kinematic [m²/s]: for SlipModel::viscous_wall, whose μ_f is their product
 };
 
-/// A particle near a triangle at the start of the interval, by closest feature (method: Bridson et al. 2002
-/// with the closest point instead of the plane test of Eq. 1).
+/// A particle near a triangle at the start of the interval, by closest feature (C.2): after [Bridson2002],
+/// with the closest point in place of the plane test of [Huber2013] Eq. 1.
 struct Contact {
   std::uint32_t particle = 0;  ///< index into ParticleMotion
   std::uint32_t surface = 0;   ///< index into the list of surfaces
@@ -79,7 +79,7 @@ class ContactSolver {
   const std::vector<Contact>& contacts() const;
 
   /// Independent of resolve(): counts the particles whose path meets a triangle or that end nearer than δ, by
-  /// sweep and prune over all pairs and additive continuous collision detection (Li et al. 2021).
+  /// sweep and prune over all pairs and additive continuous collision detection [Li2021].
   static std::uint64_t count_crossings(const ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
                                        std::uint64_t* pairs_tested = nullptr);
 

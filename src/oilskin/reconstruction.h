@@ -1,10 +1,10 @@
 /// A triangle mesh of the water's surface from its particles, and one that never cuts the cloth. Works for
-/// any particles and any triangle meshes; knows nothing of the simulation. Target: oilskin::surface.
+/// any particles and any triangle meshes; knows nothing of the simulation. Target: oilskin::reconstruction.
 ///
-/// The field is that of [Zhu, Bridson 2005] with the decay of [Onderik, Chládek, Ďurikovič 2011] or of
-/// [Solenthaler, Schläfli, Pajarola 2007], polygonised by marching cubes [Lorensen, Cline 1987]; at contact
-/// the visibility criterion of [Huber, Eberhardt, Weiskopf 2013, section 4], cells cut by the cloth, and a
-/// loop that repairs what is left. docs/surface.md says what is promised and why it holds.
+/// The field is that of [Zhu2005] with the decay of [Onderik2011] or of [Solenthaler2007], polygonised by
+/// marching cubes [Lorensen1987]; at obstacles the visibility criterion of [Huber2013] section 4, cut cells,
+/// and a repair loop. docs/manual/water_mesh.md says what is promised, docs/theory/reconstruction.md why it
+/// holds.
 ///
 ///     ReconstructionInput input;
 ///     input.positions = world.positions();
@@ -27,7 +27,7 @@ namespace oilskin {
 /// The scalar field whose zero is the surface. k = (1 − |x−x_i|²/R²)³, R the kernel radius, x̄ the mean of the
 /// particles weighted by V_i k, V_i their volumes, w = Σ V_i W(x−x_i) the share of space that is water.
 enum class ReconstructionField {
-  density_decay,  ///< |x − x̄| − r g(w): the radius r fades where w does, so nothing spans a gap
+  density_decay,  ///< (R.5) |x − x̄| − r g(w): the radius r fades where w does, so nothing spans a gap
   eigenvalue_decay,  ///< |x − x̄| − r f(EV), EV the largest eigenvalue of ∇x̄; the mesh takes 2.6 times as long
   zhu_bridson,  ///< |x − x̄| − r; blobs appear in hollows and between drops
   density,      ///< (½ − w) · slope: no averaging, bumpy, drops are thicker
@@ -35,8 +35,9 @@ enum class ReconstructionField {
 
 enum class ObstacleMode {
   none,  ///< obstacles are ignored: the surface cuts them
-  /// The paper's: hidden particles do not count, nodes nearer than `gap` (or half a cell, if that is more) to
-  /// an obstacle are outside. Free of intersections only for distances of √3 cells. For comparison.
+  /// That of [Huber2013] (R.14): hidden particles do not count, nodes nearer than `gap` (or half a cell, if
+  /// that is more) to an obstacle are outside. Free of intersections only for distances of √3 cells. For
+  /// comparison.
   reset,
   /// The surface stays away by `gap`: nothing is nearer. Water that ends before it stays where it is.
   gap,
@@ -61,7 +62,7 @@ struct ReconstructionOptions {
   double touch_range = 1;    ///< touch, overlap: in spacings, 0 … 1.5
   double overlap_depth = 0;  ///< overlap: [m], 0 … 1 spacing
 
-  /// λ|μ steps [Taubin 1995] that leave the volume as it is, 0 … 1000. Near obstacles vertices move only as
+  /// λ|μ steps [Taubin1995] that leave the volume as it is, 0 … 1000. Near obstacles vertices move only as
   /// far as the gap allows.
   int smoothing_iterations = 0;
   std::optional<Box> clip;  ///< only what lies inside, to 1 % of a cell; the mesh is closed along the sides
@@ -134,8 +135,8 @@ struct ReconstructionReport {
 
 /// Refused: wrong options, arrays of different lengths, obstacles with values that are not finite or indices
 /// out of range, more memory than allowed. The mesh is then as it was. No particles give an empty mesh.
-Status reconstruct_surface(const ReconstructionInput& input, const ReconstructionOptions& options, WaterMesh* mesh,
-                           ReconstructionReport* report = nullptr);
+Status reconstruct_surface(const ReconstructionInput& input, const ReconstructionOptions& options,
+                           WaterMesh* mesh, ReconstructionReport* report = nullptr);
 
 /// What a mesh is worth: all zero but `min_distance` and `components`, where it is as promised.
 struct MeshCheck {
@@ -162,7 +163,6 @@ struct MeshCheck {
 /// The acceptance test, for any triangle mesh. If no pair intersects, each piece of an obstacle is wholly
 /// inside or wholly outside, so one point of it tells. `gap` [m] ≥ 0. Indices in range, values finite
 /// (asserted).
-MeshCheck check_mesh(const WaterMesh& mesh, Span<const ObstacleMesh> obstacles, double gap,
-                           int threads = 0);
+MeshCheck check_mesh(const WaterMesh& mesh, Span<const ObstacleMesh> obstacles, double gap, int threads = 0);
 
 }  // namespace oilskin

@@ -107,7 +107,7 @@ struct StepReport {
   Vec3 momentum_gravity = Vec3::Zero();  ///< given by gravity
   std::uint32_t flags = 0;               ///< StepFlag bits
 
-  /// Σ after − before − emitted + removed − gravity + what the surfaces got: zero up to rounding.
+  /// Σ after − before − emitted + removed − gravity + what the surfaces got (C.28): zero up to rounding.
   Vec3 momentum_residual() const;
 };
 

@@ -9,14 +9,14 @@
 namespace oilskin {
 
 enum class PressureSolver {
-  mcg03,   ///< state equation p = k (ρ − ρ0) [Müller, Charypar, Gross 2003], the paper's reference
-  pcisph,  ///< predictive–corrective incompressible SPH [Solenthaler, Pajarola 2009]
-  dfsph,   ///< divergence-free SPH [Bender, Koschier 2015]
+  mcg03,   ///< state equation p = k (ρ − ρ0) [Mueller2003], the reference of [Huber2013]
+  pcisph,  ///< predictive–corrective incompressible SPH [Solenthaler2009]
+  dfsph,   ///< divergence-free SPH [Bender2015]
 };
 
 /// What the density and pressure of a particle know of a surface within the support radius.
 enum class BoundaryModel {
-  contact_only,  ///< nothing, as in the paper: the first layer lacks half of its neighbours
+  contact_only,  ///< nothing, as in [Huber2013]: the first layer lacks half of its neighbours
   mirrored,  ///< each wall continues the water as its mirror image, in density and pressure (pcisph, dfsph)
 };
 
@@ -34,7 +34,7 @@ struct FluidSettings {
       4;  ///< MCG03: k [m²/s²], > 0; sound √k, so dt ≤ 0.4 H/(√k + v); longer steps lower it to (0.4 H/dt)²
   double viscosity = 1e-6;    ///< kinematic ν [m²/s], ≥ 0; 0 = none. Explicit: dt ≤ 0.035 H²/ν
   double xsph_rate = 10;      ///< XSPH smoothing ν_x [1/s], ≥ 0; per step 1 − exp(−ν_x dt); 0 = none
-  bool contact_aware = true;  ///< PCISPH, DFSPH predict no position behind a sheet in contact (method of A.3)
+  bool contact_aware = true;  ///< PCISPH, DFSPH predict no position behind a sheet in contact (F.36)
   /// Nothing acts through a surface: neighbours whose connecting segment meets one are left out of every sum.
   bool occlusion = true;
   /// Mirrored: for water that rests or flows on sheets. The fluid takes three times as long; a jet comes off
@@ -51,7 +51,7 @@ struct FluidSettings {
 
 enum class SlipModel {
   free,  ///< no tangential impulse: inviscid
-  /// |J_t| ≤ μ J_n; μ = 1 is the paper's Eq. 8. J_n is contact's: water that boundary terms carry feels none
+  /// |J_t| ≤ μ J_n; μ = 1 is [Huber2013] Eq. 8. J_n is contact's: water that boundary terms carry feels none
   coulomb,
   /// The tangential velocity of the first layer is the sheet's: a motionless layer, as if the wall stood half
   /// a spacing inside the fluid (the middle of a channel of 10 particles across is a fifth too slow).
@@ -82,7 +82,7 @@ struct SurfaceSettings {
 
 enum class Repulsion {
   split,    ///< position rows inside the Gauss–Seidel, adds no velocity (default)
-  bridson,  ///< velocity impulses min(k d dt, m_eff (0.1 d/dt − v_n)) of Bridson et al. 2002, as in the paper
+  bridson,  ///< velocity impulses min(k d dt, m_eff (0.1 d/dt − v_n)) of [Bridson2002], as in [Huber2013]
   none,     ///< inelastic stop only
 };
 
@@ -97,7 +97,7 @@ struct ContactSettings {
   Repulsion repulsion = Repulsion::split;
   double stiffness = 1000;  ///< bridson: k [N/m], ≥ 0
   /// Look along paths: predicted approach and continuous test. Off: repulsion by proximity at the start of
-  /// each step alone, which leaks, as the paper's Fig. 4 left shows; there is no promise.
+  /// each step alone, which leaks, as [Huber2013] Fig. 4 left shows; there is no promise.
   bool ccd = true;
   bool zones = true;  ///< impact zones. Off: there is no promise
   int solver_iterations =

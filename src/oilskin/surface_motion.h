@@ -39,8 +39,8 @@ struct SurfaceMotion {
   const SlipSettings& slip_on(bool back) const { return back && slip_back ? *slip_back : slip; }
 };
 
-/// δ = max(1e-3 h, 64 ε R): ε = 2⁻²³ or 2⁻⁵² by storage, R the largest |coordinate| [m]. A thickness below 4
-/// δ is refused. h, R > 0.
+/// δ = max(1e-3 h, 64 ε R) (C.1): ε = 2⁻²³ or 2⁻⁵² by storage, R the largest |coordinate| [m]. A thickness
+/// below 4 δ is refused. h, R > 0.
 double minimum_separation(double thickness, double max_coordinate, Storage storage);
 
 /// The number that the host will keep when it is given `x`.

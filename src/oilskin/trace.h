@@ -1,4 +1,5 @@
-/// The motion of certified intervals, for auditors that do not trust us (docs/formats.md: "Motion trace").
+/// The motion of certified intervals, for independent auditors (docs/manual/commands_and_formats.md:
+/// "Motion trace").
 #pragma once
 
 #include <iosfwd>

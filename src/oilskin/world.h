@@ -79,12 +79,12 @@ class World {
   /// where their hosts want them at the end of the step.
   const StepReport& step(double dt);
   /// The longest next step that is accurate, 0 < dt ≤ largest [s]; nothing crosses at longer ones either. The
-  /// least of (method of A.6)
+  /// least of (F.45), (F.46)
   ///   fluid.cfl spacings × max_substeps on the way of whatever is fastest: particles, starts that fall due
   ///   (gravity added), surfaces that touch the fluid's box, as fast as in the last step;
   ///   0.25 √(H/a) × max_substeps, a the largest acceleration by pressure, viscosity and gravity in the last
   ///   interval;
-  ///   0.035 H²/ν (of the lattice: Morris 1997 has 0.125); and with mcg03 0.4 H/(√k + v).
+  ///   0.035 H²/ν (F.12) (of the lattice: [Morris1997] has 0.125); and with mcg03 0.4 H/(√k + v).
   double suggested_dt(double largest) const;
   const StepReport& report() const;
   double time() const;  ///< [s]

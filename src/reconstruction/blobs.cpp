@@ -94,4 +94,4 @@ std::size_t remove_blobs(const Grid& grid, double minimum, RawMesh& mesh) {
   return removed;
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -13,4 +13,4 @@ std::size_t remove_blobs(const Grid& grid, double minimum, RawMesh& mesh);
 /// Six times the volume over a triangle [m³].
 double six_volumes(const RawMesh& mesh, const Triangle& t, const std::array<float, 3>& origin);
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -108,7 +108,7 @@ void count_components(const WaterMesh& mesh, MeshCheck& check) {
 }  // namespace
 
 MeshCheck check_mesh(const WaterMesh& mesh, Span<const ObstacleMesh> obstacle_meshes, double gap,
-                           int threads) {
+                     int threads) {
   OILSKIN_ASSERT(gap >= 0);
   MeshCheck check;
   const Workers workers(threads);

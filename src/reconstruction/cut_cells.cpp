@@ -120,4 +120,4 @@ std::size_t clear_joined_edges(Grid& grid, const Workers& workers) {
   return set_outside(grid, found);
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

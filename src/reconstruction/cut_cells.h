@@ -71,4 +71,4 @@ inline NodeRef corner_node(const Grid& grid, std::uint32_t block, int i, int j, 
 /// The value that a cleared node gets [cells]: its neighbours' vertices keep off half of their edges.
 constexpr float cleared_value = 0.5f;
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -33,4 +33,4 @@ class DisjointSets {
   std::vector<std::uint32_t> parent_;
 };
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

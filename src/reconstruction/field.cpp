@@ -18,7 +18,7 @@ constexpr double pi = 3.14159265358979323846;
 /// it is 0.23.
 constexpr float fades_below = 0.5f, gone_below = 0.2f;
 
-/// Thresholds of the largest eigenvalue [Solenthaler et al. 2007].
+/// Thresholds of the largest eigenvalue [Solenthaler2007].
 constexpr float eigenvalue_low = 0.4f, eigenvalue_high = 3.5f;
 
 /// Well inside: this share of full water, and its centre not farther than this share of r.
@@ -39,7 +39,7 @@ Range range(float x, float reach, int step, int count) {
           high >= static_cast<float>(count - 1) ? count - 1 : static_cast<int>(std::floor(high))};
 }
 
-/// The decay of the radius with the share of water [the form of Onderik et al. 2011; thresholds above].
+/// The decay of the radius with the share of water (R.5): the form of [Onderik2011], thresholds above.
 float density_decay(float w) {
   const float t = std::clamp((fades_below - w) / (fades_below - gone_below), 0.0f, 1.0f);
   const float u = 1 - t * t;
@@ -80,7 +80,7 @@ void FieldBlock::for_rows(const std::array<float, 3>& q, const F& f) const {
     }
 }
 
-/// f(j, k, weights) for the rows of nodes that a particle reaches: V k of their nodes.
+/// f(j, k, weights) for the rows of nodes that a particle reaches: V k (R.1) of their nodes.
 template <class F>
 void FieldBlock::for_weights(const std::array<float, 3>& q, float volume, const F& f) const {
   const float scale = 1 / (p_.kernel_radius * p_.kernel_radius);
@@ -240,7 +240,7 @@ void FieldBlock::scatter_moments(const NearParticles& near, const BlockSight* si
   }
 }
 
-/// f(EV) of Solenthaler et al.; EV of ∇x̄ = Σ y ∇wᵀ / W − (Σ w y)(Σ ∇w)ᵀ / W², y = x_i − x, ∇w = m y.
+/// f(e) of [Solenthaler2007] (R.6), e the largest eigenvalue of ∇x̄ (R.8); ∇k = m y.
 float FieldBlock::eigenvalue_decay(int node, const Vec3& mean_offset) const {
   const std::size_t r = std::size_t(node) / side, i = std::size_t(node) % side;
   const Moments& m = moments_[r];
@@ -357,4 +357,4 @@ double max_real_eigenvalue(const Eigen::Matrix3d& a) {
   return third + std::cbrt(-q / 2 + root) + std::cbrt(-q / 2 - root);
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -15,7 +15,9 @@ struct FieldParameters {
   float share = 0;            ///< 315 / 64π (R/s)⁻³: what a particle of volume s³ adds to w for k = 1
   float rest_count = 0;       ///< particles in a block that is full
 
-  bool needs_volumes() const { return kind == ReconstructionField::density_decay || kind == ReconstructionField::density; }
+  bool needs_volumes() const {
+    return kind == ReconstructionField::density_decay || kind == ReconstructionField::density;
+  }
   /// Value of nodes without a particle in reach.
   float outside() const { return kernel_radius; }
 };
@@ -65,12 +67,12 @@ class FieldBlock {
   Shadows shadows_;
 };
 
-/// V_i in s³: of a particle that is alone 1 / W(0), in the middle of the water 1. One value for each particle
-/// of the blocks of which `wanted` is set; 1 for the others.
+/// V_i (R.3) in s³: of a particle that is alone 1 / W(0), in the middle of the water 1. One value for each
+/// particle of the blocks of which `wanted` is set; 1 for the others.
 std::vector<float> particle_volumes(const ParticleBlocks& particles, const FieldParameters& parameters,
                                     const std::vector<std::uint8_t>& wanted, const Workers& workers);
 
 /// The largest real eigenvalue of a 3×3 matrix.
 double max_real_eigenvalue(const Eigen::Matrix3d& a);
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

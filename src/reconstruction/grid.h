@@ -199,4 +199,4 @@ inline const CutEdge* NearBlock::find_cut(int axis, int node) const {
   return &cut_edges[low];
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -115,4 +115,4 @@ inline Lanes without(const Lanes& a, std::uint32_t bits) {
   return Lanes::load(x);
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

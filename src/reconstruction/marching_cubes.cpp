@@ -106,4 +106,4 @@ const std::array<CellCase, 256>& marching_cubes_table() {
   return table;
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

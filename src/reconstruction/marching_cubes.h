@@ -1,4 +1,4 @@
-/// The 256 cases of marching cubes [Lorensen, Cline 1987], made by a rule instead of copied: on every face
+/// The 256 cases of marching cubes [Lorensen1987], made by a rule instead of copied: on every face
 /// each run of inside corners is cut off by itself, so two inside corners on a diagonal are parted. The two
 /// cells at a face see the same corners, hence the same lines, and nothing cracks.
 ///
@@ -48,4 +48,4 @@ struct CellCase {
 /// too: every edge of the mesh has two triangles.
 const std::array<CellCase, 256>& marching_cubes_table();
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

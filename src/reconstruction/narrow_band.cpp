@@ -188,4 +188,4 @@ Status choose_fields(const ParticleBlocks& particles, const FieldParameters& fie
   return {};
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -32,4 +32,4 @@ void find_near_triangles(const Obstacles& obstacles, double reach, Grid& grid);
 Status choose_fields(const ParticleBlocks& particles, const FieldParameters& field,
                      const std::optional<Box>& clip, Grid& grid, MemoryPlan& memory, const Workers& workers);
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -44,7 +44,7 @@ struct Covered {
 
 /// A triangle as the row of nodes at (j, k) sees it: over its face, or at least so far away.
 struct RowView {
-  Lanes min_squared;      ///< of the distance
+  Lanes min_squared;        ///< of the distance
   std::uint32_t over_face;  ///< bit i: the plane's distance is the triangle's
 };
 
@@ -218,4 +218,4 @@ void measure_obstacles(const Obstacles& obstacles, const Vec3& origin, double ce
   keep_crossings(hits, near);
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

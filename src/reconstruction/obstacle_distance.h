@@ -10,4 +10,4 @@ namespace oilskin::reconstruction {
 void measure_obstacles(const Obstacles& obstacles, const Vec3& origin, double cell, double band,
                        bool cut_edges, NearBlock& near);
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

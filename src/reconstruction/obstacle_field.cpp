@@ -120,4 +120,4 @@ std::vector<NodeRef> nodes_around(const Vec3& x, const Grid& grid) {
   return found;
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -20,8 +20,8 @@ struct ContactParameters {
 
 ContactParameters contact_parameters(const ReconstructionOptions& options);
 
-/// The value of a node at `distance` from obstacles. `seen`: the field of the particles that the node can
-/// see; `all`: that of all of them, for overlap.
+/// The value of a node at `distance` from obstacles, (R.10) to (R.14). `seen`: the field of the particles
+/// that the node can see; `all`: that of all of them, for overlap.
 float value_at_contact(const ContactParameters& p, float seen, float all, float distance);
 
 /// Does a piece of an obstacle lie inside the water? No triangle of the mesh meets it, so one of its points
@@ -29,11 +29,11 @@ float value_at_contact(const ContactParameters& p, float seen, float all, float 
 bool is_submerged(const Obstacles& obstacles, const std::vector<std::uint32_t>& piece, const Grid& grid,
                   const RawMesh& mesh, const Workers& workers);
 
-/// Winding number of closed triangles around a point: Σ Ω/4π [van Oosterom, Strackee 1983].
+/// Winding number of closed triangles around a point (R.20): Σ Ω/4π [Oosterom1983].
 double winding_number(const std::vector<std::array<float, 3>>& positions,
                       const std::vector<Triangle>& triangles, const Vec3& x, const Workers& workers);
 
 /// The inside corners of the cell that holds x.
 std::vector<NodeRef> nodes_around(const Vec3& x, const Grid& grid);
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

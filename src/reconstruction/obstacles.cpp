@@ -100,4 +100,4 @@ std::vector<std::vector<std::uint32_t>> Obstacles::pieces() const {
   return pieces;
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

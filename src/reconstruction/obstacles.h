@@ -11,7 +11,7 @@ using Corners = std::array<Vec3, 3>;
 /// The first fault of the obstacles, in words.
 Status validate_obstacles(const std::vector<ObstacleMesh>& obstacles);
 
-/// By how much rounding to float moves a triangle's corners at most [m].
+/// By how much rounding to float moves a triangle's corners at most (R.18) [m].
 double rounding_of(const Corners& c);
 
 /// Refuses triangles that come into the region from so far away that their corners, as floats, or distances
@@ -56,4 +56,4 @@ class Obstacles {
   proximity::SurfaceTree tree_;
 };
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

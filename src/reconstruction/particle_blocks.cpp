@@ -148,4 +148,4 @@ void NearParticles::pad() {
   }
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -42,4 +42,4 @@ struct NearParticles {
   void pad();
 };
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -23,7 +23,7 @@ NodeRef high_end(const Grid& grid, const VertexRef& v) {
   return grid.node(v.block, (v.node & 7) + s.x, (v.node >> 3 & 7) + s.y, (v.node >> 6) + s.z);
 }
 
-/// Share of the edge from the inside end at which the vertex lies.
+/// Share of the edge from the inside end at which the vertex lies, (R.15) and (R.16).
 double share_from(const Grid& grid, const VertexRef& v) {
   const NodeRef low{v.block, v.node}, high = high_end(grid, v);
   const NodeRef own = v.of_high_end ? high : low, other = v.of_high_end ? low : high;
@@ -173,4 +173,4 @@ RawMesh polygonise(const Grid& grid, bool with_nodes, const Workers& workers) {
   return mesh;
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

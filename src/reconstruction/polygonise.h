@@ -40,4 +40,4 @@ struct RawMesh {
 /// The whole mesh, in the order of blocks; `with_nodes` fills inside_nodes.
 RawMesh polygonise(const Grid& grid, bool with_nodes, const Workers& workers);
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

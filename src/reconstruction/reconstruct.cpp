@@ -4,9 +4,9 @@
 
 #include "core/assert.h"
 #include "reconstruction/blobs.h"
-#include "reconstruction/obstacle_field.h"
 #include "reconstruction/narrow_band.h"
 #include "reconstruction/obstacle_distance.h"
+#include "reconstruction/obstacle_field.h"
 #include "reconstruction/smoothing.h"
 #include "reconstruction/vertex_data.h"
 
@@ -131,9 +131,8 @@ void Reconstruction::evaluate_block(std::uint32_t b, FieldBlock& evaluator, Near
     if (contact.mode == ObstacleMode::overlap) evaluator.evaluate(near, nullptr, all.data());
     if (!obstacle.distance.empty())
       for (std::size_t n = 0; n < nodes; ++n)
-        values[n] =
-            value_at_contact(contact, values[n], contact.mode == ObstacleMode::overlap ? all[n] : 0.0f,
-                             obstacle.distance[n]);
+        values[n] = value_at_contact(
+            contact, values[n], contact.mode == ObstacleMode::overlap ? all[n] : 0.0f, obstacle.distance[n]);
   }
   if (options.clip)
     for (int n = 0; n < nodes; ++n) {
@@ -230,8 +229,8 @@ void Reconstruction::finish(RawMesh&& raw, WaterMesh* mesh) {
 
 }  // namespace
 
-Status reconstruct_surface(const ReconstructionInput& input, const ReconstructionOptions& options, WaterMesh* mesh,
-                           ReconstructionReport* report) {
+Status reconstruct_surface(const ReconstructionInput& input, const ReconstructionOptions& options,
+                           WaterMesh* mesh, ReconstructionReport* report) {
   OILSKIN_ASSERT(mesh != nullptr);
   if (Status s = options.validate(); !s.ok()) return s;
   if (Status s = validate_input(input); !s.ok()) return s;

@@ -181,4 +181,4 @@ RepairReport repair(const Obstacles& obstacles, double gap, Grid& grid, std::vec
   return report;
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

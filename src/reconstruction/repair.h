@@ -23,4 +23,4 @@ RepairReport repair(const Obstacles& obstacles, double gap, Grid& grid, std::vec
 /// Blocks that have a cell with one of these nodes as a corner, ascending.
 std::vector<std::uint32_t> blocks_around(const Grid& grid, const std::vector<NodeRef>& changed);
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -43,7 +43,7 @@ class Spare {
       walls_.push_back({TrianglePrism(c), gap + rounding_of(c)});
     }
   }
-  /// Of what is left of a bound that costs little, `loss` may be lost for not looking closer.
+  /// Accepts the cheap lower bound if it is within `loss` of the best exact distance.
   double of(const Corners& own, Span<const std::uint32_t> candidates) const {
     std::vector<std::pair<double, std::uint32_t>> order;
     order.reserve(candidates.size());
@@ -76,8 +76,8 @@ class Spare {
   std::vector<Wall> walls_;
 };
 
-/// How far vertices may move [m]: as far as the nearest of their triangles has to spare, and a cell at most,
-/// so that what is farther away does not matter.
+/// How far vertices may move (R.22) [m]: as far as the nearest of their triangles has to spare, and a cell at
+/// most, so that what is farther away does not matter.
 struct Budgets {
   std::vector<float> of_vertex;     ///< none where nothing limits them
   std::vector<std::uint32_t> near;  ///< the triangles that have less than a cell to spare
@@ -191,4 +191,4 @@ SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, d
   return report;
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

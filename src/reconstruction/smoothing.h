@@ -11,9 +11,9 @@ struct SmoothingReport {
   std::size_t held = 0;  ///< vertices put back because a triangle of theirs did not pass the final test
 };
 
-/// λ|μ smoothing [Taubin 1995], `iterations` pairs of steps. `obstacles` may be null: nothing to keep away
-/// from. Vertices on the sides of `clip` stay.
+/// λ|μ smoothing [Taubin1995] (R.21), `iterations` pairs of steps. `obstacles` may be null: nothing to keep
+/// away from. Vertices on the sides of `clip` stay.
 SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, double cell,
                        const std::optional<Box>& clip, RawMesh& mesh, const Workers& workers);
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -10,8 +10,8 @@ namespace oilskin::reconstruction {
 
 namespace {
 
-/// The gap between the projections on n, less what rounding may have added; negative where they overlap. All
-/// corners are relative to a point of one of the triangles; `size` bounds their coordinates.
+/// (R.19). The gap between the projections on n, less what rounding may have added; negative where they
+/// overlap. All corners are relative to a point of one of the triangles; `size` bounds their coordinates.
 double gap_along(const Vec3& n, const Corners& t, const Corners& c, double size) {
   const double length = n.norm();
   if (!(length > 0 && std::isfinite(length))) return -1;
@@ -38,7 +38,7 @@ struct Closest {
   }
 };
 
-/// Closest points of two segments [Ericson 2005, 5.1.9].
+/// Closest points of two segments ([Ericson2005] 5.1.9).
 Vec3 between_segments(const Vec3& p, const Vec3& p1, const Vec3& q, const Vec3& q1) {
   const Vec3 u = p1 - p, v = q1 - q, r = p - q;
   const double a = u.squaredNorm(), e = v.squaredNorm(), f = v.dot(r), c = u.dot(r), b = u.dot(v);
@@ -145,4 +145,4 @@ bool certified_apart(const Corners& triangle, const Corners& other, double limit
   return l.along_normal(l.c) > limit || l.along_normal(l.t) > limit || l.along_closest() > limit;
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

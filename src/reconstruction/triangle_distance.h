@@ -15,7 +15,7 @@ double certified_distance(const Corners& t, const Corners& c,
 
 /// What contains a triangle: the layer between two planes across its normal, and the inner sides of three
 /// planes through its edges that stand on it. As these stand on those, the distances to both together bound
-/// the triangle's; at little cost, and without loss where the nearest corner lies over the face.
+/// the triangle's (R.23); at little cost, and without loss where the nearest corner lies over the face.
 class TrianglePrism {
  public:
   explicit TrianglePrism(const Corners& c);
@@ -38,4 +38,4 @@ class TrianglePrism {
 /// Is it certain that the distance is more than `limit`? The same answer as certified_distance() > limit.
 bool certified_apart(const Corners& t, const Corners& c, double limit);
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -40,4 +40,4 @@ void for_near_pairs(const std::vector<std::array<float, 3>>& positions,
   });
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -25,4 +25,4 @@ void for_near_pairs(const std::vector<std::array<float, 3>>& positions,
                     const Obstacles& obstacles, double reach, const Workers& workers,
                     const std::function<void(std::uint32_t, Span<const std::uint32_t>)>& f);
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -142,9 +142,9 @@ std::vector<std::array<float, 3>> vertex_normals(const RawMesh& mesh) {
   return normals;
 }
 
-void interpolate(const ReconstructionInput& input, const ParticleBlocks& particles, const FieldParameters& field,
-                 const Obstacles& obstacles, bool sees, const Grid& grid, const RawMesh& raw,
-                 WaterMesh& mesh, const Workers& workers) {
+void interpolate(const ReconstructionInput& input, const ParticleBlocks& particles,
+                 const FieldParameters& field, const Obstacles& obstacles, bool sees, const Grid& grid,
+                 const RawMesh& raw, WaterMesh& mesh, const Workers& workers) {
   const std::size_t n = raw.positions.size();
   OILSKIN_ASSERT(raw.first_vertex.size() == grid.blocks.size() + 1 && raw.first_vertex.back() == n);
   if (!input.velocities.empty()) mesh.velocities.resize(n);
@@ -178,4 +178,4 @@ void interpolate(const ReconstructionInput& input, const ParticleBlocks& particl
   });
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

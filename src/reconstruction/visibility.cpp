@@ -180,4 +180,4 @@ std::uint32_t Shadows::hidden(int j, int k, std::uint32_t wanted, const std::uin
   return wanted & hidden;
 }
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

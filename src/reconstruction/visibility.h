@@ -1,5 +1,5 @@
 /// What a node of a block can see: a particle counts only if the segment between the two touches no triangle
-/// [Huber, Eberhardt, Weiskopf 2013, section 4].
+/// ([Huber2013] section 4).
 ///
 /// Almost every pair lies on the same side of every triangle's plane nearby. So each triangle of the block is
 /// a bit: a particle has the bits of the planes that it is in front of and behind, a row of nodes those that
@@ -100,8 +100,8 @@ class BlockSight {
 ///
 /// With the corners a, b, c seen from the particle, the plane through it and an edge has the normal a×b, b×c
 /// or c×a. A point d behind all three, on the triangle's side, is in the shadow if it is beyond the triangle:
-/// (a×b + b×c + c×a)·d ≥ a·(b×c). Floats tell this but for what is near one of the planes; that is left to
-/// segment_touches().
+/// (a×b + b×c + c×a)·d ≥ a·(b×c) (R.9). Floats tell this but for what is near one of the planes; that is left
+/// to segment_touches().
 class Shadows {
  public:
   /// The sight must stay as it is while it is used here.
@@ -124,4 +124,4 @@ class Shadows {
   std::vector<Shadow> shadows_;
 };
 
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

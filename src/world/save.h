@@ -1,4 +1,4 @@
-/// The frame around the bytes of a saved world (docs/saving.md).
+/// The frame around the bytes of a saved world (docs/manual/saving.md).
 #pragma once
 
 #include <vector>

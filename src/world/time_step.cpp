@@ -34,8 +34,8 @@ void World::Impl::choose_substeps(double dt) {
   paths.begin(surfaces, report.substeps, dt / report.substeps);
 }
 
-/// The limits of method A.6. Those of accuracy hold for an interval, so that sub-steps loosen them. Those of
-/// stability hold for the step: a step is cut by speeds alone, and it may not be.
+/// The limits (F.45) and (F.46). Those of accuracy hold for an interval, so that sub-steps loosen them. Those
+/// of stability hold for the step: a step is cut by speeds alone, and it may not be.
 double World::Impl::longest_dt(double largest) const {
   std::vector<SurfaceMotion*> moved;
   for (const auto& a : attachments.all())

@@ -1,5 +1,5 @@
 // A Bullet user saves the fluid's world and the nodes of the cloth, and goes on with new bodies
-// (docs/saving.md).
+// (docs/manual/saving.md).
 #include <gtest/gtest.h>
 
 #include "bullet_world.h"

@@ -67,7 +67,7 @@ TEST(ShortRunHosts, doublePrecisionAndTheMockKeepThePromiseToo) {
   }
 }
 
-// The paper's Fig. 4, left: repulsion alone lets water through, and verify sees it.
+// [Huber2013] Fig. 4, left: repulsion alone lets water through, and verify sees it.
 TEST(Leak, withoutTheContinuousTestAndZonesCrossingsAreCounted) {
   const Folder folder;
   const Outcome outcome = oilskin({"run", "jet", "--quiet", "--no-render", "--frames-per-second", "0",

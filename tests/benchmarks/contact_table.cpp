@@ -1,4 +1,4 @@
-// Tables 1 and 2 of the paper with our stages: what a smaller thickness and no-slip cost over the scene
+// Tables 1 and 2 of [Huber2013] with our stages: what a smaller thickness and no-slip cost over the scene
 // `jet`. One row for each thickness and slip law; seconds of wall time over the whole run, without `verify`
 // and pictures.
 //

@@ -6,19 +6,19 @@
 #include <cmath>
 #include <memory>
 
-#include "ccd/queries.h"
 #include "ccd/integer_polynomials.h"
+#include "ccd/queries.h"
 #include "support/exact.h"
 
 namespace oilskin::test {
 namespace {
 
 using ccd::detail::Algebra;
+using ccd::detail::BigInteger;
 using ccd::detail::Function;
 using ccd::detail::Polynomial;
 using ccd::detail::RoundedPolynomial;
 using ccd::detail::Surd;
-using ccd::detail::BigInteger;
 using ccd::detail::Workspace;
 using exact::Integer;
 
@@ -46,7 +46,7 @@ TEST(WholeNumbers, AgreeWithTheOraclesIntegers) {
     const Workspace::Scope scope(workspace.get());
     const double x = whole_double(random), y = whole_double(random), z = whole_double(random);
     const BigInteger a = workspace->from_double(x, 0), b = workspace->from_double(y, 0),
-                c = workspace->from_double(z, 0);
+                     c = workspace->from_double(z, 0);
     const Integer p = Integer::from_double(x, 0), q = Integer::from_double(y, 0),
                   r = Integer::from_double(z, 0);
     ASSERT_TRUE(to_integer(a) == p);
@@ -79,7 +79,7 @@ TEST(FixedNumbers, AgreeWithTheOraclesIntegers) {
   const auto draw = [&random] {
     const double x = std::floor(std::abs(random.uniform(0, 1)) * std::ldexp(1, random.integer(0, 53)));
     return ccd::detail::wide_from(static_cast<std::uint64_t>(x), random.integer(0, 71),
-                                   random.integer(0, 1) == 1);
+                                  random.integer(0, 1) == 1);
   };
   for (int i = 0; i < 20000; ++i) {
     const Workspace::Scope scope(workspace.get());
@@ -99,7 +99,7 @@ TEST(FixedNumbers, AgreeWithTheOraclesIntegers) {
 TEST(WholeNumbers, HoldEveryFiniteDouble) {
   const auto workspace = std::make_unique<Workspace>();
   const BigInteger maximum = workspace->from_double(std::numeric_limits<double>::max(), -1074),
-              minimum = workspace->from_double(-0x1p-1074, -1074);
+                   minimum = workspace->from_double(-0x1p-1074, -1074);
   EXPECT_TRUE(to_integer(maximum) == Integer::from_double(std::numeric_limits<double>::max(), 1074));
   EXPECT_TRUE(to_integer(minimum) == Integer(-1));
   EXPECT_EQ(ccd::detail::decompose(-12).exponent, 2);

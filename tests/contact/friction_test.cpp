@@ -75,7 +75,8 @@ TEST(ViscousWall, one_particle_decays_by_the_implicit_formula_towards_the_expone
       p.x_t0 = p.x_t1;
     }
     EXPECT_NEAR(p.velocity[0].norm(), 0.5 * std::pow(1 + dt * rate, -steps), 1e-12);
-    EXPECT_NEAR((p.x_t0[0] - Vec3(0.011, z, 0.003)).norm(), displacement, 1e-12) << "it moves by what it keeps";
+    EXPECT_NEAR((p.x_t0[0] - Vec3(0.011, z, 0.003)).norm(), displacement, 1e-12)
+        << "it moves by what it keeps";
     const double error = p.velocity[0].norm() - 0.5 * std::exp(-rate * time);
     if (last_error > 0) {
       EXPECT_NEAR(last_error / error, 2, 0.15) << "first order in time";
@@ -193,7 +194,8 @@ TEST(ViscousWall, other_laws_have_no_more_candidates_or_records_than_free_slip) 
               random.in_cube(0.1), mass);
   start.move(1e-3);
   std::uint64_t candidates[4];
-  for (SlipModel model : {SlipModel::free, SlipModel::coulomb, SlipModel::sticking, SlipModel::viscous_wall}) {
+  for (SlipModel model :
+       {SlipModel::free, SlipModel::coulomb, SlipModel::sticking, SlipModel::viscous_wall}) {
     std::vector<SurfaceMotion> s{square()};
     s[0].slip.model = model;
     ParticleArrays p = start;

@@ -1,5 +1,5 @@
-// The theorem of the contact loop, sentence by sentence, under random squeezing: if no live pair is near at
-// x0, the loop ends, no pair meets, and no live pair is near at x1, whatever the host's rounding, masses, dt.
+// The theorem of docs/theory/contact.md under random squeezing: if no live pair is too close at x0, the loop
+// ends, no paths intersect, and no live pair is too close at x1, whatever the host's rounding, masses, dt.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

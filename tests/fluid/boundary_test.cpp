@@ -13,7 +13,7 @@
 namespace oilskin::fluid {
 namespace {
 
-// Table of method A.10.3.
+// Values of Λ (B.1).
 TEST(WallIntegral, half_space_function_of_the_cubic_spline) {
   const double zeta[] = {0, 0.1, 0.25, 0.5, 0.75, 0.9};
   const double mass[] = {0.5, 0.362622, 0.187760, 0.033333, 0.001302, 0.000015};
@@ -53,7 +53,7 @@ TEST(WallIntegral, tiles_of_a_plane_hide_it_together) {
       }
 }
 
-/// λ_T by its definition (method A.10.4): ∫ over the triangle of solid angle × kernel mass beyond.
+/// Λ_T by its definition (B.7): ∫ over the triangle of solid angle × kernel mass beyond.
 double shadow_mass(const std::array<Eigen::Vector3f, 3>& corners, int n) {
   const auto beyond = [](double q) {
     const double q3 = q * q * q, q5 = q3 * q * q;

@@ -1,4 +1,4 @@
-// Nothing acts through a surface: which pairs of neighbours stay (method A.10.2).
+// Nothing acts through a surface: which pairs of neighbours stay (F.8).
 #include "fluid/occlusion.h"
 
 #include <gtest/gtest.h>

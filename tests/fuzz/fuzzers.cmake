@@ -1,5 +1,5 @@
 # Three fuzz targets. In every build each is a test that replays its seeds (fuzz_NAME_replay); with
-# OILSKIN_FUZZERS (clang) also a libFuzzer program (docs/testing.md).
+# OILSKIN_FUZZERS (clang) also a libFuzzer program (docs/manual/testing.md).
 function(oilskin_add_fuzz_target name mutations)
   oilskin_add_test(fuzz_${name}_replay SOURCES libfuzzer_${name}.cpp fuzz_target.cpp replay_test.cpp
                    LIBRARIES ${ARGN} LABELS fuzz)

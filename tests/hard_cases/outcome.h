@@ -1,4 +1,4 @@
-/// What a hard case came to, for the table in docs/hard_cases.md.
+/// What a hard case came to, for the table in docs/validation/hard_cases.md.
 #pragma once
 
 #include <string>

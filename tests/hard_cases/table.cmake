@@ -1,4 +1,5 @@
-# Runs the hard cases and writes docs/hard_cases.md: cmake -DPROGRAMS=a,b -DFOLDER=… -DOUTPUT=… -P table.cmake
+# Runs the hard cases and writes docs/validation/hard_cases.md:
+# cmake -DPROGRAMS=a,b -DFOLDER=… -DOUTPUT=… -P table.cmake
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
 string(REPLACE "," ";" PROGRAMS "${PROGRAMS}")

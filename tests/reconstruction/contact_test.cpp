@@ -62,8 +62,7 @@ TEST_P(Contact, nothing_is_nearer_than_the_gap_and_nothing_is_submerged) {
   const WaterScene& s = scene(GetParam().scene);
   const double gap = GetParam().gap * s.spacing;
   const double unclipped =
-      check_mesh(test::reconstruct(s.input(), options_for(s, GetParam().cell, 0, ObstacleMode::none)),
-                    {}, 0)
+      check_mesh(test::reconstruct(s.input(), options_for(s, GetParam().cell, 0, ObstacleMode::none)), {}, 0)
           .volume;
   for (const ObstacleMode contact : {ObstacleMode::gap, ObstacleMode::touch}) {
     ReconstructionOptions options = options_for(s, GetParam().cell, GetParam().gap, contact);
@@ -110,8 +109,8 @@ TEST(ContactModes, without_contact_the_same_water_cuts_the_sheet_or_swallows_it)
   }
   // No pair is cut, and yet all of the sheet is in the water: the second half of the check sees it.
   const WaterScene& s = scene("both");
-  const MeshCheck check = check_mesh(
-      test::reconstruct(s.input(), options_for(s, 0.5, 0, ObstacleMode::none)), s.obstacles(), 0);
+  const MeshCheck check =
+      check_mesh(test::reconstruct(s.input(), options_for(s, 0.5, 0, ObstacleMode::none)), s.obstacles(), 0);
   EXPECT_EQ(check.intersecting_pairs, 0u);
   EXPECT_EQ(check.submerged_components, 1u);
 }
@@ -273,7 +272,7 @@ TEST(ContactHard, random_triangles_huge_tiny_and_slivers) {
     }
     const double gap = std::array<double, 3>{0, 0.1, 0.4}[random.below(3)];
     ReconstructionOptions options = options_for(s, random.uniform(0.4, 1), gap,
-                                         random.below(2) ? ObstacleMode::gap : ObstacleMode::touch);
+                                                random.below(2) ? ObstacleMode::gap : ObstacleMode::touch);
     options.smoothing_iterations = int(random.below(2)) * 3;
     options.field = static_cast<ReconstructionField>(random.below(4));
     SCOPED_TRACE(seed);

@@ -66,8 +66,9 @@ TEST(Field, every_field_gives_a_closed_mesh_of_about_the_same_water) {
   test::Random random(22);
   for (int drop = 0; drop < 150; ++drop) s.particles.push_back(Vec3::Constant(0.03) + random.in_cube(0.06));
   std::vector<double> volumes;
-  for (const ReconstructionField field : {ReconstructionField::density_decay, ReconstructionField::eigenvalue_decay,
-                                   ReconstructionField::zhu_bridson, ReconstructionField::density}) {
+  for (const ReconstructionField field :
+       {ReconstructionField::density_decay, ReconstructionField::eigenvalue_decay,
+        ReconstructionField::zhu_bridson, ReconstructionField::density}) {
     ReconstructionOptions options = plain(s.spacing);
     options.field = field;
     const MeshCheck check = check_mesh(test::reconstruct(s.input(), options), {}, 0);

@@ -7,8 +7,8 @@
 #include <set>
 #include <vector>
 
-#include "support/random.h"
 #include "reconstruction/cut_cells.h"
+#include "support/random.h"
 
 namespace oilskin::reconstruction {
 namespace {
@@ -183,4 +183,4 @@ TEST(CutCells, cells_cut_at_random_draw_the_same_lines_on_the_face_they_share) {
 }
 
 }  // namespace
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

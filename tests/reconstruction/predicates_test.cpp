@@ -2,12 +2,12 @@
 #include <gtest/gtest.h>
 
 #include "core/closest_point.h"
-#include "support/random.h"
 #include "reconstruction/field.h"
 #include "reconstruction/obstacle_distance.h"
 #include "reconstruction/triangle_distance.h"
 #include "reconstruction/triangle_oracle.h"
 #include "reconstruction/visibility.h"
+#include "support/random.h"
 
 namespace oilskin::reconstruction {
 namespace {
@@ -246,4 +246,4 @@ TEST(Eigenvalue, the_largest_root_is_one_and_none_is_larger) {
 }
 
 }  // namespace
-}  // namespace oilskin::surface
+}  // namespace oilskin::reconstruction

@@ -8,7 +8,7 @@
 namespace oilskin::test {
 
 inline WaterMesh reconstruct(const ReconstructionInput& input, const ReconstructionOptions& options,
-                               ReconstructionReport* report = nullptr) {
+                             ReconstructionReport* report = nullptr) {
   WaterMesh mesh;
   const Status status = reconstruct_surface(input, options, &mesh, report);
   EXPECT_TRUE(status.ok()) << status.message;

@@ -99,7 +99,7 @@ inline WaterScene wavy_scene(bool both, double size = 0.1, int cells = 24) {
   return s;
 }
 
-/// Water in a V of two planes (figure 8 of the paper).
+/// Water in a V of two planes ([Huber2013] Fig. 8).
 inline WaterScene vee_scene(double size = 0.08) {
   WaterScene s;
   const auto height = [=](double x) { return 0.8 * std::abs(x - 0.5 * size); };

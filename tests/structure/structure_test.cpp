@@ -24,14 +24,13 @@ const std::map<std::string, std::set<std::string>> may_see = {
     {"src/proximity", {"core"}},
     {"src/ccd", {"core"}},
     {"src/contact", {"core", "fluid", "proximity", "ccd"}},
-    {"src/effects", {"core", "fluid", "proximity", "ccd", "contact"}},
-    {"src/surface", {"core", "proximity"}},
-    {"src/world", {"core", "fluid", "proximity", "ccd", "contact", "effects", "surface", "world"}},
+    {"src/reconstruction", {"core", "proximity"}},
+    {"src/world", {"core", "fluid", "proximity", "ccd", "contact", "reconstruction", "world"}},
     {"bullet_adapter", {"core"}},
 };
 
-const std::set<std::string> rooms = {"core",    "fluid",   "proximity", "ccd",
-                                     "contact", "effects", "surface",   "world"};
+const std::set<std::string> rooms = {"core",    "fluid",          "proximity", "ccd",
+                                     "contact", "reconstruction", "world"};
 
 /// Which folders of demos/app each folder may include, besides itself. The files of demos/app itself (main
 /// and the commands) may include all, and no folder may include them.
@@ -179,8 +178,8 @@ std::size_t faults_with(const std::string& file, const std::string& include) {
 
 TEST(Structure, theTestItselfCatchesBackEdges) {
   EXPECT_EQ(faults_with("src/core/a.h", "#include \"fluid/particles.h\""), 1u);
-  EXPECT_EQ(faults_with("src/fluid/a.cpp", "#  include \"contact/records.h\""), 1u);
-  EXPECT_EQ(faults_with("src/surface/a.cpp", "#include \"contact/records.h\""), 1u);
+  EXPECT_EQ(faults_with("src/fluid/a.cpp", "#  include \"contact/contacts.h\""), 1u);
+  EXPECT_EQ(faults_with("src/reconstruction/a.cpp", "#include \"contact/contacts.h\""), 1u);
   EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"world/world_impl.h\""), 1u);
   EXPECT_EQ(faults_with("src/oilskin/a.h", "#include \"core/parallel.h\""), 1u);
   EXPECT_EQ(faults_with("src/world/a.cpp", "#include <BulletSoftBody/btSoftBody.h>"), 1u);
@@ -213,8 +212,8 @@ TEST(Structure, theTestItselfCatchesBackEdgesInDemos) {
 TEST(Structure, theTestItselfLetsForwardEdgesPass) {
   EXPECT_EQ(faults_with("src/fluid/a.cpp", "#include \"core/hash.h\""), 0u);
   EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"ccd/point_triangle.h\""), 0u);
-  EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"contact/records.h\""), 0u);
-  EXPECT_EQ(faults_with("src/world/a.cpp", "#include \"contact/records.h\""), 0u);
+  EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"contact/contacts.h\""), 0u);
+  EXPECT_EQ(faults_with("src/world/a.cpp", "#include \"contact/contacts.h\""), 0u);
   EXPECT_EQ(faults_with("demos/app/scene/a.cpp", "#include \"scene/scene.h\""), 0u);
   EXPECT_EQ(faults_with("demos/app/run/a.cpp", "#include \"checks/totals.h\""), 0u);
   EXPECT_EQ(faults_with("demos/app/main.cpp", "#include \"run/runner.h\""), 0u);
@@ -226,7 +225,7 @@ TEST(Structure, theTestItselfLetsForwardEdgesPass) {
   EXPECT_EQ(faults_with("src/core/a.cpp", "// #include \"fluid/particles.h\""), 0u);
 }
 
-// --- docs/no_crossing.md names tests as proof: each must exist.
+// --- docs/theory/contact.md names tests as proof: each must exist.
 
 std::string text_of(const fs::path& file) {
   std::ifstream in(file);
@@ -257,11 +256,11 @@ std::string definitions(const fs::path& tests) {
 TEST(Structure, testsThatTheProofNamesExist) {
   const fs::path root = OILSKIN_ROOT;
   const std::string sources = definitions(root / "tests");
-  const auto named = tests_named_in(text_of(root / "docs/no_crossing.md"));
+  const auto named = tests_named_in(text_of(root / "docs/theory/contact.md"));
   EXPECT_GT(named.size(), 10u);
   for (const auto& [suite, test] : named)
     EXPECT_NE(sources.find("(" + suite + "," + test + ")"), std::string::npos)
-        << "docs/no_crossing.md names " << suite << "." << test << ", which no test defines";
+        << "docs/theory/contact.md names " << suite << "." << test << ", which no test defines";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Viscous flow between two parallel sheets against the series of Morris, Fox, Zhu 1997 (validation B.3):
+// Viscous flow between two parallel sheets against the series of [Morris1997], (F.51) and (F.52):
 // plane Poiseuille and Couette flow from rest, wall force, free slip.
 //
 // The World has no periodic boundary, so a slug of fluid fills a piece of the channel: open ends along x,

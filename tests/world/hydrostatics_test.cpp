@@ -1,5 +1,5 @@
-// Weight of water at rest: the mean force on the sheet under a column is the column's weight (validation
-// B.1a).
+// Weight of water at rest: the mean force on the sheet under a column is the column's weight
+// (F.48).
 #include <gtest/gtest.h>
 
 #include <cmath>

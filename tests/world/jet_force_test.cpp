@@ -1,4 +1,4 @@
-// The force of a round jet on a flat sheet (validation B.7): all momentum that comes in across the sheet is
+// The force of a round jet on a flat sheet (F.53): all momentum that comes in across the sheet is
 // taken, none of what comes in along it.
 #include <gtest/gtest.h>
 
@@ -120,10 +120,10 @@ class JetForce : public ::testing::TestWithParam<BoundaryModel> {
 
   void expect_theory(const Force& f) const {
     EXPECT_NEAR(f.flow, 1, 0.01);
-    EXPECT_NEAR(f.normal, 1, 0.03) << "B.7";
+    EXPECT_NEAR(f.normal, 1, 0.03) << "(F.53)";
     EXPECT_NEAR(f.normal - f.bounced, 1, 0.03) << "what is not thrown back";
     EXPECT_LT(f.bounced, thrown_back());
-    EXPECT_LT(f.tangential, 0.01) << "B.7";
+    EXPECT_LT(f.tangential, 0.01) << "(F.53)";
   }
 };
 

@@ -1,5 +1,5 @@
-// Water at rest on sheets with boundary terms and hidden neighbours (validation B.1 in the accurate mode,
-// B.14), on rigid sheets and on cloth that is lighter than the water on it.
+// Water at rest on sheets with boundary terms and hidden neighbours, (F.48) to (F.50) and
+// (F.54), on rigid sheets and on cloth that is lighter than the water on it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -115,18 +115,18 @@ TEST_P(Column, stands_as_high_as_its_water_and_presses_with_its_weight) {
   height /= time;
   square /= time;
   const double force = (impulse - (test::fluid_momentum(w).y() - begin)) / time / weight;
-  EXPECT_NEAR(force, 1, 0.002) << "B.1a";
+  EXPECT_NEAR(force, 1, 0.002) << "(F.48)";
   EXPECT_NEAR(on_sides / time / weight, 0, 1e-6);
-  EXPECT_NEAR(height / depth, 1, 0.005) << "B.1c";
-  EXPECT_LT(0.5 * square, 0.01 * g * dx) << "B.1e: of the energy that lifts one layer by itself";
+  EXPECT_NEAR(height / depth, 1, 0.005) << "(F.50)";
+  EXPECT_LT(0.5 * square, 0.01 * g * dx) << "of the energy that lifts one layer by itself";
   const auto over_hydrostatic = [&](int layer) { return pressure[layer] / hydrostatic[layer]; };
   std::cout << "  force/weight " << force << ", height " << height << " m of " << depth << ", rms speed "
             << std::sqrt(square) << " m/s, p/hydrostatic in layers 0, 1, 2, 9: " << over_hydrostatic(0) << ' '
             << over_hydrostatic(1) << ' ' << over_hydrostatic(2) << ' ' << over_hydrostatic(9) << '\n';
   double bulk = 0;
   for (int layer = 1; layer < 10; ++layer) bulk += over_hydrostatic(layer) / 9;
-  EXPECT_NEAR(over_hydrostatic(0), 1, 0.03) << "B.1b: the first layer (0.6 with contact alone)";
-  EXPECT_NEAR(bulk, 1, 0.03) << "B.1b";
+  EXPECT_NEAR(over_hydrostatic(0), 1, 0.03) << "(F.49): the first layer (0.6 with contact alone)";
+  EXPECT_NEAR(bulk, 1, 0.03) << "(F.49)";
 }
 
 TEST_P(Column, is_not_thrown_apart_by_a_shorter_step) {
@@ -175,7 +175,7 @@ TEST(TwoSides, water_does_not_feel_water_behind_a_sheet) {
   ASSERT_EQ(with.size(), 4u);
   ASSERT_EQ(without.size(), 4u);
   for (std::size_t k = 0; k < 4; ++k) {
-    EXPECT_LT(std::abs(with[k]), 1e-6 * g) << "B.14a, z = " << distances[k];
+    EXPECT_LT(std::abs(with[k]), 1e-6 * g) << "(F.54), z = " << distances[k];
     std::cout << "  z " << distances[k] << " m: " << with[k] << " m/s² hidden, " << without[k]
               << " m/s² without\n";
   }
@@ -201,7 +201,7 @@ TEST(TwoSides, equal_heads_leave_a_sheet_alone) {
     for (const Vec3& j : w.surface(parting_id)->impulse) impulse += j.x();
   }
   const double one_side = 0.5 * 1000 * g * std::pow(layers * dx, 2) * nz * dx;
-  EXPECT_LT(std::abs(impulse / time), 0.01 * one_side) << "B.14b";
+  EXPECT_LT(std::abs(impulse / time), 0.01 * one_side) << "equal heads";
 }
 
 TEST(TwoSides, levels_meet_around_a_border_only) {
@@ -231,7 +231,7 @@ TEST(TwoSides, levels_meet_around_a_border_only) {
     }
     const double left = level[0] / seen[0], right = level[1] / seen[1];
     if (open) {
-      EXPECT_NEAR(left, right, 1.5 * dx) << "B.14c";
+      EXPECT_NEAR(left, right, 1.5 * dx) << "levels equalise";
     } else {
       EXPECT_NEAR(left - right, 8 * dx, dx) << "and without a way round they stay";
     }

@@ -12,8 +12,7 @@ struct Measured {
   double time, value;
 };
 
-// Martin, Moyce: An experimental study of the collapse of liquid columns on a rigid horizontal plane, Phil.
-// Trans. R. Soc. A 244 (1952), column of 2.25 in with height 2a (n² = 2). Their Table 2 (front over a against
+// [Martin1952], column of 2.25 in with height 2a (n² = 2). Their Table 2 (front over a against
 // t sqrt(2g/a)) as two public validation scripts print it; an independent digitisation of their Fig. 3 agrees
 // within 2.5 %. Their Table 6 (height of the column at the wall over 2a against t sqrt(g/a)).
 constexpr Measured front_of_experiment[] = {{0.41, 1.11}, {0.84, 1.22}, {1.19, 1.44}, {1.43, 1.67},

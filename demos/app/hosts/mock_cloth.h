@@ -8,7 +8,7 @@
 namespace oilskin::demo {
 
 /// Masses and links in double precision; each sub-step predicts, projects the links in order, and takes
-/// velocities from positions, as Bullet does [Müller et al. 2007, Position Based Dynamics].
+/// velocities from positions, as Bullet does [Mueller2007].
 class MockCloth : public SurfaceHost {
  public:
   MockCloth(const Cloth& settings, ClothModel model);

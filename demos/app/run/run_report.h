@@ -1,4 +1,4 @@
-/// DIR/report.json (docs/formats.md).
+/// DIR/report.json (docs/manual/commands_and_formats.md).
 #pragma once
 
 #include <string>

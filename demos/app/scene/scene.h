@@ -1,4 +1,4 @@
-/// A scene as plain data: what a scene file says, with every default in place (docs/scene_file.md).
+/// A scene as plain data: what a scene file says, with every default in place (docs/manual/scene_file.md).
 #pragma once
 
 #include <limits>
@@ -100,7 +100,7 @@ struct PlacedMeshEmitter {
 
 using Emitter = std::variant<DiscEmitter, BoxEmitter, PlacedMeshEmitter, RainEmitter>;
 
-/// The water's surface as triangles, for every frame (oilskin/surface_mesh.h).
+/// The water's surface as triangles, for every frame (oilskin/reconstruction.h).
 struct WaterSurface {
   double cell = 0;  ///< edge of a grid cell [m]; 0 = half a spacing
   double gap = 0;   ///< to cloth and bodies [m]
