@@ -94,7 +94,7 @@ Score judge(const std::vector<LabelledQuery>& queries) {
     std::size_t found = 0;
     for (const LabelledQuery& query : queries) found += ccd::point_triangle(query.motion).hit ? 1 : 0;
     nanoseconds = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count();
-    // A use of the result keeps the loop from being optimised away; the answers cannot differ between passes.
+    // A use of the result keeps the loop from being optimised away; the results cannot differ between passes.
     if (found != score.hits - score.false_negatives + score.false_positives) std::abort();
   }
   return score;

@@ -4,14 +4,14 @@
 #include <filesystem>
 
 #include "output/frame_path.h"
-#include "output/surface_file.h"
-#include "output/water_surface.h"
+#include "output/mesh_file.h"
+#include "output/water_mesh.h"
 #include "render/stored_frames.h"
 #include "scene/fields.h"
+#include "scene/mesh_options.h"
 #include "scene/options.h"
 #include "scene/scene_format.h"
 #include "scene/scene_reader.h"
-#include "scene/surface_options.h"
 
 namespace oilskin::demo {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Plan {
-  WaterSurface surface;
+  WaterMeshSettings mesh;
   double spacing = 0;  // [m]
 };
 
@@ -30,7 +30,7 @@ void read_report(const std::string& report, Plan& plan) {
     if (!settings.contains("surface")) return;
     if (!settings["surface"].is_object()) throw SceneError("settings.surface: must be an object");
     Fields fields = Fields::reader(settings["surface"], "settings.surface");
-    describe(fields, plan.surface);
+    describe(fields, plan.mesh);
     fields.finish();
   } catch (const Json::exception& e) {
     throw SceneError(report + ": is no report of a run (" + e.what() +
@@ -40,7 +40,7 @@ void read_report(const std::string& report, Plan& plan) {
   }
 }
 
-/// What the run itself said of its water, as far as the command line is silent.
+/// Settings of the command line, and those of the run's report where it gives none.
 Plan make_plan(const MeshOptions& options) {
   Plan plan;
   const std::string report = options.directory + "/report.json";
@@ -57,7 +57,7 @@ Plan make_plan(const MeshOptions& options) {
   if (!options.mode.empty()) given["mode"] = options.mode;
   if (options.smoothing) given["smoothing"] = *options.smoothing;
   Fields fields = Fields::reader(given, "");
-  describe(fields, plan.surface);
+  describe(fields, plan.mesh);
   return plan;
 }
 
@@ -77,7 +77,7 @@ std::vector<int> wanted_frames(const MeshOptions& options, const std::vector<int
   return chosen;
 }
 
-/// Which of the frames have no surface yet. One that was made in another way would not go with the others.
+/// Frames that have no mesh yet. One that was made with other options would not fit the others.
 std::vector<int> missing_frames(const MeshOptions& options, const std::vector<int>& frames,
                                 const std::string& out, const std::string& made) {
   std::vector<int> missing;
@@ -87,7 +87,7 @@ std::vector<int> missing_frames(const MeshOptions& options, const std::vector<in
       missing.push_back(number);
       continue;
     }
-    const std::string there = surface_made_with(path);
+    const std::string there = mesh_made_with(path);
     if (there != made)
       throw SceneError(path + ": is there already and was made with " +
                        (there.empty() ? "options that it does not tell" : there) + ", which are not " + made +
@@ -114,7 +114,7 @@ ReconstructionInput input_of(const StoredFrame& frame) {
   return input;
 }
 
-void tell(int number, const MadeSurface& made) {
+void print_frame(int number, const MadeMesh& made) {
   const MeshCheck& c = made.check;
   std::printf(
       "frame %04d: %zu triangles, %.3f s, %zu intersecting pairs, %zu nearer than the gap, %zu submerged, "
@@ -133,16 +133,16 @@ int mesh_command(const MeshOptions& options) {
   const StoredFrames stored(options.directory);
   const std::vector<int> frames = wanted_frames(options, stored.numbers());
   const Plan plan = make_plan(options);
-  const ReconstructionOptions wanted = surface_options(plan.surface, plan.spacing, options.threads);
-  if (const Status s = check_water_surface(plan.surface, plan.spacing); !s.ok())
+  const ReconstructionOptions wanted = reconstruction_options(plan.mesh, plan.spacing, options.threads);
+  if (const Status s = check_mesh_settings(plan.mesh, plan.spacing); !s.ok())
     throw SceneError("surface: " + s.message);
   const std::string out = options.out.empty() ? options.directory : options.out;
   std::error_code error;
   fs::create_directories(out, error);
   if (error) throw SceneError("--out " + out + ": " + error.message());
-  const std::string made_so = made_with(plan.surface, plan.spacing);
+  const std::string made_so = made_with(plan.mesh, plan.spacing);
   const std::vector<int> missing = missing_frames(options, frames, out, made_so);
-  // Of a first frame without water nothing could be told; later ones have more.
+  // The last one: the first frame may hold no water, and its spacing could not be checked.
   if (!missing.empty()) read_frame(stored, missing.back(), plan, options);
   bool good = true;
   for (const int number : missing) {
@@ -150,10 +150,10 @@ int mesh_command(const MeshOptions& options) {
     // Another process may have made it meanwhile.
     if (!options.overwrite && fs::exists(path)) continue;
     const StoredFrame frame = read_frame(stored, number, plan, options);
-    const MadeSurface made = make_surface(input_of(frame), wanted);
-    write_surface(path, made.mesh, made_so);
+    const MadeMesh made = make_mesh(input_of(frame), wanted);
+    write_water_mesh(path, made.mesh, made_so);
     good &= made.as_promised(wanted.contact);
-    if (!options.quiet) tell(number, made);
+    if (!options.quiet) print_frame(number, made);
   }
   if (missing.size() < frames.size() && !options.quiet)
     std::printf("%zu frames were there already; --overwrite makes them again\n",

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "app/program.h"
-#include "output/surface_file.h"
+#include "output/mesh_file.h"
 #include "scene/fields.h"
 
 namespace oilskin::test {
@@ -23,7 +23,7 @@ WaterMesh a_mesh() {
 }
 
 std::string bytes_of_mesh(const Folder& folder) {
-  demo::write_surface(folder.path("mesh.ply"), a_mesh(), R"({"cell":0.004})");
+  demo::write_water_mesh(folder.path("mesh.ply"), a_mesh(), R"({"cell":0.004})");
   return folder.read("mesh.ply");
 }
 
@@ -35,8 +35,8 @@ TEST(PlyReader, readsWhatWasWritten) {
   EXPECT_EQ(read.vertices[1], Vec3(0.1f, 0, 0));
   EXPECT_EQ(read.vertices[3], Vec3(0, 0, -3));
   EXPECT_EQ(read.triangles, a_mesh().triangles);
-  EXPECT_EQ(demo::surface_made_with(folder.path("mesh.ply")), R"({"cell":0.004})");
-  EXPECT_EQ(demo::surface_made_with(folder.path("no.ply")), "");
+  EXPECT_EQ(demo::mesh_made_with(folder.path("mesh.ply")), R"({"cell":0.004})");
+  EXPECT_EQ(demo::mesh_made_with(folder.path("no.ply")), "");
 }
 
 TEST(PlyReader, everyTruncationIsRefusedByName) {

@@ -123,7 +123,8 @@ TEST(SceneReader, everyKeyIsDocumented) {
   collect_keys(resolved(everything()), keys);
   EXPECT_GT(keys.size(), 80u);
   for (const std::string& key : keys)
-    EXPECT_NE(text.str().find("`" + key + "`"), std::string::npos) << key << " is not in docs/manual/scene_file.md";
+    EXPECT_NE(text.str().find("`" + key + "`"), std::string::npos)
+        << key << " is not in docs/manual/scene_file.md";
 }
 
 TEST(SceneReader, messagesNameThePath) {

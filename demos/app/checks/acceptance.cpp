@@ -6,7 +6,7 @@
 namespace oilskin::demo {
 namespace {
 
-constexpr std::uint64_t look_every = 10;  // steps, for what changes slowly
+constexpr std::uint64_t look_every = 10;  // steps
 
 }  // namespace
 

@@ -1,5 +1,5 @@
-/// What an acceptance check is. Each lies in a file of its own, with its settings; checks/check_table.cpp
-/// lists them.
+/// The interface of an acceptance check. Each lies in a file of its own, with its settings;
+/// checks/check_table.cpp lists them.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 #include "checks/resident_memory.h"
 #include "checks/totals.h"
 #include "hosts/simulation.h"
-#include "output/water_surface.h"
+#include "output/water_mesh.h"
 #include "scene/fields.h"
 
 namespace oilskin::demo {
@@ -32,7 +32,7 @@ struct Moment {
   double dt = 0;
   /// Time after the step [s].
   double t = 0;
-  /// Every tenth step: checks of what changes slowly look then.
+  /// True at every tenth step, for checks of quantities that change slowly.
   bool look = false;
   /// Time since the last such step [s].
   double since_look = 0;
@@ -42,7 +42,7 @@ struct Moment {
 struct RunEnd {
   const Scene& scene;
   const Totals& totals;
-  const SurfaceTotals& surfaces;
+  const MeshTotals& meshes;
   const ResidentMemory& memory;
   Simulation& simulation;
   const SimulationOptions& options;
@@ -54,7 +54,7 @@ class Check {
  public:
   virtual ~Check() = default;
 
-  /// Names its keys in the object `acceptance` of a scene.
+  /// Reads or writes its keys in the object `acceptance` of a scene.
   virtual void describe(Fields&) {}
   /// Throws SceneError for settings with which the check could not see anything in this scene: it would pass
   /// or fail for the wrong reason.

@@ -1,10 +1,10 @@
-/// What moved comes to rest: kinetic energy of water and cloth per mass, at the end against earlier.
+/// Water and cloth come to rest: their kinetic energy per mass, at the end against earlier.
 #include "checks/check.h"
 
 namespace oilskin::demo {
 namespace {
 
-/// Of what can move, per mass: water and the free nodes of cloth [J/kg].
+/// Kinetic energy of water and free nodes over their mass [J/kg].
 double specific_energy(const Moment& now) {
   const World& world = now.simulation.world();
   double mass = world.particle_mass() * static_cast<double>(world.particle_count());

@@ -62,7 +62,7 @@ Linked link(Span<const Vec3> x, double reach) {
                 static_cast<std::int64_t>(std::floor(p.z() / reach))};
   };
   Linked linked(x.size());
-  // Each particle meets those that were there before it.
+  // Each particle is linked with those before it.
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Cell c = cell_of(x[i]);
     for (int k = 0; k < 27; ++k) {

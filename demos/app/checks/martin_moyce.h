@@ -7,7 +7,7 @@
 
 namespace oilskin::demo {
 
-/// Where the column stands: its foot at the wall that stays, the way it runs, and the way up.
+/// Place of the column: its foot at the wall that stays, the direction in which it runs, and up.
 struct DamPlace {
   Vec3 foot = Vec3::Zero();
   Vec3 along = Vec3(1, 0, 0), up = Vec3(0, 1, 0);  ///< of length 1, square to each other
@@ -27,7 +27,7 @@ struct DamMoment {
 /// spray would be the front.
 std::vector<Vec3> bulk_of(Span<const Vec3> positions, double reach);
 
-/// Front: the 99.5 % quantile of the way from the wall over the bulk, and half a spacing, because a
+/// Front: the 99.5 % quantile of the distance from the wall over the bulk, and half a spacing, because a
 /// particle's water reaches that much farther than its centre. Height: mean depth of the bulk within a/4 of
 /// the wall, by its volume: a quantile there would be the height of the last drops that cling to the wall.
 DamMoment look_at_dam(Span<const Vec3> positions, const DamPlace& place, double t);
@@ -44,7 +44,7 @@ struct DamComparison {
   double speed = 0;  ///< fastest front over Ritter's 2 sqrt(2 g a) of a dam that vanishes
 };
 
-/// What the shift may do to fit.
+/// Tolerances of the fit.
 struct DamFit {
   double max_shift = 0.15;
   double front = 0.1;                                       ///< tolerated difference

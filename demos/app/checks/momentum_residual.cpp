@@ -1,4 +1,4 @@
-/// The momentum of the fluid and what it exchanged add up.
+/// The change of the fluid's momentum equals the momentum that it exchanged.
 #include "checks/check.h"
 
 #include <algorithm>

@@ -6,7 +6,7 @@
 namespace oilskin::demo {
 namespace {
 
-/// What the pins gave is what changed the momentum of the free nodes, less gravity and the water, plus what
+/// The impulse of the pins is the change of momentum of the free nodes, less gravity and the water, plus what
 /// the water gave to pinned nodes directly. Links are internal to the cloth. The fluid's momentum is not
 /// used.
 class PinReaction : public Check {

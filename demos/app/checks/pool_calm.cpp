@@ -1,4 +1,4 @@
-/// The water's kinetic energy against what lifts the pool's top layer by its own thickness.
+/// The water's kinetic energy against the energy that lifts the pool's top layer by its own thickness.
 #include "checks/check.h"
 
 #include "geometry/pool.h"

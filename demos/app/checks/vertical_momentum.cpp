@@ -1,5 +1,5 @@
-/// Vertical momentum that the fluid lost, from its particles, against what the nodes got, from the hosts'
-/// side.
+/// Vertical momentum that the fluid lost, from its particles, against what the nodes got, as the
+/// hosts have it.
 #include "checks/check.h"
 
 #include <cmath>

@@ -8,12 +8,12 @@ class WaterMeshes : public Check {
  public:
   /// Modes that do not keep away from obstacles fail where they cut them.
   std::vector<CheckResult> results(const RunEnd& end) override {
-    const SurfaceTotals& meshes = end.surfaces;
+    const MeshTotals& meshes = end.meshes;
     if (meshes.frames == 0) return {};
     const auto none = [](const char* name, std::uint64_t count) {
       return at_most(name, static_cast<double>(count), 0);
     };
-    if (end.scene.surface->mode == ObstacleMode::overlap) return {none("surface_flaws", meshes.flaws)};
+    if (end.scene.water_mesh->mode == ObstacleMode::overlap) return {none("surface_flaws", meshes.flaws)};
     return {none("surface_flaws", meshes.flaws), none("surface_intersections", meshes.intersecting_pairs),
             none("surface_submerged", meshes.submerged), none("surface_below_gap", meshes.near_pairs)};
   }

@@ -41,9 +41,9 @@ bool ClosedSurface::closed() const {
   return std::all_of(balance.begin(), balance.end(), [](const auto& edge) { return edge.second == 0; });
 }
 
-/// What the edge adds to the number of turns about the upward line through p: it counts where it crosses the
-/// half plane on one side of that line. Always computed from the smaller index to the larger, so that the
-/// faces on both sides of an edge agree, whatever rounding does.
+/// Contribution of the edge to the number of turns about the upward line through p: it counts where it
+/// crosses the half plane on one side of that line. Always computed from the smaller index to the larger, so
+/// that the faces on both sides of an edge agree, whatever rounding does.
 int ClosedSurface::half_turn(std::uint32_t i, std::uint32_t j, const Vec3& p) const {
   if (i > j) return -half_turn(j, i, p);
   const Vec3 a = cloth_.x_t1[i] - p, b = cloth_.x_t1[j] - p;

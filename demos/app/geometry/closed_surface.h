@@ -13,7 +13,7 @@ class ClosedSurface {
   /// The cloth as it is at x_t1, which must stay where it is.
   explicit ClosedSurface(const SurfaceMotion& cloth);
 
-  /// Every edge is run through as often one way as the other; otherwise the rest means nothing.
+  /// Every edge is passed as often in one direction as in the other; otherwise nothing below has a meaning.
   bool closed() const;
   /// 1 inside of faces that face outwards, 0 outside.
   int winding_number(const Vec3& p) const;

@@ -12,7 +12,7 @@ struct Column {
   double volume = 0, area = 0;
 };
 
-/// What stands between a triangle and the level y above it. `plan` is its area seen along `up`, h its
+/// Volume between a triangle and the level y above it. `plan` is its area seen along `up`, h its
 /// corners' heights in order. The part of a linear slope that is cut off by a level is a triangle similar in
 /// both directions, so its area goes with the square and its volume with the cube of the depth at its corner.
 Column column_over(double plan, const std::array<double, 3>& h, double y) {
@@ -21,7 +21,7 @@ Column column_over(double plan, const std::array<double, 3>& h, double y) {
     const double area = plan * (y - h[0]) * (y - h[0]) / ((h[1] - h[0]) * (h[2] - h[0]));
     return {area * (y - h[0]) / 3, area};
   }
-  const double full = plan * (y - (h[0] + h[1] + h[2]) / 3);  // what is dry counts as less than nothing
+  const double full = plan * (y - (h[0] + h[1] + h[2]) / 3);  // dry parts count as negative
   if (y >= h[2]) return {full, plan};
   const double dry = plan * (h[2] - y) * (h[2] - y) / ((h[2] - h[0]) * (h[2] - h[1]));
   return {full + dry * (h[2] - y) / 3, plan - dry};

@@ -46,7 +46,7 @@ class TimedSolver : public bullet::btFluidSoftBodySolver {
   double seconds_ = 0;
 };
 
-/// What owns a Bullet body and its shape.
+/// Owner of a Bullet body and its shape.
 struct BulletBody {
   std::unique_ptr<btTriangleMesh> mesh;
   std::unique_ptr<btCollisionShape> shape;

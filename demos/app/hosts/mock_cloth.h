@@ -1,4 +1,4 @@
-/// Surfaces without an engine: cloth by position-based dynamics, and meshes that move as told.
+/// Surfaces without an engine: cloth by position-based dynamics, and meshes that move as prescribed.
 #pragma once
 
 #include "oilskin/surface_motion.h"

@@ -1,4 +1,4 @@
-/// How long the steps of a run are, and what time it is.
+/// Lengths of the steps of a run, and its time.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@ class StepPlan {
   explicit StepPlan(const Scene& scene);
 
   bool adaptive() const { return adaptive_; }
-  /// No step is shorter [s]: what is less far away than that counts as reached.
+  /// No step is shorter [s]: a moment that is nearer than that counts as reached.
   double shortest() const { return adaptive_ ? 0.5 * least_ : dt_; }
   /// The next step [s]; `suggested` by World::suggested_dt(), for adaptive steps.
   double next(double t, double suggested);

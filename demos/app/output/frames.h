@@ -1,4 +1,4 @@
-/// What a run shows of its frames: the interface behind which pictures and ParaView files are made.
+/// The interface to pictures and ParaView files of a run.
 #pragma once
 
 #include <memory>
@@ -9,14 +9,14 @@
 
 namespace oilskin::demo {
 
-/// What there is to show at one moment. Nothing is owned.
+/// The state to show at one moment. Nothing is owned.
 struct FrameData {
   double t = 0;  ///< [s]
   Span<const std::uint64_t> id;
   Span<const Vec3> position, velocity;
   Span<const double> density, pressure;
   std::vector<const SurfaceMotion*> cloth, bodies;  ///< drawn at x_t1; null = left out
-  const WaterMesh* surface = nullptr;               ///< the water's, if the scene wants one
+  const WaterMesh* water_mesh = nullptr;            ///< the water's, if the scene wants one
   std::uint64_t crossings = 0;                      ///< found by verify so far
 };
 

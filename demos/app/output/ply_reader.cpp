@@ -21,7 +21,7 @@ struct Header {
   std::size_t end = 0;  // where the data begins
 };
 
-/// Reads one file; every step says what it misses.
+/// Reads one file; every step names what is missing.
 class PlyReader {
  public:
   explicit PlyReader(const std::string& path) : path_(path) {

@@ -44,7 +44,7 @@ class VtkFrames : public Frames {
   std::vector<double> times_;
 };
 
-/// VTK ends the process when the X server does not answer, so it is asked before.
+/// VTK ends the process when there is no X server, so that is checked before.
 bool display_answers() {
   void* x11 = dlopen("libX11.so.6", RTLD_NOW);
   if (x11 == nullptr) return false;

@@ -85,7 +85,7 @@ double colour_end(const Scene& scene) {
   return 1.25 * fastest;
 }
 
-/// A colour scale and what its legend says.
+/// A colour scale and the title of its legend.
 struct Scale {
   vtkSmartPointer<vtkColorTransferFunction> colours;
   const char* title;
@@ -156,8 +156,8 @@ struct Picture::Impl {
   std::vector<Scale> scales;  // per colour
   double spacing;             // of the particles [m]
   DrawnWater water;
-  DrawnWaterSurface surface;
-  bool has_surface;
+  DrawnWaterMesh water_mesh;
+  bool has_water_mesh;
   std::vector<std::unique_ptr<DrawnSurface>> cloth, bodies;
   vtkNew<vtkRenderer> renderer;
   vtkSmartPointer<vtkSSAOPass> occlusion;
@@ -183,7 +183,7 @@ Picture::Impl::Impl(const Scene& scene, bool is_window)
       scales(scales_of(scene)),
       spacing(scene.fluid.spacing),
       water(scene.fluid.spacing),
-      has_surface(scene.surface.has_value()),
+      has_water_mesh(scene.water_mesh.has_value()),
       name(scene.name),
       interactive(is_window) {
   for (std::size_t i = 0; i < scene.cloth.size(); ++i) cloth.push_back(std::make_unique<DrawnSurface>(true));
@@ -197,7 +197,7 @@ Picture::Impl::Impl(const Scene& scene, bool is_window)
   occlusion = occlusion_of((box.max - box.min).norm());
   const int scale = interactive ? 1 : supersampling;
   add_props(scale);
-  if (has_surface) {
+  if (has_water_mesh) {
     add_sky(renderer, views.front().up);
     renderer->UseDepthPeelingOn();  // clear water behind clear water
     renderer->SetMaximumNumberOfPeels(8);
@@ -214,8 +214,8 @@ Picture::Impl::Impl(const Scene& scene, bool is_window)
 void Picture::Impl::add_props(int scale) {
   renderer->AddActor(water.balls());
   renderer->AddActor(water.film());
-  renderer->AddActor(surface.actor());
-  renderer->AddActor(surface.cut());
+  renderer->AddActor(water_mesh.actor());
+  renderer->AddActor(water_mesh.cut());
   for (auto& c : cloth) {
     renderer->AddActor(c->actor());
     renderer->AddActor(c->outline());
@@ -252,17 +252,17 @@ Vec3 Picture::Impl::in_front(const View& view) const {
 }
 
 WaterLook Picture::Impl::look_of(const View& view) const {
-  if (!has_surface) return WaterLook::balls;
+  if (!has_water_mesh) return WaterLook::balls;
   return view.water == WaterLook::automatic ? WaterLook::surface : view.water;
 }
 
-/// What the view shows of the water and the surfaces, in its colours.
+/// Shows the water and the surfaces as the view asks for.
 void Picture::Impl::set_up(const View& view) {
   const Scale& scale = scales[static_cast<std::size_t>(view.colour)];
   const WaterLook look = look_of(view);
   look == WaterLook::balls ? water.show(view.slice, view.colour, scale.colours) : water.hide();
   const Vec3 lift = in_front(view);
-  surface.show(look, view.slice, lift);
+  water_mesh.show(look, view.slice, lift);
   for (auto& c : cloth) c->show(view.slice, lift);
   for (auto& b : bodies) b->show(view.slice, lift);
   // It would stain the lines of a cut, and knows nothing of what shines through.
@@ -308,7 +308,7 @@ Picture::~Picture() = default;
 
 void Picture::show(const FrameData& data) {
   impl_->water.update(data);
-  impl_->surface.update(data.surface);
+  impl_->water_mesh.update(data.water_mesh);
   for (std::size_t i = 0; i < impl_->cloth.size(); ++i) impl_->cloth[i]->update(data.cloth[i]);
   for (std::size_t i = 0; i < impl_->bodies.size(); ++i) impl_->bodies[i]->update(data.bodies[i]);
   char text[160];

@@ -5,7 +5,7 @@
 namespace oilskin::demo {
 namespace {
 
-/// Where the edge from a to b meets the middle plane; false when it does not.
+/// Where the edge from a to b crosses the middle plane; false when it does not.
 bool meets_plane(const Slice& slice, const Vec3& a, const Vec3& b, Vec3* point) {
   const double ha = height_over(slice, a), hb = height_over(slice, b);
   if ((ha < 0) == (hb < 0)) return false;

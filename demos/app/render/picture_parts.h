@@ -18,9 +18,9 @@ namespace oilskin::demo {
 /// From deep blue to pale foam; lightness rises evenly, so that it reads in grey as well.
 vtkSmartPointer<vtkColorTransferFunction> water_colours(double from, double to);
 
-/// Particles coloured by what a view asks for: balls where there is room, and next to a sheet flat drops that
-/// reach no farther towards it than the particle's distance. Whole balls would poke through and look like a
-/// leak.
+/// Particles coloured by the quantity of the view: balls away from sheets, and next to a sheet flat drops
+/// that reach no farther towards it than the particle's distance. Whole balls would poke through and look
+/// like a leak.
 class DrawnWater {
  public:
   explicit DrawnWater(double spacing);
@@ -51,8 +51,8 @@ class DrawnWater {
   Part balls_, film_;
 };
 
-/// A cloth or a body, smoothly shaded, its two sides in two tints. In a cut it is the line where it meets the
-/// middle plane.
+/// A cloth or a body, smoothly shaded, its two sides in two tints. In a cut it is the line where it crosses
+/// the middle plane.
 class DrawnSurface {
  public:
   explicit DrawnSurface(bool is_cloth);

@@ -64,7 +64,7 @@ void add_sky(vtkRenderer* renderer, const Vec3& up) {
   renderer->SetEnvironmentRight(right.x(), right.y(), right.z());
 }
 
-DrawnWaterSurface::DrawnWaterSurface() {
+DrawnWaterMesh::DrawnWaterMesh() {
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(data_);
   mapper->ScalarVisibilityOff();
@@ -85,7 +85,7 @@ DrawnWaterSurface::DrawnWaterSurface() {
   cut_->GetProperty()->LightingOff();
 }
 
-void DrawnWaterSurface::update(const WaterMesh* mesh) {
+void DrawnWaterMesh::update(const WaterMesh* mesh) {
   mesh_ = mesh;
   if (mesh == nullptr) return;
   vtkNew<vtkPoints> points;
@@ -105,7 +105,7 @@ void DrawnWaterSurface::update(const WaterMesh* mesh) {
   data_->Modified();
 }
 
-void DrawnWaterSurface::show(WaterLook look, const std::optional<Slice>& slice, const Vec3& lift) {
+void DrawnWaterMesh::show(WaterLook look, const std::optional<Slice>& slice, const Vec3& lift) {
   const bool there = mesh_ != nullptr && !mesh_->triangles.empty() && look != WaterLook::balls;
   actor_->SetVisibility(there && !slice);
   cut_->SetVisibility(there && slice.has_value());

@@ -14,12 +14,12 @@
 namespace oilskin::demo {
 
 /// Physically based: what one sees of water is mostly the sky in it, the more the flatter one looks along it.
-class DrawnWaterSurface {
+class DrawnWaterMesh {
  public:
-  DrawnWaterSurface();
+  DrawnWaterMesh();
   void update(const WaterMesh* mesh);
-  /// Opaque, or so that what lies behind shines through; in a cut, the line where it meets the middle plane,
-  /// moved by `lift` [m]. After update(), while its mesh lives.
+  /// Opaque, or so that what lies behind shines through; in a cut, the line where it crosses the middle
+  /// plane, moved by `lift` [m]. After update(), while its mesh lives.
   void show(WaterLook look, const std::optional<Slice>& slice, const Vec3& lift);
   vtkActor* actor() { return actor_; }
   vtkActor* cut() { return cut_; }

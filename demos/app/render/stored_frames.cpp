@@ -28,7 +28,7 @@ std::vector<Vec3> points_of(vtkPolyData* data) {
   return x;
 }
 
-/// What VTK says while this lives is kept, instead of shown: a message of ours tells what is wrong.
+/// Messages of VTK while this lives are noted, not shown: the program writes its own.
 class Listener : public vtkOutputWindow {
  public:
   static Listener* New() { VTK_STANDARD_NEW_BODY(Listener); }

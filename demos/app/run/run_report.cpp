@@ -65,12 +65,12 @@ Json seconds(const RunSummary& s) {
           {"ccd", t.ccd},
           {"zones", t.zones},
           {"effects", t.effects},
-          {"surface", s.surfaces.seconds},
+          {"surface", s.meshes.seconds},
           {"output", s.output_seconds},
           {"verify", t.verify}};
 }
 
-/// The smallest δ of all surfaces: what min_distance must reach.
+/// The smallest δ of all surfaces: the limit of min_distance.
 double min_delta(const RunSummary& s) {
   double minimum = std::numeric_limits<double>::infinity();
   auto look = [&](const SurfaceMotion* motion) {
@@ -100,7 +100,7 @@ Json contact(const RunSummary& s) {
           {"verified_pairs", c.verified_pairs}};
 }
 
-Json surface(const SurfaceTotals& s) {
+Json surface(const MeshTotals& s) {
   return {{"frames", s.frames},
           {"triangles", s.triangles},
           {"intersecting_pairs", s.intersecting_pairs},
@@ -173,7 +173,7 @@ Json make_report(const RunSummary& s) {
                          {"absorbed", 0},
                          {"blocked_starts", t.blocked_starts}};
   report["contact"] = contact(s);
-  if (s.scene.surface) report["surface"] = surface(s.surfaces);
+  if (s.scene.water_mesh) report["surface"] = surface(s.meshes);
   report["density_error"] = {{"mean", t.density_error_sum / steps}, {"max", t.density_error_max}};
   report["pressure_iterations"] = static_cast<double>(t.pressure_iterations) / steps;
   report["momentum"] = momentum(s);

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "checks/acceptance.h"
-#include "output/water_surface.h"
+#include "output/water_mesh.h"
 #include "scene/fields.h"
 
 namespace oilskin::demo {
@@ -16,7 +16,7 @@ struct RunSummary {
   const Acceptance& acceptance;
   const std::vector<CheckResult>& checks;
   Simulation& simulation;
-  const SurfaceTotals& surfaces;
+  const MeshTotals& meshes;
   int threads = 0;
   double wall_seconds = 0;
   double output_seconds = 0;

@@ -9,16 +9,16 @@
 #include "checks/acceptance.h"
 #include "hosts/step_plan.h"
 #include "output/frame_path.h"
+#include "output/mesh_file.h"
 #include "output/output_error.h"
-#include "output/surface_file.h"
 #include "output/trace_output.h"
-#include "output/water_surface.h"
+#include "output/water_mesh.h"
 #include "render/make_frames.h"
 #include "run/progress.h"
 #include "run/run_report.h"
 #include "run/signals.h"
 #include "scene/fields.h"
-#include "scene/surface_options.h"
+#include "scene/mesh_options.h"
 
 namespace oilskin::demo {
 namespace {
@@ -29,7 +29,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Frames of an earlier run beside those of this one would tell a wrong story.
+/// Frames of an earlier run must not stand beside those of this one.
 void remove_old_frames(const std::string& directory) {
   static const std::regex ours(
       "(frame|particles)_[0-9]{4,}\\.(png|vtp)|(cloth|body)_[0-9]+_[0-9]{4,}\\.ply|surface_[0-9]{4,}\\.ply("
@@ -59,7 +59,7 @@ std::string prepare_directory(const Scene& scene, const RunOptions& options) {
   return directory;
 }
 
-/// One run: the loop, what is recorded along it, and its end.
+/// One run: the loop, its measurements and its end.
 class Run {
  public:
   Run(const Scene& scene, const RunOptions& options, const MakeSimulation& make_simulation)
@@ -126,9 +126,9 @@ class Run {
 
   void write_frame() {
     const bool files = scene_.pictures.frames_per_second > 0;
-    if (!frames_ && !(scene_.surface && files)) return;
+    if (!frames_ && !(scene_.water_mesh && files)) return;
     const Clock::time_point start = Clock::now();
-    const double surface_before = surfaces_.seconds;
+    const double seconds_before = meshes_.seconds;
     const World& world = simulation_->world();
     FrameData data;
     data.t = totals_.simulated;
@@ -140,27 +140,27 @@ class Run {
     for (std::size_t i = 0; i < scene_.cloth.size(); ++i) data.cloth.push_back(simulation_->cloth(i));
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) data.bodies.push_back(simulation_->body(i));
     data.crossings = totals_.contact.crossings_found_by_verify;
-    std::optional<MadeSurface> surface;
-    if (scene_.surface) surface = make_water_surface(data);
-    if (surface) data.surface = &surface->mesh;
+    std::optional<MadeMesh> made;
+    if (scene_.water_mesh) made = make_water_mesh(data);
+    if (made) data.water_mesh = &made->mesh;
     if (frames_) frames_->write(frame_number_, data);
     ++frame_number_;
-    output_seconds_ += seconds_since(start) - (surfaces_.seconds - surface_before);
+    output_seconds_ += seconds_since(start) - (meshes_.seconds - seconds_before);
   }
 
-  MadeSurface make_water_surface(const FrameData& data) {
+  MadeMesh make_water_mesh(const FrameData& data) {
     ReconstructionInput input;
     input.positions = data.position;
     input.velocities = data.velocity;
     for (const auto* list : {&data.cloth, &data.bodies})
       for (const SurfaceMotion* s : *list)
         if (s != nullptr) input.obstacles.push_back({s->x_t1, s->triangles});
-    MadeSurface made =
-        make_surface(input, surface_options(*scene_.surface, scene_.fluid.spacing, options_.threads));
+    MadeMesh made =
+        make_mesh(input, reconstruction_options(*scene_.water_mesh, scene_.fluid.spacing, options_.threads));
     if (scene_.pictures.frames_per_second > 0)
-      write_surface(frame_path(directory_, "surface", frame_number_, "ply"), made.mesh,
-                    made_with(*scene_.surface, scene_.fluid.spacing));
-    surfaces_.add(made);
+      write_water_mesh(frame_path(directory_, "surface", frame_number_, "ply"), made.mesh,
+                       made_with(*scene_.water_mesh, scene_.fluid.spacing));
+    meshes_.add(made);
     return made;
   }
 
@@ -170,18 +170,18 @@ class Run {
     std::vector<CheckResult> checks;
     if (caught_signal() == 0)
       checks = acceptance_.results(
-          {scene_, totals_, surfaces_, memory_, *simulation_, simulation_options_, make_simulation_});
-    RunSummary summary{scene_,    totals_,          memory_, acceptance_,     checks,         *simulation_,
-                       surfaces_, options_.threads, wall,    output_seconds_, caught_signal()};
+          {scene_, totals_, meshes_, memory_, *simulation_, simulation_options_, make_simulation_});
+    RunSummary summary{scene_,  totals_,          memory_, acceptance_,     checks,         *simulation_,
+                       meshes_, options_.threads, wall,    output_seconds_, caught_signal()};
     write_report(make_report(summary), directory_);
-    tell(checks, wall);
+    print_summary(checks, wall);
     if (caught_signal() != 0) return static_cast<int>(ExitCode::signalled) + caught_signal();
     for (const CheckResult& c : checks)
       if (!c.ok) return static_cast<int>(ExitCode::check_failed);
     return static_cast<int>(ExitCode::done);
   }
 
-  void tell(const std::vector<CheckResult>& checks, double wall) {
+  void print_summary(const std::vector<CheckResult>& checks, double wall) {
     char text[200];
     std::snprintf(text, sizeof text, "%s: %llu steps, %.3f s simulated in %.1f s, %llu particles emitted",
                   scene_.name.c_str(), static_cast<unsigned long long>(totals_.steps), totals_.simulated,
@@ -211,7 +211,7 @@ class Run {
   ResidentMemory memory_;
   StepPlan plan_;
   Clock::time_point start_;
-  SurfaceTotals surfaces_;
+  MeshTotals meshes_;
   double output_seconds_ = 0;
   int frame_number_ = 0;
 };

@@ -30,7 +30,7 @@ void build_grid(const Cloth& cloth, ClothModel& model) {
   for (int j = 0; j + 1 < nv; ++j) {
     for (int i = 0; i + 1 < nu; ++i) {
       const std::uint32_t a = node(i, j), b = node(i + 1, j), c = node(i + 1, j + 1), d = node(i, j + 1);
-      // Diagonals alternate, so that the sheet shears the same way to both sides.
+      // Diagonals alternate, so that the sheet shears equally to both sides.
       if ((i + j) % 2 == 0) {
         model.triangles.push_back({a, b, c});
         model.triangles.push_back({a, c, d});

@@ -83,7 +83,7 @@ class Fields {
   /// A corner of a box beside its other keys; check_box() afterwards.
   void check_box(const Box& value) const;
   void object(const char* key, const Describe& describe);
-  /// An object that somebody else reads.
+  /// An object that is read elsewhere.
   void json_object(const char* key, Json& value);
 
   void optional_number(const char* key, std::optional<double>& value, const Range& range);
@@ -95,7 +95,7 @@ class Fields {
   template <class E>
   void choice(const char* key, E& value, const std::vector<std::pair<const char*, E>>& names);
 
-  /// The raw value for what has a shape of its own; null when absent or writing. Counts as named.
+  /// The value as it is in the file; null when absent or writing. The key counts as named.
   const Json* raw(const char* key);
   Json* out() { return out_; }
   [[noreturn]] void fail(const std::string& key, const std::string& why) const;

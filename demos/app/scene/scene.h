@@ -101,7 +101,7 @@ struct PlacedMeshEmitter {
 using Emitter = std::variant<DiscEmitter, BoxEmitter, PlacedMeshEmitter, RainEmitter>;
 
 /// The water's surface as triangles, for every frame (oilskin/reconstruction.h).
-struct WaterSurface {
+struct WaterMeshSettings {
   double cell = 0;  ///< edge of a grid cell [m]; 0 = half a spacing
   double gap = 0;   ///< to cloth and bodies [m]
   ObstacleMode mode = ObstacleMode::gap;
@@ -119,7 +119,7 @@ struct Slice {
   double thickness = 0.01;  ///< [m]
 };
 
-/// What the water's colour tells.
+/// The quantity that colours the water.
 enum class WaterColour { speed, pressure, density };
 
 /// How the water is drawn; automatic: its surface where the scene has one, else balls.
@@ -157,7 +157,7 @@ struct Scene {
   std::vector<Emitter> emitters;
   std::vector<Cloth> cloth;
   std::vector<Body> bodies;
-  std::optional<WaterSurface> surface;
+  std::optional<WaterMeshSettings> water_mesh;  ///< scene key "surface"
   Json acceptance = Json::object();  ///< the checks of a run, as the file has them (checks/acceptance.h)
   Pictures pictures;
 };

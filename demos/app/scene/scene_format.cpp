@@ -1,6 +1,6 @@
 #include "scene/scene_format.h"
 
-#include "scene/surface_options.h"
+#include "scene/mesh_options.h"
 
 namespace oilskin::demo {
 namespace {
@@ -305,7 +305,7 @@ void describe(Fields& f, Pictures& p) {
 
 }  // namespace
 
-void describe(Fields& f, WaterSurface& s) {
+void describe(Fields& f, WaterMeshSettings& s) {
   f.number("cell", s.cell, not_negative());
   f.number("gap", s.gap, not_negative());
   f.choice("mode", s.mode,
@@ -343,9 +343,9 @@ void describe(Fields& f, Scene& s) {
   f.object("contact", [&](Fields& g) { describe(g, s.contact); });
   f.box("kill_box", s.world.kill_box);
   if (f.reading()) refuse_later_features(f);
-  f.optional_object("surface", s.surface, [](Fields& g, WaterSurface& w) { describe(g, w); });
-  if (f.reading() && s.surface)
-    if (const Status status = check_water_surface(*s.surface, s.fluid.spacing); !status.ok())
+  f.optional_object("surface", s.water_mesh, [](Fields& g, WaterMeshSettings& w) { describe(g, w); });
+  if (f.reading() && s.water_mesh)
+    if (const Status status = check_mesh_settings(*s.water_mesh, s.fluid.spacing); !status.ok())
       f.fail("surface", status.message);
   f.json_object("acceptance", s.acceptance);
   f.object("pictures", [&](Fields& g) { describe(g, s.pictures); });

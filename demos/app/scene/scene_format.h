@@ -7,6 +7,6 @@
 namespace oilskin::demo {
 
 void describe(Fields& f, Scene& scene);
-void describe(Fields& f, WaterSurface& surface);
+void describe(Fields& f, WaterMeshSettings& surface);
 
 }  // namespace oilskin::demo

@@ -32,7 +32,7 @@ Json& element(Json& array, const std::string& part, const std::string& path) {
   return array[index];
 }
 
-/// Refuses what is nested deeper than any file of ours: copying it could take all of the stack.
+/// Refuses JSON that is nested deeper than any scene file: copying it could exhaust the stack.
 Json::parser_callback_t shallow(const std::string& name) {
   return [name](int depth, Json::parse_event_t, Json&) {
     constexpr int deepest = 64;

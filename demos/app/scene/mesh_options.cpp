@@ -1,4 +1,4 @@
-#include "scene/surface_options.h"
+#include "scene/mesh_options.h"
 
 #include <sstream>
 
@@ -6,7 +6,7 @@
 
 namespace oilskin::demo {
 
-Status check_water_surface(const WaterSurface& wanted, double spacing) {
+Status check_mesh_settings(const WaterMeshSettings& wanted, double spacing) {
   const auto range = [&](const char* key, double value, double minimum, double maximum) {
     std::ostringstream text;
     text << key << " is " << value << " m; it must be " << minimum << " … " << maximum << " m, of particles "
@@ -16,10 +16,10 @@ Status check_water_surface(const WaterSurface& wanted, double spacing) {
   if (wanted.cell > 0 && !(wanted.cell >= 0.1 * spacing && wanted.cell <= spacing))
     return range("cell", wanted.cell, 0.1 * spacing, spacing);
   if (!(wanted.gap <= spacing)) return range("gap", wanted.gap, 0, spacing);
-  return surface_options(wanted, spacing, 0).validate();
+  return reconstruction_options(wanted, spacing, 0).validate();
 }
 
-ReconstructionOptions surface_options(const WaterSurface& wanted, double spacing, int threads) {
+ReconstructionOptions reconstruction_options(const WaterMeshSettings& wanted, double spacing, int threads) {
   ReconstructionOptions options;
   options.spacing = spacing;
   if (wanted.cell > 0) options.cell = wanted.cell / spacing;
@@ -34,9 +34,9 @@ ReconstructionOptions surface_options(const WaterSurface& wanted, double spacing
   return options;
 }
 
-std::string made_with(const WaterSurface& wanted, double spacing) {
-  WaterSurface resolved = wanted;
-  resolved.cell = surface_options(wanted, spacing, 0).cell * spacing;
+std::string made_with(const WaterMeshSettings& wanted, double spacing) {
+  WaterMeshSettings resolved = wanted;
+  resolved.cell = reconstruction_options(wanted, spacing, 0).cell * spacing;
   Json json;
   Fields fields = Fields::writer(json);
   describe(fields, resolved);

@@ -1,4 +1,4 @@
-#include "output/water_surface.h"
+#include "output/water_mesh.h"
 
 #include <algorithm>
 #include <chrono>
@@ -38,7 +38,7 @@ bool keeps_away(ObstacleMode mode) {
 
 }  // namespace
 
-bool MadeSurface::as_promised(ObstacleMode mode) const {
+bool MadeMesh::as_promised(ObstacleMode mode) const {
   return keeps_away(mode) ? check.clean() : flaws_of(check) == 0;
 }
 
@@ -59,8 +59,8 @@ Status check_spacing(Span<const Vec3> positions, double spacing, const std::stri
   return Status::refused(text.str());
 }
 
-MadeSurface make_surface(const ReconstructionInput& input, const ReconstructionOptions& options) {
-  MadeSurface made;
+MadeMesh make_mesh(const ReconstructionInput& input, const ReconstructionOptions& options) {
+  MadeMesh made;
   const auto start = std::chrono::steady_clock::now();
   const Status status = reconstruct_surface(input, options, &made.mesh, &made.report);
   if (!status.ok()) throw SceneError("surface: " + status.message);
@@ -70,7 +70,7 @@ MadeSurface make_surface(const ReconstructionInput& input, const ReconstructionO
   return made;
 }
 
-void SurfaceTotals::add(const MadeSurface& made) {
+void MeshTotals::add(const MadeMesh& made) {
   ++frames;
   triangles = made.mesh.triangles.size();
   intersecting_pairs += made.check.intersecting_pairs;

@@ -1,4 +1,4 @@
-/// The surface of the water at one moment, as the scene wants it, and what it is worth.
+/// The mesh of the water's surface at one moment, as the scene asks for, and its check.
 #pragma once
 
 #include "oilskin/reconstruction.h"
@@ -6,7 +6,7 @@
 
 namespace oilskin::demo {
 
-struct MadeSurface {
+struct MadeMesh {
   WaterMesh mesh;
   ReconstructionReport report;
   MeshCheck check;
@@ -21,16 +21,16 @@ struct MadeSurface {
 Status check_spacing(Span<const Vec3> positions, double spacing, const std::string& which);
 
 /// Throws SceneError where the options or the input are refused.
-MadeSurface make_surface(const ReconstructionInput& input, const ReconstructionOptions& options);
+MadeMesh make_mesh(const ReconstructionInput& input, const ReconstructionOptions& options);
 
-/// What all surfaces of a run come to.
-struct SurfaceTotals {
+/// Sums over all meshes of a run.
+struct MeshTotals {
   std::uint64_t frames = 0, triangles = 0;  ///< triangles of the last frame
   std::uint64_t intersecting_pairs = 0, near_pairs = 0, submerged = 0, flaws = 0;  ///< flaws: edges, vertices
   double min_distance = std::numeric_limits<double>::infinity();                   ///< [m]
   double seconds = 0;
 
-  void add(const MadeSurface& made);
+  void add(const MadeMesh& made);
 };
 
 }  // namespace oilskin::demo

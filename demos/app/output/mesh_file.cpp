@@ -1,4 +1,4 @@
-#include "output/surface_file.h"
+#include "output/mesh_file.h"
 
 #include <unistd.h>
 
@@ -52,7 +52,7 @@ std::string body(const WaterMesh& mesh) {
 
 }  // namespace
 
-void write_surface(const std::string& path, const WaterMesh& mesh, const std::string& made_with) {
+void write_water_mesh(const std::string& path, const WaterMesh& mesh, const std::string& made_with) {
   // Several processes may work on one folder: each has a file of its own.
   const std::string part = path + "." + std::to_string(getpid()) + ".part";
   {
@@ -72,7 +72,7 @@ void write_surface(const std::string& path, const WaterMesh& mesh, const std::st
   }
 }
 
-std::string surface_made_with(const std::string& path) {
+std::string mesh_made_with(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::string line;
   for (int lines = 0; lines < 20 && std::getline(in, line) && line != "end_header"; ++lines)
