@@ -100,7 +100,7 @@ TEST_P(Infeasible, allowLetsThemThroughCountsThemAndVerifySeesThem) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Surfaces, Infeasible, testing::ValuesIn(closings),
-                         [](const testing::TestParamInfo<Closing>& info) { return info.param.name; });
+                         [](const testing::TestParamInfo<Closing>& closing) { return closing.param.name; });
 
 }  // namespace
 }  // namespace oilskin::test
