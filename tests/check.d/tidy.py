@@ -33,7 +33,7 @@ class Sources:
     def includes(self, name):
         """What a file includes directly: beside it, or below one of our include folders."""
         if name not in self.direct:
-            folders = {os.path.dirname(name), 'src', 'bullet_adapter', 'demos'}
+            folders = {os.path.dirname(name), 'src', 'bullet_adapter', 'demos', 'demos/app'}
             folders |= set(re.findall(re.escape('-I' + repository.ROOT) + r'/(\S+)', ' '.join(self.commands.get(name, []))))
             targets = INCLUDE.findall(repository.text(name))
             paths = {os.path.normpath(os.path.join(folder, t)) for folder in folders for t in targets}
