@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "ccd/coplanarity_cubic.h"
 #include "ccd/exact_query.h"
@@ -27,15 +26,6 @@ using detail::Placement;
 using detail::RelativeMotion;
 using detail::TimeSpan;
 using detail::Verdict;
-
-static_assert(sizeof(PointTriangleMotion) == 24 * sizeof(double), "end points are compared as one block");
-
-bool nothing_moves(const PointTriangleMotion& m) {
-  const double *start = m.p_t0.data(), *end = m.p_t1.data();
-  // The point alone decides nearly always.
-  return std::memcmp(start, end, 3 * sizeof(double)) == 0 &&
-         std::memcmp(start, end, 12 * sizeof(double)) == 0;
-}
 
 /// (T.2). Fills `relative` axis by axis; true as soon as an axis separates. The six signs are exact, and what
 /// has one sign at both ends of a linear motion has it in between: no error analysis needed.
@@ -221,7 +211,6 @@ FilterResult first_result(const Query& query, const TimeSpan& span, const Coeffi
 }  // namespace
 
 detail::FilterResult detail::filter(const PointTriangleMotion& m) {
-  if (nothing_moves(m)) return {};
   RelativeMotion relative;
   if (axis_separates(m, &relative)) return {};
   const CoplanarityCubic cubic(m, relative);

@@ -16,12 +16,12 @@ struct Impact {
   double time = 1;  ///< of impact, in [0, 1]; never later than the true first touch (hit only)
 };
 
-/// Do the closed paths touch for some t in [0, 1]? Exact for any finite input, with two exceptions by
-/// contract: four bit-equal end points (nothing moves) are no hit, before anything else (the zones of contact
-/// rest on it, docs/theory/contact.md); what is not finite is a hit unless an axis separates it.
+/// Do the closed paths touch for some t in [0, 1]? Exact for any finite input: points that do not move and
+/// touch are an impact at 0. Input that is not finite is an impact at 0 unless an axis separates it.
 ///
-/// Plain arithmetic with error bounds decides what it can (tens of nanoseconds to a microsecond), exact
-/// arithmetic the rest (2 to 10 µs for coordinates of similar size). Deterministic, without allocation.
+/// A filter of double arithmetic with error bounds decides most queries (tens of nanoseconds to a
+/// microsecond), exact arithmetic the others (2 to 10 µs for coordinates of similar size). Deterministic,
+/// without allocation.
 Impact point_triangle(const PointTriangleMotion& m);
 
 }  // namespace oilskin::ccd

@@ -1,6 +1,7 @@
 #include "contact/predicates.h"
 
 #include <cmath>
+#include <cstring>
 
 #include "core/assert.h"
 
@@ -41,7 +42,20 @@ bool box_is_near(const PointTriangle& q, double delta) {
   return squared_distance_to_box(q) <= reach * reach;
 }
 
+static_assert(sizeof(PointTriangle) == 12 * sizeof(double), "the points are compared as one block");
+
+bool nothing_moves(const PointTriangle& x0, const PointTriangle& x1) {
+  // The particle alone decides nearly always.
+  return std::memcmp(x0.p.data(), x1.p.data(), sizeof(Vec3)) == 0 &&
+         std::memcmp(&x0, &x1, sizeof(PointTriangle)) == 0;
+}
+
 }  // namespace
+
+ccd::Impact paths_intersect(const PointTriangle& x0, const PointTriangle& x1) {
+  if (nothing_moves(x0, x1)) return {};
+  return ccd::point_triangle({x0.p, x0.a, x0.b, x0.c, x1.p, x1.a, x1.b, x1.c});
+}
 
 EndDistance end_distance(const PointTriangle& q, double delta) {
   OILSKIN_ASSERT(delta > 0);

@@ -35,10 +35,10 @@ inline double too_close_cutoff(double delta) {
 /// its box is.
 EndDistance end_distance(const PointTriangle& q, double delta);
 
-/// meets(p, T): false only if the paths x0 → x1 are certainly disjoint (ccd/point_triangle.h).
-inline ccd::Impact paths_intersect(const PointTriangle& x0, const PointTriangle& x1) {
-  return ccd::point_triangle({x0.p, x0.a, x0.b, x0.c, x1.p, x1.a, x1.b, x1.c});
-}
+/// False only if the paths x0 → x1 are certainly disjoint (ccd/point_triangle.h), or if x1 = x0 bit for bit:
+/// a held pair counts as disjoint, since it was no violation at the end of the last interval (Lemma 1 of
+/// docs/theory/contact.md).
+ccd::Impact paths_intersect(const PointTriangle& x0, const PointTriangle& x1);
 
 /// x0 + t (x1 − x0), for choosing directions only, never for deciding.
 PointTriangle interpolate(const PointTriangle& x0, const PointTriangle& x1, double t);

@@ -83,16 +83,11 @@ TEST_P(Adversarial, AnswersAreExactAndNeverLate) {
   const Family& family = families()[GetParam()];
   Random random(1000 + GetParam());
   const int count = queries_of(family);
-  int hits = 0, at_rest = 0, false_negatives = 0, false_positives = 0;
+  int hits = 0, false_negatives = 0, false_positives = 0;
   double earliest = 0;
   for (int i = 0; i < count; ++i) {
     const Corners x = family.make(random);
     const ccd::Impact found = ccd::point_triangle(to_motion(x));
-    if (x[0] == x[4] && x[1] == x[5] && x[2] == x[6] && x[3] == x[7]) {
-      ++at_rest;
-      ASSERT_FALSE(found.hit) << "what does not move is no hit by contract";
-      continue;
-    }
     const exact::Answer truth = exact::point_triangle(to_exact(x));
     // Plain arithmetic answers most queries: exact arithmetic, its last resort, is asked all of them here.
     const ccd::Impact exact_impact = ccd::detail::exact_impact(to_motion(x));
@@ -117,7 +112,7 @@ TEST_P(Adversarial, AnswersAreExactAndNeverLate) {
   EXPECT_EQ(false_positives, 0);
   EXPECT_LE(earliest, kEarliest);
   EXPECT_GT(hits, count / 25);  // or the family is dull
-  EXPECT_GT(count - hits - at_rest, count / 25);
+  EXPECT_GT(count - hits, count / 25);
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, Adversarial, testing::Range(0, static_cast<int>(families().size())));

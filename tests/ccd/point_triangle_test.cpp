@@ -90,15 +90,31 @@ TEST(PointTriangle, StoppingJustAboveIsNoHit) {
 
 // The contract.
 
-TEST(PointTriangle, NothingMovesIsNoHitEvenInContact) {
-  EXPECT_FALSE(meet(past_unit_triangle({.25, .25, 0}, {.25, .25, 0})).hit);
-  EXPECT_FALSE(meet(past_unit_triangle(kA, kA)).hit);
-  Random random(7);
-  for (int i = 0; i < 1000; ++i) {
-    Corners x = families()[3].make(random);
-    for (int k = 0; k < 4; ++k) x[4 + k] = x[k];
-    EXPECT_FALSE(meet(x).hit);
+TEST(PointTriangle, UnmovedPointsThatTouchAreAnImpactAtZero) {
+  for (const Vec3& p : {Vec3(.25, .25, 0), Vec3(.5, .5, 0), Vec3(.5, 0, 0), kA, kB, kC}) {
+    const ccd::Impact impact = ccd::point_triangle(to_motion(past_unit_triangle(p, p)));
+    EXPECT_TRUE(impact.hit);
+    EXPECT_EQ(impact.time, 0);
   }
+  for (const Vec3& p : {Vec3(.25, .25, 1e-300), Vec3(.75, .75, 0), Vec3(-1, 0, 0)})
+    EXPECT_FALSE(meet(past_unit_triangle(p, p)).hit);
+}
+
+TEST(PointTriangle, UnmovedPointsAreDecidedExactly) {
+  Random random(7);
+  int hits = 0;
+  constexpr int kQueries = 4000;
+  for (int i = 0; i < kQueries; ++i) {
+    Corners x = families()[i % families().size()].make(random);
+    for (int k = 0; k < 4; ++k) x[4 + k] = x[k];
+    const ccd::Impact found = meet(x);
+    EXPECT_EQ(found.hit, exact::point_triangle(to_exact(x)).hit);
+    if (!found.hit) continue;
+    EXPECT_EQ(found.time, 0);
+    ++hits;
+  }
+  EXPECT_GT(hits, kQueries / 25);
+  EXPECT_GT(kQueries - hits, kQueries / 25);
 }
 
 TEST(PointTriangle, InitialAndFinalTouchAreHits) {
