@@ -56,22 +56,22 @@ void expect_right_placement(const Corners& x, int end, int query) {
   };
   const int side =
       (relative(0, 0) * minor(1, 2) + relative(0, 1) * minor(2, 0) + relative(0, 2) * minor(0, 1)).sign();
-  using ccd::detail::Placement;
-  switch (ccd::detail::exact_placement(to_motion(x), end)) {
-    case Placement::kPositiveSide:
+  using ccd::detail::ExactLocation;
+  switch (ccd::detail::exact_location(to_motion(x), end)) {
+    case ExactLocation::positive_side:
       ASSERT_EQ(side, 1) << "query " << query;
       break;
-    case Placement::kNegativeSide:
+    case ExactLocation::negative_side:
       ASSERT_EQ(side, -1) << "query " << query;
       break;
-    case Placement::kInside:
+    case ExactLocation::inside:
       ASSERT_TRUE(exact::point_triangle(to_exact(at_rest)).hit) << "query " << query;
       break;
-    case Placement::kOutside:
+    case ExactLocation::outside:
       ASSERT_EQ(side, 0) << "query " << query;
       ASSERT_FALSE(exact::point_triangle(to_exact(at_rest)).hit) << "query " << query;
       break;
-    case Placement::kUnknown:
+    case ExactLocation::unknown:
       break;
   }
 }

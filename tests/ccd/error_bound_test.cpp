@@ -14,25 +14,25 @@
 namespace oilskin::test {
 namespace {
 
-__extension__ using PointTriangle = __float128;
-using QuadVector = std::array<PointTriangle, 3>;
+__extension__ using Quad = __float128;
+using QuadVector = std::array<Quad, 3>;
 
 QuadVector difference_at(const Corners& x, int i, int j, double t) {
   QuadVector d;
   for (int k = 0; k < 3; ++k) {
-    const PointTriangle start = static_cast<PointTriangle>(x[i][k]) - x[j][k],
-                        end = static_cast<PointTriangle>(x[4 + i][k]) - x[4 + j][k];
+    const Quad start = static_cast<Quad>(x[i][k]) - x[j][k],
+               end = static_cast<Quad>(x[4 + i][k]) - x[4 + j][k];
     d[k] = t == 0 ? start : (t == 1 ? end : start + t * (end - start));
   }
   return d;
 }
 
-PointTriangle determinant(const QuadVector& e, const QuadVector& f, const QuadVector& w) {
+Quad determinant(const QuadVector& e, const QuadVector& f, const QuadVector& w) {
   return (e[1] * f[2] - e[2] * f[1]) * w[0] + (e[2] * f[0] - e[0] * f[2]) * w[1] +
          (e[0] * f[1] - e[1] * f[0]) * w[2];
 }
 
-using QuadCoefficients = std::array<PointTriangle, 4>;
+using QuadCoefficients = std::array<Quad, 4>;
 
 QuadCoefficients true_coefficients(const Corners& x) {
   std::array<QuadVector, 2> e, f, w;
@@ -50,9 +50,9 @@ QuadCoefficients true_coefficients(const Corners& x) {
 }
 
 /// The blossom: affine in each time; its values at ends of a part are the coefficients there.
-PointTriangle blossom(QuadCoefficients k, const std::array<double, 3>& times) {
+Quad blossom(QuadCoefficients k, const std::array<double, 3>& times) {
   for (int level = 0; level < 3; ++level) {
-    const PointTriangle t = times[level];
+    const Quad t = times[level];
     for (int i = 0; i + level < 3; ++i) k[i] = (1 - t) * k[i] + t * k[i + 1];
   }
   return k[0];
@@ -76,8 +76,8 @@ double share_of_bound(const Corners& x, double begin, double end) {
   const QuadCoefficients k = true_coefficients(x);
   const ccd::detail::Coefficients part = cubic.on({begin, end});
   double maximum = 0;
-  const auto compare = [&](PointTriangle truth, double computed) {
-    const auto error = static_cast<double>(truth - static_cast<PointTriangle>(computed));
+  const auto compare = [&](Quad truth, double computed) {
+    const auto error = static_cast<double>(truth - static_cast<Quad>(computed));
     maximum = std::max(maximum, std::abs(error) / cubic.error());
   };
   for (int i = 0; i < 4; ++i) compare(k[i], cubic.coefficients().k[i]);
@@ -153,21 +153,19 @@ TEST(Separation, DotProductsStayAboveTheirBoundAndNeedAQuarterOfIt) {
     const std::array<double, 3> d{v[0], v[1], v[2]};
     const double t = std::min(std::abs(v[15]), 1.0);
     double bound[2], a[2][3];
-    PointTriangle truth = 0, allowed = 0;
+    Quad truth = 0, allowed = 0;
     for (int end = 0; end < 2; ++end) {
-      const PointTriangle weight =
-          end == 1 ? static_cast<PointTriangle>(t) : 1 - static_cast<PointTriangle>(t);
+      const Quad weight = end == 1 ? static_cast<Quad>(t) : 1 - static_cast<Quad>(t);
       for (int k = 0; k < 3; ++k) {
         const double corner = v[3 + 6 * end + k], point = v[6 + 6 * end + k];
         a[end][k] = corner - point;
-        const PointTriangle term =
-            static_cast<PointTriangle>(d[k]) * (static_cast<PointTriangle>(corner) - point);
+        const Quad term = static_cast<Quad>(d[k]) * (static_cast<Quad>(corner) - point);
         truth += weight * term;
         allowed += weight * (term < 0 ? -term : term) * 10 * 0x1p-53;
       }
       bound[end] = ccd::detail::lower_bound(d, a[end]);
     }
-    const PointTriangle computed = static_cast<PointTriangle>((1 - t) * bound[0] + t * bound[1]);
+    const Quad computed = static_cast<Quad>((1 - t) * bound[0] + t * bound[1]);
     // 0 where the bound has all of its margin, 1 where nothing is left of it.
     return static_cast<double>((computed - truth + allowed) / allowed);
   };
