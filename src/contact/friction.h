@@ -22,7 +22,7 @@ struct SurfaceSide {
 /// `feature`: as in ClosestPoint. `normal`: from the feature to the point. The side follows from the
 /// angle-weighted normal [Baerentzen2005] (C.8). It is the front where that does not decide: in the plane of
 /// a border, at degenerate triangles, and at duplicates of both windings.
-SurfaceSide side_of(const Topology& topology, Span<const Triangle> triangles, Span<const Vec3> x,
+SurfaceSide side_of(const MeshTopology& topology, Span<const Triangle> triangles, Span<const Vec3> x,
                     std::uint32_t triangle, std::uint8_t feature, const Vec3& normal);
 
 /// Sets ContactConstraint::wall_area (C.19). Constraints are those of contacts, ordered by particle.
