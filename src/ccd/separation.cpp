@@ -129,17 +129,17 @@ bool improve(const RelativeMotion& motion, double guess, double at, const TimeSp
   const Direction sum = {corner[0][0] + corner[1][0] + corner[2][0],
                          corner[0][1] + corner[1][1] + corner[2][1],
                          corner[0][2] + corner[1][2] + corner[2][2]};
-  bool whole = false;
+  bool covers_span = false;
   for_each_candidate(corner, [&](Direction d) {
     // Any direction is valid. Pointing it at the triangle's centre saves the test of the other sign.
     if (dot(d, sum) < 0) d = {-d[0], -d[1], -d[2]};
     TimeSpan part;
     if (!certify(motion, d, at, span, &part)) return false;
-    whole = part.begin <= span.begin && part.end >= span.end;
-    if (whole || part.width() > best->width()) *best = part;
-    return whole;
+    covers_span = part.begin <= span.begin && part.end >= span.end;
+    if (covers_span || part.width() > best->width()) *best = part;
+    return covers_span;
   });
-  return whole;
+  return covers_span;
 }
 
 }  // namespace
@@ -163,12 +163,12 @@ double lower_bound(const std::array<double, 3>& d, const double* a) {
   return (x + y + z) - (10 * unit_roundoff * sum_of_magnitudes + underflow);
 }
 
-bool certainly_apart(const RelativeMotion& original, const TimeSpan& whole) {
+bool certainly_apart(const RelativeMotion& original, const TimeSpan& all) {
   // Enough for triangles that turn while they slide past. Beyond that, exact arithmetic is faster.
   constexpr int max_nodes = 4;
   const RelativeMotion motion = scaled_to_unity(original);
   std::array<TimeSpan, max_nodes + 1> left;  // each node removes one and adds at most two
-  left[0] = whole;
+  left[0] = all;
   int count = 1;
   for (int nodes = 0; count > 0; ++nodes) {
     if (nodes == max_nodes) return false;

@@ -1,6 +1,5 @@
-// The continuous test against exact arithmetic on queries made to be hard: the same answers, no false
-// negative and no false positive, whatever the sizes of coordinates; the time of impact never late and hardly
-// early.
+// The continuous test against exact arithmetic on hard queries: the same results, no false negative and no
+// false positive for coordinates of any size; the time of impact is never late and hardly early.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +21,7 @@ int queries_of(const Family& family) {
   return family.wide ? count / 10 : count;
 }
 
-/// Where nothing meets before a part of the step, that part may be asked for a yes or no.
+/// exact_impact_from() with parts of the step before which nothing touches.
 void expect_known_start_helps(const ccd::PointTriangleMotion& m, const exact::Answer& truth, int query) {
   const double touch = truth.hit ? truth.touch_lower : 0.3;
   for (const double width : {1e-8, 1e-12}) {
@@ -43,7 +42,7 @@ void expect_known_start_helps(const ccd::PointTriangleMotion& m, const exact::An
   }
 }
 
-/// At an end of the step the four points stand: inside if they touch, and else as the determinant says.
+/// At an end of the step: inside if the four points at rest touch, otherwise the sign of the determinant.
 void expect_right_placement(const Corners& x, int end, int query) {
   Corners at_rest;
   for (int i = 0; i < 8; ++i) at_rest[i] = x[4 * end + i % 4];
@@ -89,7 +88,7 @@ TEST_P(Adversarial, AnswersAreExactAndNeverLate) {
     const Corners x = family.make(random);
     const ccd::Impact found = ccd::point_triangle(to_motion(x));
     const exact::Answer truth = exact::point_triangle(to_exact(x));
-    // Plain arithmetic answers most queries: exact arithmetic, its last resort, is asked all of them here.
+    // The filter decides most queries. Here exact arithmetic decides all of them, too.
     const ccd::Impact exact_impact = ccd::detail::exact_impact(to_motion(x));
     ASSERT_EQ(exact_impact.hit, truth.hit) << "wrong, query " << i;
     if (truth.hit) {

@@ -1,4 +1,4 @@
-// The library's exact arithmetic, held against the oracle's.
+// The library's exact arithmetic against the oracle's.
 #include "ccd/big_integer.h"
 
 #include <gtest/gtest.h>
@@ -123,7 +123,7 @@ Polynomial polynomial(Workspace* workspace, const std::array<int, 4>& c) {
   return f;
 }
 
-/// (2 t − 1)(t² + t − 1): roots ½ and the inverse of the golden ratio, which its own quadratic must know.
+/// (2 t − 1)(t² + t − 1) has the roots ½ and the inverse of the golden ratio, a root of the quadratic.
 TEST(BigIntegers, SignsAtSurdsAreExact) {
   const auto workspace = std::make_unique<Workspace>();
   Algebra algebra(workspace.get());
@@ -150,8 +150,8 @@ TEST(BigIntegers, SignsAtSurdsAreExact) {
   }
 }
 
-/// (t − ⅓)³ 27 on [⅓ − 2⁻³⁰, ⅓ + 2⁻³⁰] or so: as a polynomial in t its values there are lost in rounding, as
-/// one in s they are not.
+/// 27 (t − ⅓)³ on about [⅓ − 2⁻³⁰, ⅓ + 2⁻³⁰]: its values are below rounding as a polynomial in t, but not as
+/// one in s.
 TEST(BigIntegers, StretchedPolynomialsKeepTheirSigns) {
   const auto workspace = std::make_unique<Workspace>();
   Algebra algebra(workspace.get());

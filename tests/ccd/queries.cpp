@@ -37,7 +37,7 @@ Vec3 contact_weights(Random& random, double outside) {
   return w;
 }
 
-/// Puts the point on the triangle at a time t (up to rounding), and lets it move on with its own velocity.
+/// Places the point on the triangle at time t (up to rounding), with a velocity of its own.
 void aim(Corners* x, Random& random, double speed, double outside) {
   const double t = random.integer(0, 3) == 0 ? random.integer(0, 8) / 8.0 : random.uniform(0, 1);
   const Vec3 w = contact_weights(random, outside);
@@ -161,8 +161,8 @@ Corners denormal(Random& random) {
   return scaled(x, std::ldexp(1.0, -random.integer(1010, 1074)));
 }
 
-/// The point meets the plane three times at once: corners are combinations of the rows of (τ 1 0, 0 τ 1, 0 0
-/// τ), so that F = τ³ times a constant, and τ goes from −1 to 1 or 2.
+/// A triple root: corners are combinations of the rows of (τ 1 0, 0 τ 1, 0 0 τ), so that f = τ³ times a
+/// constant, with τ from −1 to 1 or 2.
 Corners triple_root(Random& random) {
   const double end = random.integer(1, 2);
   const auto row = [](int i, double tau) {
