@@ -6,7 +6,7 @@
 
 #include "core/assert.h"
 #include "fluid/occlusion.h"
-#include "fluid/pressure_model.h"
+#include "fluid/pressure/pressure_model.h"
 
 namespace oilskin::fluid {
 
@@ -102,18 +102,20 @@ void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles
   }
   if (settings.boundary == BoundaryModel::mirrored) {
     const StageTimer timer(seconds.boundary);
-    state.boundary.find(dt, particle_mass(), gravity.stableNormalized(), particles.position, state.neighbours,
-                        support_radius(), surfaces, *impl_->workers);
+    state.boundary.find({dt, particle_mass(), support_radius(), gravity.stableNormalized(),
+                         particles.position, state.neighbours, surfaces},
+                        *impl_->workers);
   }
 }
 
 void FluidSolver::record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces) {
   if (impl_->settings.boundary == BoundaryModel::mirrored)
-    impl_->state.boundary.record_host_response(dt, gravity, surfaces);
+    impl_->state.boundary.memory().record_host_response(dt, gravity, surfaces);
 }
 
 void FluidSolver::record_load(double dt, Span<SurfaceMotion* const> surfaces) {
-  if (impl_->settings.boundary == BoundaryModel::mirrored) impl_->state.boundary.record_load(dt, surfaces);
+  if (impl_->settings.boundary == BoundaryModel::mirrored)
+    impl_->state.boundary.memory().record_load(dt, surfaces);
 }
 
 void FluidSolver::forget(std::uint64_t surface_id) {
@@ -151,7 +153,7 @@ void FluidSolver::visit(Archive& archive) {
   archive.value(state.previous_dt);
   archive.require(std::isfinite(state.previous_dt) && state.previous_dt >= 0, "the length of the last step");
   impl_->model->visit(archive);
-  state.boundary.visit(archive);
+  state.boundary.memory().visit(archive);
 }
 
 void FluidSolver::Impl::load(const Particles& particles) {

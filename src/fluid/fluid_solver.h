@@ -6,20 +6,12 @@
 #include "core/archive.h"
 #include "core/parallel.h"
 #include "fluid/particles.h"
+#include "fluid/pressure/prediction_contact.h"
 #include "oilskin/report.h"
 #include "oilskin/settings.h"
 #include "oilskin/surface_motion.h"
 
 namespace oilskin::fluid {
-
-/// A one-sided bound on predicted velocities: v*·normal ≥ min_normal_velocity. For a particle at distance
-/// d0 of a sheet of thickness h that moves with v_w: least = v_w·n − max(0, d0 − h)/dt. Keeps the prediction
-/// of PCISPH on its side of the sheet (F.36); gives no impulse to anything.
-struct PredictionContact {
-  std::uint32_t particle = 0;
-  Vec3 normal = Vec3::Zero();
-  double min_normal_velocity = 0;  ///< [m/s]
-};
 
 class FluidSolver {
  public:

@@ -1,4 +1,4 @@
-#include "fluid/emission.h"
+#include "fluid/emission/emission.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "fluid/particles.h"
-#include "fluid/random.h"
+#include "fluid/emission/random.h"
 
 namespace oilskin::fluid {
 namespace {

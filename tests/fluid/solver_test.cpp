@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "fluid/lattice.h"
-#include "fluid/random.h"
+#include "fluid/emission/random.h"
 #include "tank.h"
 
 namespace oilskin::fluid {

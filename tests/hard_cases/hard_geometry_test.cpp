@@ -9,7 +9,7 @@
 #include <set>
 
 #include "core/closest_point.h"
-#include "fluid/boundary.h"
+#include "fluid/boundary/boundary.h"
 #include "hard_cases/cloth_scene.h"
 #include "hard_cases/invariants.h"
 #include "hard_cases/outcome.h"
@@ -975,9 +975,9 @@ float max_lambda() {
   for (std::uint32_t i : neighbours.cell_order(lattice, 0.01, workers)) x.push_back(lattice[i]);
   neighbours.search(x, workers);
   fluid::Boundary boundary{2.0};
-  boundary.find(1e-3, particle_mass, Vec3::Zero(), x, neighbours, 0.01, surfaces, workers);
+  boundary.find({1e-3, particle_mass, 0.01, Vec3::Zero(), x, neighbours, surfaces}, workers);
   float largest = 0;
-  for (const fluid::Boundary::Point& p : boundary.points()) largest = std::max(largest, p.lambda);
+  for (const fluid::WallPoint& p : boundary.points()) largest = std::max(largest, p.lambda);
   return largest;
 }
 

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "core/archive.h"
-#include "fluid/step_state.h"
+#include "fluid/pressure/step_state.h"
 #include "oilskin/report.h"
 
 namespace oilskin::fluid {

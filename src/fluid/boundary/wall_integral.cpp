@@ -1,4 +1,4 @@
-#include "fluid/wall_integral.h"
+#include "fluid/boundary/wall_integral.h"
 
 #include <cmath>
 

@@ -9,8 +9,8 @@
 
 #include "core/assert.h"
 #include "fluid/lattice.h"
-#include "fluid/pair_sums.h"
-#include "fluid/pressure_model.h"
+#include "fluid/pressure/pair_sums.h"
+#include "fluid/pressure/pressure_model.h"
 
 namespace oilskin::fluid {
 
@@ -139,10 +139,10 @@ class IncompressibleModel : public PressureModel {
 
  private:
   template <class T>
-  Boundary::Load<T> load_on_walls(const Boundary::Point& point, T phi) const;
+  WallLoad<T> load_on_walls(const WallPoint& point, T phi) const;
   template <class Phi>
   void answer_of_walls(StepState& state, const Phi& phi);
-  double rebound_limit(const StepState& state, std::size_t point, const Boundary::Load<double>& load) const;
+  double rebound_limit(const StepState& state, std::size_t point, const WallLoad<double>& load) const;
   void keep_side(const StepState& state, Span<const PredictionContact> contacts, Vec3& displacement) const;
   bool diverges(double mean, double tolerance);
 
@@ -151,7 +151,7 @@ class IncompressibleModel : public PressureModel {
   float phi_per_depth_ = 0;  // of water at rest, per H
   // Of points of the boundary
   std::vector<float> theta_;  // pressure on walls [m/s]
-  std::vector<Boundary::Load<double>> final_load_;
+  std::vector<WallLoad<double>> final_load_;
   std::vector<float> wall_step_, wall_change_;
 };
 
@@ -179,8 +179,8 @@ void IncompressibleModel::iterate(PressureLoop& loop, const Correct& correct, co
 /// In units of φ. What the water between particle and wall weighs counts up to the pressure of the particle:
 /// a drop is carried by contact.
 template <class T>
-Boundary::Load<T> IncompressibleModel::load_on_walls(const Boundary::Point& point, T phi) const {
-  const auto deepest = static_cast<T>(point.deepest), per_depth = static_cast<T>(phi_per_depth_);
+WallLoad<T> IncompressibleModel::load_on_walls(const WallPoint& point, T phi) const {
+  const auto deepest = static_cast<T>(point.max_depth), per_depth = static_cast<T>(phi_per_depth_);
   return {phi, per_depth * deepest < phi ? per_depth : deepest > 0 ? phi / deepest : 0};
 }
 
@@ -191,7 +191,7 @@ void IncompressibleModel::answer_of_walls(StepState& state, const Phi& phi) {
   const float per_phi = push_scale_ * static_cast<float>(support_radius_ / state.dt);
   const auto& points = state.boundary.points();
   for (std::size_t k = 0; k < points.size(); ++k) theta_[k] = per_phi * phi(points[k].particle);
-  state.boundary.predict_wall_velocity(theta_, state.workers);
+  state.boundary.compliance().predict_wall_velocity(theta_, state.workers);
 }
 
 /// a_i = Σ (p_T/ρ0) γ_T/H.
@@ -205,13 +205,13 @@ void IncompressibleModel::push_from_walls(StepState& state, const Phi& phi) {
     const auto load = load_on_walls(points[k], static_cast<double>(phi(points[k].particle))).times(per_phi);
     final_load_[k] = load.times(rebound_limit(state, k, load));
   }
-  state.boundary.push(final_load_, state.dv, state.workers);
+  state.boundary.apply_load(final_load_, state.dv, state.workers);
 }
 
 template <class Add>
 void IncompressibleModel::correct_at_walls(StepState& state, const Add& add) {
   if (state.boundary.empty()) return;
-  state.boundary.solve_yielding(push_scale_, wall_step_, wall_change_, state.workers);
+  state.boundary.compliance().solve(push_scale_, wall_step_, wall_change_, state.workers);
   const auto& points = state.boundary.points();
   for (std::size_t k = 0; k < points.size(); ++k) add(points[k].particle, wall_change_[k]);
 }
@@ -230,14 +230,14 @@ void IncompressibleModel::predict(StepState& state, const Phi& phi, const Push& 
           Vec3 d = drift_[i] + push(i);
           const std::uint32_t wall = wall_of(state, i);
           if (wall != Boundary::none) {
-            const Boundary::Point& point = state.boundary.points()[wall];
-            d += (push_scale_ * point.push(load_on_walls(point, phi(i)))).template cast<double>();
+            const WallPoint& point = state.boundary.points()[wall];
+            d += (push_scale_ * point.velocity_change(load_on_walls(point, phi(i)))).template cast<double>();
           }
           const PredictionContact* first = contact;
           while (contact != state.contacts.end() && contact->particle == i) ++contact;
           if (contact != first) keep_side(state, {first, static_cast<std::size_t>(contact - first)}, d);
           if (wall != Boundary::none) {
-            const Boundary::Point& point = state.boundary.points()[wall];
+            const WallPoint& point = state.boundary.points()[wall];
             const float approach =
                 dt_over_h * state.boundary.normal_flux()[wall] - point.gamma.dot(d.cast<float>());
             wall_density_[wall] = std::clamp(point.lambda + approach, 0.0f, 1.0f);

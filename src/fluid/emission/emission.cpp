@@ -1,12 +1,12 @@
-#include "fluid/emission.h"
+#include "fluid/emission/emission.h"
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 
 #include "core/assert.h"
+#include "fluid/emission/random.h"
 #include "fluid/kernels.h"
-#include "fluid/random.h"
 
 namespace oilskin::fluid {
 

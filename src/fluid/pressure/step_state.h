@@ -2,9 +2,9 @@
 #pragma once
 
 #include "core/parallel.h"
-#include "fluid/boundary.h"
-#include "fluid/fluid_solver.h"
+#include "fluid/boundary/boundary.h"
 #include "fluid/neighbours.h"
+#include "fluid/pressure/prediction_contact.h"
 
 namespace oilskin::fluid {
 

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "fluid/kernels.h"
-#include "fluid/step_state.h"
+#include "fluid/pressure/step_state.h"
 
 namespace oilskin::fluid {
 
@@ -100,7 +100,7 @@ void explicit_sums(StepState& state, const Model& model, std::size_t i) {
 
 /// The kernel's mass behind walls.
 inline void add_wall_density(StepState& state) {
-  for (const Boundary::Point& point : state.boundary.points())
+  for (const WallPoint& point : state.boundary.points())
     state.relative_density[point.particle] += point.lambda;
 }
 

@@ -1,6 +1,6 @@
 /// Predictive–corrective incompressible SPH [Solenthaler2009] with the cubic spline.
 #include "core/assert.h"
-#include "fluid/incompressible.h"
+#include "fluid/pressure/incompressible.h"
 
 namespace oilskin::fluid {
 

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "core/assert.h"
-#include "fluid/incompressible.h"
+#include "fluid/pressure/incompressible.h"
 
 namespace oilskin::fluid {
 

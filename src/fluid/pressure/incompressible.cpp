@@ -1,4 +1,4 @@
-#include "fluid/incompressible.h"
+#include "fluid/pressure/incompressible.h"
 
 #include "core/assert.h"
 #include "fluid/lattice.h"
@@ -174,12 +174,13 @@ void IncompressibleModel::keep_side(const StepState& state, Span<const Predictio
 /// where they meet: without this 6 % of the jet's momentum came back, whatever the spacing. Where the water
 /// is compressed the wall may push it off, slowly. Returns the share of the load that remains.
 double IncompressibleModel::rebound_limit(const StepState& state, std::size_t k,
-                                          const Boundary::Load<double>& load) const {
-  const Boundary::Point& point = state.boundary.points()[k];
+                                          const WallLoad<double>& load) const {
+  const WallPoint& point = state.boundary.points()[k];
   const double gamma = static_cast<double>(point.gamma.norm());
   if (!(gamma > 0)) return 1;
   const Vec3 normal = point.gamma.cast<double>() / gamma;
-  const double push = load.at_particle * gamma + load.per_depth * normal.dot(point.lift.cast<double>());
+  const double push =
+      load.at_particle * gamma + load.per_depth * normal.dot(point.depth_gamma.cast<double>());
   if (!(push > 0)) return 1;
   const Record& v = state.velocity[point.particle];
   const double before =

@@ -3,8 +3,8 @@
 
 #include "core/assert.h"
 #include "fluid/lattice.h"
-#include "fluid/pair_sums.h"
-#include "fluid/pressure_model.h"
+#include "fluid/pressure/pair_sums.h"
+#include "fluid/pressure/pressure_model.h"
 
 namespace oilskin::fluid {
 

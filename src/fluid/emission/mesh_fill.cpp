@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "core/assert.h"
-#include "fluid/emission.h"
+#include "fluid/emission/emission.h"
 #include "fluid/kernels.h"
 
 namespace oilskin::fluid {
