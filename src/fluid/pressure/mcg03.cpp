@@ -46,6 +46,8 @@ class Mcg03 : public PressureModel {
  private:
   const FluidSettings settings_;
   const double support_radius_, volume_;
+  std::vector<float>
+      pair_share_;  // what a particle's pressure adds to its pair forces; one more for the padding
 };
 
 /// p = k (ρ − ρ0), not below 0: tension would clump free surfaces. Of the symmetric forms of the pair force,
@@ -57,13 +59,14 @@ void Mcg03::pressure_terms(StepState& state, std::vector<double>& pressure, Flui
   // In a step that sound outruns, the state equation would add energy without end: the fluid is softer then.
   const double fastest_sound = 0.4 * support_radius_ / state.dt;
   const double stiffness = std::min(settings_.stiffness, fastest_sound * fastest_sound);
+  pair_share_.assign(state.size() + 1, 0);
   state.for_each([&](std::size_t i) {
     const double density = rest_density * static_cast<double>(state.relative_density[i]);
     OILSKIN_ASSERT(density > 0);  // its own share at least
     pressure[i] = std::max(0.0, stiffness * (density - rest_density));
-    state.position()[i].w = static_cast<float>(scale * pressure[i] / (density * density));
+    pair_share_[i] = static_cast<float>(scale * pressure[i] / (density * density));
   });
-  apply_pressure(state, 1);
+  apply_pressure(state, pair_share_, 1);
 
   std::uint64_t counted = 0;
   for (std::size_t i = 0; i < state.size(); ++i) {

@@ -36,19 +36,18 @@ float density_sum(const Neighbours& neighbours, const std::vector<Record>& x, st
   return total(sum);
 }
 
-/// Σ_j (s_i + s_j) w'(q_ij)/q_ij Δ_ij with s = Record::w: the pressure gradient. `Sum` is F4 inside
-/// iterations and Sum4 (double) for what is applied.
+/// Σ_j (s_i + s_j) w'(q_ij)/q_ij Δ_ij with a value s per particle, and one more for the padding: the pressure
+/// gradient. `Sum` is F4 inside iterations and Sum4 (double) for what is applied.
 template <class Sum>
-Vec3 pressure_sum(StepState& state, std::size_t i) {
+Vec3 pressure_sum(const StepState& state, const std::vector<float>& s, std::size_t i) {
   const std::uint32_t* j = state.neighbours.list(i);
   const float* slope = state.slopes(i);
   const std::vector<Record>& x = state.position();
-  const F4 own(x[i].w);
+  const F4 own(s[i]);
   Sum sx, sy, sz;
   for (std::uint32_t b = state.neighbours.blocks(i); b > 0; --b, j += 4, slope += 4) {
-    const Record4 other(x.data(), j);
-    const Pairs pairs(x[i], other);
-    const F4 f = (own + other.w) * load(slope);
+    const Pairs pairs(x[i], Record4(x.data(), j));
+    const F4 f = (own + gather(s.data(), j)) * load(slope);
     sx += f * pairs.dx;
     sy += f * pairs.dy;
     sz += f * pairs.dz;
@@ -57,8 +56,8 @@ Vec3 pressure_sum(StepState& state, std::size_t i) {
 }
 
 /// dv −= scale Σ_j (s_i + s_j) w'/q Δ for all particles.
-inline void apply_pressure(StepState& state, double scale) {
-  state.for_each([&](std::size_t i) { state.dv[i] -= scale * pressure_sum<Sum4>(state, i); });
+inline void apply_pressure(StepState& state, const std::vector<float>& s, double scale) {
+  state.for_each([&](std::size_t i) { state.dv[i] -= scale * pressure_sum<Sum4>(state, s, i); });
 }
 
 /// Density, slopes and, `with_velocity`, what smooths velocities. Model::Density and Model::Gradient are

@@ -31,15 +31,26 @@ struct StepState {
   std::vector<Vec3> dv;                 ///< change of velocity by everything, gravity included [m/s]
 
   std::size_t size() const { return neighbours.size(); }
-  std::vector<Record>& position() {
-    return neighbours.records();
-  }  ///< w: the pressure's share of a pair force
-  float* slopes(std::size_t i) { return slope[i / Neighbours::chunk_size].data() + neighbours.pair_begin(i); }
+  const std::vector<Record>& position() const { return neighbours.records(); }
+  const float* slopes(std::size_t i) const {
+    return slope[i / Neighbours::chunk_size].data() + neighbours.pair_begin(i);
+  }
 
   /// f(i) for every particle; the tasks are the chunks of the neighbour lists.
   template <class F>
   void for_each(const F& f) const {
     workers.for_each(size(), Neighbours::chunk_size, f);
+  }
+  /// f(begin, end) for every chunk.
+  template <class F>
+  void for_chunks(const F& f) const {
+    workers.for_chunks(size(), Neighbours::chunk_size,
+                       [&](std::size_t begin, std::size_t end, std::size_t) { f(begin, end); });
+  }
+  /// Σ f(begin, end) in the order of the chunks.
+  template <class T, class F>
+  T ordered_sum(T zero, const F& f) const {
+    return workers.ordered_sum(size(), Neighbours::chunk_size, zero, f);
   }
 };
 
