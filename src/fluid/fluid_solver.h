@@ -19,7 +19,7 @@ class FluidSolver {
   FluidSolver(const FluidSettings& settings, std::shared_ptr<Workers> workers);
   ~FluidSolver();
 
-  /// Lattice calibrated: ρ0 / Σ W over the cubic lattice of spacing dx [kg].
+  /// Calibrated on the cubic lattice of spacing dx (F.6) [kg].
   double particle_mass() const;
   double support_radius() const;  ///< H [m]
 
@@ -27,23 +27,23 @@ class FluidSolver {
   /// order.
   void prepare(Particles& particles, StageSeconds& seconds);
 
-  /// After prepare(), for the same particles: what the surfaces do to the pair sums, as the settings ask:
-  /// hides neighbours behind them, finds boundary terms. They move from x_t0 to x_t1 within dt [s] and are
-  /// kept until propose(), which may change their velocities and impulses: what boundary terms give to
-  /// particles, nodes lose.
+  /// After prepare(), for the same particles. As the settings say, removes neighbours hidden by surfaces and
+  /// finds the boundary terms. The surfaces move from x_t0 to x_t1 within dt [s]. They are kept until
+  /// propose(), which changes their velocities and impulses: boundary terms give the nodes the momentum
+  /// opposite to that of the particles.
   void apply_surfaces(double dt, const Vec3& gravity, const Particles& particles,
                       Span<SurfaceMotion* const> surfaces, StageSeconds& seconds);
 
-  /// What surfaces did with the last step's load, and what load they get in this one: boundary terms foresee
-  /// how light cloth answers. Once per step, after all surfaces were gathered and before they are scattered.
+  /// Load memory of the boundary terms: the hosts' response to the load of the last step, and the load of
+  /// this one. Once per step each, after all surfaces were gathered and before they are scattered.
   void record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
   void record_load(double dt, Span<SurfaceMotion* const> surfaces);
   void forget(std::uint64_t surface_id);
 
   /// After prepare(), for the same particles: density and pressure of the start positions, and
-  /// velocity ← velocity + dt (gravity + viscosity + pressure). Positions stay. Pair forces are antisymmetric
-  /// and summed in double, so that the fluid's momentum changes by gravity alone, up to 1e-12 relative.
-  /// `contacts` sorted by particle.
+  /// velocity ← velocity + dt (gravity + viscosity + pressure). Positions do not change. Pair forces are
+  /// antisymmetric and summed in double: without boundary terms only gravity changes the fluid's momentum, up
+  /// to 1e-12 relative. `contacts` sorted by particle.
   void propose(double dt, const Vec3& gravity, Particles& particles, Span<const PredictionContact> contacts,
                FluidReport& report, StageSeconds& seconds);
 

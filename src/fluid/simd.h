@@ -1,6 +1,5 @@
-/// Four floats at a time, the one thin vector layer of the pair loops. With vector extensions of the
-/// compiler, or as plain arrays (define OILSKIN_SCALAR): both do the same IEEE operations in the same order,
-/// so the same bits.
+/// Vectors of four floats for the pair loops, by vector extensions of the compiler or as plain arrays (define
+/// OILSKIN_SCALAR). Both do the same IEEE operations in the same order and have the same results bit for bit.
 #pragma once
 
 #include <cmath>
@@ -17,7 +16,7 @@
 
 namespace oilskin::fluid {
 
-/// What a pair loop reads of a neighbour, in one 16-byte load.
+/// Values of a neighbour that a pair loop reads in one 16-byte load.
 struct alignas(16) Record {
   float x, y, z, w;
 };
@@ -68,7 +67,7 @@ inline F4 gather(const float* p, const std::uint32_t* index) {
   return F4::V{p[index[0]], p[index[1]], p[index[2]], p[index[3]]};
 }
 
-/// Sums of floats kept in double: exact enough that antisymmetric terms cancel to 1e-16.
+/// Sums of floats in double: antisymmetric terms cancel to 1e-16.
 struct Sum4 {
   using D = double __attribute__((vector_size(16)));
   D low{}, high{};
@@ -79,7 +78,7 @@ struct Sum4 {
   double total() const { return (low[0] + high[0]) + (low[1] + high[1]); }
 };
 
-/// Four records, transposed: x[k] belongs to the k-th.
+/// Four records, transposed: x[k] is that of the k-th record.
 struct Record4 {
   F4 x, y, z, w;
   Record4(const Record* r, const std::uint32_t* index) {

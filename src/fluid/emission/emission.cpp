@@ -33,21 +33,21 @@ Status check_times(const char* start_field, double start, const char* stop_field
   return {};
 }
 
-/// The first refusal, or accepted.
+/// The first status that is not ok, or ok.
 Status first_of(std::initializer_list<Status> all) {
   for (const Status& s : all)
     if (!s.ok()) return s;
   return {};
 }
 
-/// Guard against a volume that is filled with more particles than a machine holds.
+/// Largest number of particles of a volume, against volumes that do not fit into memory.
 constexpr double max_points = 1e9;
 
-/// Layers and drops follow each other by no less than this [s], so that times stay distinct numbers.
+/// Shortest time between layers or drops [s], so that their times are distinct numbers.
 constexpr double min_period = 1e-9;
 
-/// A few particles that start together or layer by layer, at times given by a counter: nothing drifts, and
-/// what is emitted does not depend on the steps that it is asked in.
+/// Particles that start together, or layer by layer at times that are a function of a counter: times do not
+/// drift, and emission does not depend on dt (F.38), (F.40).
 struct Source {
   enum class Kind { nozzle, volume, rain } kind = Kind::volume;
   std::vector<Vec3> sites;  // nozzle: of a layer; volume: all points; rain: of a drop, relative to its centre
@@ -62,7 +62,7 @@ struct Source {
   std::vector<std::uint8_t> waiting;  // nozzle: per site
 
   double time_of(std::uint64_t k) const {
-    // Drops come at a random time within their period, so that they do not fall in step.
+    // A drop starts at a random time within its period, so that several emitters are not synchronous.
     const double phase = kind == Kind::rain ? random_unit(rain.seed, 3 * k + 2) : 0;
     return start + (static_cast<double>(k) + phase) * period;
   }
@@ -80,8 +80,8 @@ void visit(Archive& archive, Source& source) {
   archive.values(begun, next, waiting);
 }
 
-/// What add() guarantees of a source, and how far it is at `time`: one that lags would make up for it at
-/// once, with no end of particles.
+/// Checks what add() guarantees, and that the counter matches `time`: a source that is behind would emit all
+/// missing layers at once.
 bool is_in_range(const Source& s, double time) {
   if (!s.velocity.allFinite() || !std::isfinite(s.start) || std::isnan(s.stop)) return false;
   if (!std::all_of(s.sites.begin(), s.sites.end(), [](const Vec3& x) { return x.allFinite(); })) return false;
@@ -94,7 +94,7 @@ bool is_in_range(const Source& s, double time) {
   return due < 0x1p53 && (!s.begun || static_cast<double>(s.next) >= due - 2);
 }
 
-/// The square lattice through the axis, within the radius.
+/// Sites of the square lattice through the axis, within the radius.
 std::vector<Vec3> disc_sites(const DiscEmitter& e, double spacing) {
   const Vec3 axis = e.direction.normalized();
   int minimum = 0;
@@ -120,7 +120,7 @@ std::vector<Vec3> ball_sites(double radius, double spacing) {
   return sites;
 }
 
-/// As many lattice points as fit cells of one spacing, in the middle of the box.
+/// One point per cell of one spacing, centred in the box.
 std::vector<Vec3> box_sites(const Box& box, const Eigen::Array3d& cells, double spacing) {
   const Vec3 center = 0.5 * (box.min + box.max);
   const Vec3 first = center - 0.5 * spacing * (cells.matrix() - Vec3::Ones());
@@ -181,7 +181,7 @@ Status Emission::add(const DiscEmitter& e) {
   source.velocity = e.speed * e.direction.stableNormalized();
   source.start = e.start;
   source.stop = e.stop;
-  // n m per layer of thickness ℓ carries ρ0 π r² v: ℓ = n m/(ρ0 π r²).
+  // Distance of layers that gives the mass flow ρ0 π r² v (F.37).
   const double layer = static_cast<double>(source.sites.size()) * impl_->particle_mass /
                        (impl_->rest_density * pi * e.radius * e.radius);
   if (layer < 0.65 * dx) {
@@ -295,7 +295,7 @@ void Emission::Impl::emit_waiting(std::size_t source, double dt) {
 void Emission::Impl::emit_series(std::size_t index, double time, double dt) {
   Source& s = sources[index];
   OILSKIN_ASSERT(s.period >= min_period);
-  if (!s.begun) {  // what would have come before the first call is not made up for
+  if (!s.begun) {  // starts before the first call are not emitted later
     s.begun = true;
     if (time > s.start) s.next = static_cast<std::uint64_t>((time - s.start) / s.period);
     while (s.time_of(s.next) < time) ++s.next;
@@ -307,7 +307,7 @@ void Emission::Impl::emit_series(std::size_t index, double time, double dt) {
       center = s.rain.corner + random_unit(s.rain.seed, 3 * s.next) * s.rain.edge_u +
                random_unit(s.rain.seed, 3 * s.next + 1) * s.rain.edge_v;
     }
-    // A start that waited leaves at `time`: one of the same site within half a layer behind it would overlap
+    // A start that waited leaves at `time`. One of the same site within half a period after it would overlap
     // it.
     const bool behind = t - time < 0.5 * s.period;
     for (std::size_t k = 0; k < s.sites.size(); ++k)

@@ -1,4 +1,4 @@
-/// When and where particles start. Contact decides whether a start is free; a blocked one waits.
+/// Times and places at which particles start. Contact decides whether a start is free; a blocked one waits.
 #pragma once
 
 #include <memory>
@@ -10,9 +10,9 @@ namespace oilskin::fluid {
 
 /// A particle that starts within the coming interval.
 struct Start {
-  Vec3 position = Vec3::Zero();  ///< the nozzle point [m]: where its certified path begins
+  Vec3 position = Vec3::Zero();  ///< [m], where the certified path of the particle begins
   Vec3 velocity = Vec3::Zero();  ///< [m/s]
-  double remaining = 0;          ///< part of the interval left after the emission [s], 0 … dt
+  double remaining = 0;          ///< time from the emission to the end of the interval [s], 0 … dt
 };
 
 class Emission {
@@ -25,20 +25,19 @@ class Emission {
   Status add(const MeshEmitter& emitter);
   Status add(const RainEmitter& emitter);
 
-  /// Starts that fall due in [time, time + dt), those that waited first. Deterministic: depends on the calls
-  /// alone.
+  /// Starts that are due in [time, time + dt), those that waited first. A function of the sequence of calls.
   const std::vector<Start>& due(double time, double dt);
 
-  /// Speed of the fastest start that may fall due in [time, time + dt) [m/s]; 0 = none. Changes nothing.
+  /// Speed of the fastest start that may be due in [time, time + dt) [m/s]; 0 = none.
   double fastest_due(double time, double dt) const;
 
-  /// Says which of the starts of the last due() were blocked (1). Starts of nozzles wait, one per lattice
-  /// site, and are due again at the next call (with remaining = dt); further starts of a site that has one
-  /// waiting are lost, and so are blocked points of volumes that are filled once. Returns how many were
-  /// blocked.
+  /// Takes which of the starts of the last due() were blocked (1), and returns their number. A blocked start
+  /// of a nozzle waits, at most one per lattice site, and is due again at the next call with remaining = dt.
+  /// Further starts of a site at which one waits are lost, as are blocked points of volumes, which are filled
+  /// once.
   std::uint64_t settle(Span<const std::uint8_t> blocked);
 
-  /// Emitters with their phases and waiting starts, as they are between two steps at `time` [s].
+  /// The emitters with their state between two steps, at `time` [s].
   void visit(Archive& archive, double time);
 
  private:
@@ -46,8 +45,8 @@ class Emission {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Points of the cubic lattice of `spacing` inside a closed mesh by winding number, lattice aligned to the
-/// centre of the bounding box. Refuses indices out of range and non-finite vertices.
+/// Points of the cubic lattice inside a closed mesh, by winding number. The lattice is centred in the
+/// bounding box. Refuses indices out of range and non-finite vertices.
 Status lattice_inside(const MeshEmitter& mesh, double spacing, std::vector<Vec3>* points);
 
 }  // namespace oilskin::fluid

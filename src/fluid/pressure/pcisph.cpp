@@ -37,7 +37,7 @@ class Pcisph : public PressureModel {
   WallResponse walls_;
   std::vector<Vec3> drift_;        // displacement without pressure [H]
   std::vector<float> target_;      // ē_i
-  std::vector<float> phi_;         // with one more for the padding
+  std::vector<Record> x_phi_;      // positions and φ, with one more for the padding
   std::vector<Record> predicted_;  // positions, with one more for the padding
 };
 
@@ -51,10 +51,10 @@ void Pcisph::pressure_terms(StepState& state, std::vector<double>& pressure, Flu
   begin_step(state, pressure);
   iterate(state);
   write(loop_, report);
-  apply_pressure(state, phi_, fluid_.support_radius / state.dt);
-  walls_.apply(state, phi_);
+  apply_pressure(state, x_phi_, fluid_.support_radius / state.dt);
+  walls_.apply(state, x_phi_);
   const double scale = fluid_.phi_per_pascal(state.dt);
-  state.for_each([&](std::size_t i) { pressure[i] = static_cast<double>(phi_[i]) / scale; });
+  state.for_each([&](std::size_t i) { pressure[i] = static_cast<double>(x_phi_[i].w) / scale; });
 }
 
 void Pcisph::begin_step(StepState& state, const std::vector<double>& pressure) {
@@ -63,14 +63,14 @@ void Pcisph::begin_step(StepState& state, const std::vector<double>& pressure) {
   walls_.begin_step(state);
   set_targets(state, fluid_.settings.spacing, target_);
   drift_.resize(state.size());
-  phi_.assign(state.size() + 1, 0);
+  x_phi_ = state.position();
   predicted_.resize(state.size() + 1);
-  predicted_[state.size()] = state.position()[state.size()];  // the padding
+  predicted_[state.size()] = x_phi_.back();  // the padding
   const double warm_start = fluid_.warm_start(state);
   state.for_each([&](std::size_t i) {
     const Record& v = state.velocity[i];
     drift_[i] = (Vec3(v.x, v.y, v.z) + state.dv[i]) * (state.dt / fluid_.support_radius);
-    phi_[i] = static_cast<float>(warm_start * pressure[i]);
+    x_phi_[i].w = static_cast<float>(warm_start * pressure[i]);
   });
 }
 
@@ -80,19 +80,19 @@ void Pcisph::iterate(StepState& state) {
   do {
     predict_positions(state);
     verdict = loop_.judge(correct(state));
-    if (!verdict.finite) std::fill(phi_.begin(), phi_.end(), 0.0f);
+    if (!verdict.finite) state.for_each([&](std::size_t i) { x_phi_[i].w = 0; });
   } while (!verdict.stop);
 }
 
 /// x* = x + dt (v + dt a) under the current pressures, in units of H.
 void Pcisph::predict_positions(StepState& state) {
-  walls_.predict_walls(state, phi_);
+  walls_.predict_walls(state, x_phi_);
   state.for_chunks([&](std::size_t begin, std::size_t end) {
     ContactCursor contacts(state.contacts, begin);
     for (std::size_t i = begin; i < end; ++i) {
-      Vec3 d = drift_[i] - pressure_sum<F4>(state, phi_, i);
-      walls_.constrain(state, i, phi_[i], contacts.of(i), d);
-      const Record& x = state.position()[i];
+      Vec3 d = drift_[i] - pressure_sum<F4>(state, x_phi_, i);
+      walls_.constrain(state, i, x_phi_[i].w, contacts.of(i), d);
+      const Record& x = x_phi_[i];
       predicted_[i] = {x.x + static_cast<float>(d[0]), x.y + static_cast<float>(d[1]),
                        x.z + static_cast<float>(d[2]), 0};
     }
@@ -119,10 +119,11 @@ Errors Pcisph::correct(StepState& state) {
       const float compressed = std::max(1.0f, state.relative_density[i]);
       const float own_step = step / (compressed * compressed);
       const float error = density - 1 - target_[i];
+      float& phi = x_phi_[i].w;
       if (k == Boundary::none)
-        phi_[i] = std::max(0.0f, phi_[i] + own_step * error);
+        phi = std::max(0.0f, phi + own_step * error);
       else
-        walls_.collect(k, phi_[i] > 0 || error > 0 ? step_at_walls(state.boundary.points()[k], own_step) : 0,
+        walls_.collect(k, phi > 0 || error > 0 ? step_at_walls(state.boundary.points()[k], own_step) : 0,
                        error);
       errors.add(static_cast<double>(density) - 1, static_cast<double>(target_[i]),
                  fluid_.settings.tolerance);
@@ -137,7 +138,7 @@ void Pcisph::correct_at_walls(StepState& state) {
   const std::vector<float>& change = walls_.solve(state);
   const std::vector<WallPoint>& points = state.boundary.points();
   for (std::size_t k = 0; k < points.size(); ++k) {
-    float& phi = phi_[points[k].particle];
+    float& phi = x_phi_[points[k].particle].w;
     phi = std::max(0.0f, phi + change[k]);
   }
 }

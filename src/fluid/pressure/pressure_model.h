@@ -1,4 +1,4 @@
-/// What a fluid model decides: its kernels, its viscosity, and how pressure is found.
+/// Interface of the fluid models: kernels, viscosity and pressure solver.
 #pragma once
 
 #include <memory>
@@ -13,17 +13,17 @@ class PressureModel {
  public:
   virtual ~PressureModel() = default;
 
-  /// m/ρ0 [m³]: the room that a particle takes in water at rest.
+  /// m/ρ0 [m³]: volume of a particle in water at rest.
   virtual double particle_volume() const = 0;
 
   /// Reads the velocities; writes densities and slopes, adds viscosity and XSPH to dv.
   virtual void explicit_terms(StepState& state) = 0;
 
-  /// Reads densities, slopes, dv and the pressures of the last step; adds pressure to dv, writes the
-  /// pressures [Pa].
+  /// Reads densities, slopes, dv and the pressures of the last step; adds the pressure forces to dv and
+  /// writes the pressures [Pa].
   virtual void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) = 0;
 
-  /// What the model keeps from step to step: here, nothing.
+  /// State that is kept from step to step; none by default.
   virtual void visit(Archive&) {}
 };
 

@@ -1,4 +1,4 @@
-/// What the parts of one fluid step hand to each other.
+/// The data of one fluid step that its stages share.
 #pragma once
 
 #include "core/parallel.h"
@@ -12,23 +12,23 @@ struct StepState {
   StepState(const Workers& w, double support_ratio) : boundary(support_ratio), workers(w) {}
 
   // Input
-  Boundary boundary;  ///< empty where no surface is near, or none is asked for
+  Boundary boundary;  ///< empty if no surface is near, or without boundary terms
   const Workers& workers;
   double dt = 0;           ///< [s]
-  double previous_dt = 0;  ///< of the step that left the pressures [s]; 0 = there was none
+  double previous_dt = 0;  ///< of the step that wrote the pressures [s]; 0 = none
   Vec3 gravity = Vec3::Zero();
   Span<const PredictionContact> contacts;  ///< sorted by particle
 
   // State of the step. Positions in units of H relative to neighbours.origin(), velocities in m/s.
   Neighbours neighbours;
   std::uint64_t hidden_pairs = 0;
-  std::vector<Record> velocity;  ///< one more than there are particles: the padding's
-  std::vector<std::vector<float>>
-      slope;  ///< per chunk and pair: w'(q)/q of the pressure's kernel at the start
+  std::vector<Record> velocity;  ///< with one more for the padding
+  /// Per chunk and pair: w'(q)/q of the pressure's kernel at the start.
+  std::vector<std::vector<float>> slope;
 
   // Output
   std::vector<float> relative_density;  ///< ρ/ρ0 at the start
-  std::vector<Vec3> dv;                 ///< change of velocity by everything, gravity included [m/s]
+  std::vector<Vec3> dv;                 ///< change of velocity, gravity included [m/s]
 
   std::size_t size() const { return neighbours.size(); }
   const std::vector<Record>& position() const { return neighbours.records(); }

@@ -33,7 +33,7 @@ WallLoad<T> WallResponse::load_on_walls(const WallPoint& point, T phi) const {
   return {phi, per_depth * max_depth < phi ? per_depth : max_depth > 0 ? phi / max_depth : 0};
 }
 
-void WallResponse::predict_walls(StepState& state, const std::vector<float>& phi) {
+void WallResponse::predict_walls(StepState& state, Pressures phi) {
   if (state.boundary.empty()) return;
   const float per_phi = fluid_.wall_scale * static_cast<float>(fluid_.support_radius / state.dt);
   const std::vector<WallPoint>& points = state.boundary.points();
@@ -63,7 +63,7 @@ const std::vector<float>& WallResponse::solve(StepState& state) {
 }
 
 /// a_i = Σ_T (p_T/ρ0) γ_T/H.
-void WallResponse::apply(StepState& state, const std::vector<float>& phi) {
+void WallResponse::apply(StepState& state, Pressures phi) {
   if (state.boundary.empty()) return;
   const double per_phi = static_cast<double>(fluid_.wall_scale) * fluid_.support_radius / state.dt;
   const std::vector<WallPoint>& points = state.boundary.points();

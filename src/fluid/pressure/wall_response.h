@@ -7,7 +7,16 @@
 
 namespace oilskin::fluid {
 
-/// `phi` are the pressures φ of all particles.
+/// The pressures φ of all particles, in an array of their own or as a field of records.
+struct Pressures {
+  Pressures(const std::vector<float>& phi) : first(phi.data()), stride(1) {}      // NOLINT: a view
+  Pressures(const std::vector<Record>& x_phi) : first(&x_phi[0].w), stride(4) {}  // NOLINT: a view
+  float operator[](std::size_t i) const { return first[stride * i]; }
+
+  const float* first;
+  std::size_t stride;
+};
+
 class WallResponse {
  public:
   explicit WallResponse(const IncompressibleFluid& fluid) : fluid_(fluid) {}
@@ -20,7 +29,7 @@ class WallResponse {
   }
 
   /// Velocities of the walls under the pressures (B.18).
-  void predict_walls(StepState& state, const std::vector<float>& phi);
+  void predict_walls(StepState& state, Pressures phi);
 
   /// `displacement` of particle i [H] without walls and contacts → with the force of its walls, on its side
   /// of the sheets that it is in contact with (F.36). Stores the density of its walls there (B.17).
@@ -39,7 +48,7 @@ class WallResponse {
   const std::vector<float>& solve(StepState& state);
 
   /// Adds the pressures to dv and to the velocities of the walls.
-  void apply(StepState& state, const std::vector<float>& phi);
+  void apply(StepState& state, Pressures phi);
 
  private:
   template <class T>
