@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "core/archive.h"
+#include "core/mesh_topology.h"
 #include "core/parallel.h"
 #include "fluid/particles.h"
 #include "fluid/pressure/prediction_contact.h"
@@ -30,22 +31,30 @@ class FluidSolver {
   /// After prepare(), for the same particles. As the settings say, removes neighbours hidden by surfaces and
   /// finds the boundary terms. The surfaces move from x_t0 to x_t1 within dt [s]. They are kept until
   /// propose(), which changes their velocities and impulses: boundary terms give the nodes the momentum
-  /// opposite to that of the particles.
+  /// opposite to that of the particles. `topologies` are those of the surfaces, in their order.
   void apply_surfaces(double dt, const Vec3& gravity, const Particles& particles,
-                      Span<SurfaceMotion* const> surfaces, StageSeconds& seconds);
+                      Span<SurfaceMotion* const> surfaces, Span<const MeshTopology* const> topologies,
+                      StageSeconds& seconds);
 
   /// Load memory of the boundary terms: the hosts' response to the load of the last step, and the load of
-  /// this one. Once per step each, after all surfaces were gathered and before they are scattered.
+  /// this one. Once per step each, after all surfaces were gathered and before they are scattered. Surfaces
+  /// that are not in the list are forgotten.
   void record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
   void record_load(double dt, Span<SurfaceMotion* const> surfaces);
-  void forget(std::uint64_t surface_id);
 
   /// After prepare(), for the same particles: density and pressure of the start positions, and
-  /// velocity ← velocity + dt (gravity + viscosity + pressure). Positions do not change. Pair forces are
-  /// antisymmetric and summed in double: without boundary terms only gravity changes the fluid's momentum, up
-  /// to 1e-12 relative. `contacts` sorted by particle.
+  /// velocity ← particles.velocity + dt (gravity + viscosity + pressure). Positions do not change. Pair
+  /// forces are antisymmetric and summed in double: without boundary terms only gravity changes the fluid's
+  /// momentum, up to 1e-12 relative. `contacts` sorted by particle. `velocity` has one value per
+  /// particle; it may be particles.velocity itself.
+  ///
+  /// Particles that were appended since prepare() take no part, and nothing of them changes.
   void propose(double dt, const Vec3& gravity, Particles& particles, Span<const PredictionContact> contacts,
-               FluidReport& report, StageSeconds& seconds);
+               Span<Vec3> velocity, FluidReport& report, StageSeconds& seconds);
+
+  /// For a step that may fail: checkpoint() copies what is kept from step to step, roll_back() restores it.
+  void checkpoint();
+  void roll_back() noexcept;
 
   /// What is kept from step to step besides the particles.
   void visit(Archive& archive);

@@ -120,7 +120,9 @@ struct Layer {
     x = sorted;
     neighbours.search(x, workers);
     SurfaceMotion* surfaces[] = {&surface};
-    boundary.find({1e-3, mass, h, Vec3(0, -1, 0), x, neighbours, surfaces}, workers);
+    const MeshTopology topology(surface.triangles, surface.x_t0.size());
+    const MeshTopology* topologies[] = {&topology};
+    boundary.find({1e-3, mass, h, Vec3(0, -1, 0), x, neighbours, surfaces, topologies}, workers);
   }
 };
 
@@ -212,8 +214,11 @@ TEST(Boundary, sheets_that_lie_on_each_other_count_once) {
   twice.neighbours.search(sorted, twice.workers);
   SurfaceMotion other = test::surface_of(plate(0.06, 7, -0.03), 0, 2);
   SurfaceMotion* surfaces[] = {&twice.surface, &other};
-  twice.boundary.find({1e-3, Layer::mass, Layer::h, Vec3::Zero(), sorted, twice.neighbours, surfaces},
-                      twice.workers);
+  const MeshTopology topology(other.triangles, other.x_t0.size());  // of both
+  const MeshTopology* topologies[] = {&topology, &topology};
+  twice.boundary.find(
+      {1e-3, Layer::mass, Layer::h, Vec3::Zero(), sorted, twice.neighbours, surfaces, topologies},
+      twice.workers);
   ASSERT_EQ(twice.boundary.points().size(), 16u);
   for (const WallPoint& p : twice.boundary.points())
     EXPECT_NEAR(p.lambda, lattice_mass_beyond<CubicSpline>(2), 5e-3);

@@ -15,11 +15,6 @@ void Boundary::clear() {
   nodes_.clear();
 }
 
-void Boundary::forget(std::uint64_t surface_id) {
-  memory_.forget(surface_id);
-  mesh_.erase(surface_id);
-}
-
 void Boundary::find(const BoundaryInput& input, const Workers& workers) {
   OILSKIN_ASSERT(input.dt > 0 && input.particle_mass > 0 && input.support_radius > 0);
   OILSKIN_ASSERT(input.neighbours.size() == input.x.size());
@@ -27,20 +22,10 @@ void Boundary::find(const BoundaryInput& input, const Workers& workers) {
   surfaces_.assign(input.surfaces.begin(), input.surfaces.end());
   memory_.prepare(input.surfaces);
   nodes_.clear();
-  geometry_.find(input, meshes_of(input.surfaces), workers);
+  geometry_.find(input, workers);
   if (empty()) return;
   nodes_.number(geometry_.walls(), input.surfaces);
   compliance_.build(geometry_, nodes_, node_motion(input.dt), mass_, workers);
-}
-
-std::vector<const SurfaceMesh*> Boundary::meshes_of(Span<SurfaceMotion* const> surfaces) {
-  std::vector<const SurfaceMesh*> meshes;
-  for (const SurfaceMotion* s : surfaces) {
-    SurfaceMesh& mesh = mesh_[s->id];
-    if (mesh.triangles() != s->triangles.size()) mesh = SurfaceMesh(*s);
-    meshes.push_back(&mesh);
-  }
-  return meshes;
 }
 
 std::vector<WallNodeMotion> Boundary::node_motion(double dt) const {

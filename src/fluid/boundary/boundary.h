@@ -36,10 +36,8 @@ class Boundary {
 
   /// What is kept from step to step.
   LoadMemory& memory() { return memory_; }
-  void forget(std::uint64_t surface_id);
 
  private:
-  std::vector<const SurfaceMesh*> meshes_of(Span<SurfaceMotion* const> surfaces);
   std::vector<WallNodeMotion> node_motion(double dt) const;
 
   WallGeometry geometry_;
@@ -48,7 +46,6 @@ class Boundary {
   LoadMemory memory_;
   double mass_ = 0;  // of a particle [kg]
   std::vector<SurfaceMotion*> surfaces_;
-  std::map<std::uint64_t, SurfaceMesh> mesh_;  // by surface id
 };
 
 }  // namespace oilskin::fluid

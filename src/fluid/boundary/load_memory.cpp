@@ -25,6 +25,14 @@ void LoadMemory::prepare(Span<SurfaceMotion* const> surfaces) {
   }
 }
 
+void LoadMemory::forget_others(Span<SurfaceMotion* const> surfaces) {
+  for (auto it = of_surface_.begin(); it != of_surface_.end();) {
+    const bool is_present = std::any_of(surfaces.begin(), surfaces.end(),
+                                        [&](const SurfaceMotion* s) { return s->id == it->first; });
+    it = is_present ? std::next(it) : of_surface_.erase(it);
+  }
+}
+
 std::vector<LoadMemory::NodeMemory>* LoadMemory::find(const SurfaceMotion& surface) {
   const auto found = of_surface_.find(surface.id);
   return found != of_surface_.end() && found->second.size() == surface.velocity.size() ? &found->second
@@ -32,6 +40,7 @@ std::vector<LoadMemory::NodeMemory>* LoadMemory::find(const SurfaceMotion& surfa
 }
 
 void LoadMemory::record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces) {
+  forget_others(surfaces);
   const double fresh = weight_of_new_value(dt);
   for (const SurfaceMotion* s : surfaces) {
     std::vector<NodeMemory>* nodes = find(*s);

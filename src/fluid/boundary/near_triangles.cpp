@@ -49,16 +49,17 @@ NearTriangles sort_by_particle(std::size_t particles, const std::vector<std::vec
 }  // namespace
 
 // The loop runs over triangles, as most particles are near none.
-NearTriangles find_near_triangles(const BoundaryInput& input, Span<const SurfaceMesh* const> meshes,
-                                  double plane_reach, const Workers& workers) {
-  OILSKIN_ASSERT(meshes.size() == input.surfaces.size());
+NearTriangles find_near_triangles(const BoundaryInput& input, double plane_reach, const Workers& workers) {
+  OILSKIN_ASSERT(input.topologies.size() == input.surfaces.size());
   std::vector<std::vector<NearTriangle>> found;
   for (std::uint32_t s = 0; s < input.surfaces.size(); ++s) {
+    const MeshTopology& topology = *input.topologies[s];
     const std::size_t triangles = input.surfaces[s]->triangles.size(), first = found.size();
+    OILSKIN_ASSERT(topology.triangle_count() == triangles);
     found.resize(first + (triangles + triangle_chunk - 1) / triangle_chunk);
     workers.for_chunks(triangles, triangle_chunk, [&](std::size_t b, std::size_t e, std::size_t chunk) {
       for (auto t = static_cast<std::uint32_t>(b); t < e; ++t)
-        if (!meshes[s]->is_repeated(t)) collect(input, s, t, plane_reach, found[first + chunk]);
+        if (!topology.is_duplicate(t)) collect(input, s, t, plane_reach, found[first + chunk]);
     });
   }
   return sort_by_particle(input.x.size(), found);

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/closest_point.h"
+#include "core/mesh_topology.h"
 #include "core/parallel.h"
-#include "fluid/boundary/surface_mesh.h"
 #include "fluid/neighbours.h"
 #include "oilskin/surface_motion.h"
 
@@ -19,7 +19,8 @@ struct BoundaryInput {
   Vec3 down = Vec3::Zero();   ///< direction of gravity, or zero
   Span<const Vec3> x;         ///< positions [m] that `neighbours` was searched for
   const Neighbours& neighbours;
-  Span<SurfaceMotion* const> surfaces;  ///< walls at x_t0, which move to x_t1 within dt
+  Span<SurfaceMotion* const> surfaces;         ///< walls at x_t0, which move to x_t1 within dt
+  Span<const MeshTopology* const> topologies;  ///< of the surfaces, in their order
 };
 
 /// A triangle within H of a particle.
@@ -39,9 +40,7 @@ struct NearTriangles {
   }
 };
 
-/// Leaves out repeated triangles, and those whose plane is `plane_reach` [m] or farther from the particle.
-/// `meshes` are those of the surfaces.
-NearTriangles find_near_triangles(const BoundaryInput& input, Span<const SurfaceMesh* const> meshes,
-                                  double plane_reach, const Workers& workers);
+/// Leaves out duplicate triangles, and those whose plane is `plane_reach` [m] or farther from the particle.
+NearTriangles find_near_triangles(const BoundaryInput& input, double plane_reach, const Workers& workers);
 
 }  // namespace oilskin::fluid

@@ -19,8 +19,8 @@ constexpr float max_plane_ratio = 1.05f;
 /// Finds the walls of one point.
 class PointWalls {
  public:
-  PointWalls(const BoundaryInput& input, Span<const SurfaceMesh* const> meshes, const MirrorImage& image,
-             Span<const NearTriangle> near, WallPoint& point, std::vector<Wall>& walls);
+  PointWalls(const BoundaryInput& input, const MirrorImage& image, Span<const NearTriangle> near,
+             WallPoint& point, std::vector<Wall>& walls);
 
   /// Appends the walls and writes their sums to the point.
   void find();
@@ -38,7 +38,6 @@ class PointWalls {
   }
 
   const BoundaryInput& input_;
-  const Span<const SurfaceMesh* const> meshes_;
   const MirrorImage& image_;
   const Span<const NearTriangle> near_;
   const NearTriangle& nearest_;
@@ -54,11 +53,9 @@ const NearTriangle& nearest_of(Span<const NearTriangle> near) {
   });
 }
 
-PointWalls::PointWalls(const BoundaryInput& input, Span<const SurfaceMesh* const> meshes,
-                       const MirrorImage& image, Span<const NearTriangle> near, WallPoint& point,
-                       std::vector<Wall>& walls)
+PointWalls::PointWalls(const BoundaryInput& input, const MirrorImage& image, Span<const NearTriangle> near,
+                       WallPoint& point, std::vector<Wall>& walls)
     : input_(input),
-      meshes_(meshes),
       image_(image),
       near_(near),
       nearest_(nearest_of(near)),
@@ -85,7 +82,7 @@ bool PointWalls::is_plane() const {
   const Vec3 normal = c.offset / c.distance;
   const double tolerance = plane_distance * input_.support_radius;
   for (const NearTriangle& n : near_) {
-    if (n.surface != nearest_.surface || meshes_[n.surface]->is_at_border(n.triangle)) return false;
+    if (n.surface != nearest_.surface || input_.topologies[n.surface]->is_at_border(n.triangle)) return false;
     const SurfaceMotion& s = *input_.surfaces[n.surface];
     const Triangle& t = s.triangles[n.triangle];
     const Vec3 cross = (s.x_t0[t[1]] - s.x_t0[t[0]]).cross(s.x_t0[t[2]] - s.x_t0[t[0]]);
@@ -167,15 +164,14 @@ void WallGeometry::clear() {
   walls_.clear();
 }
 
-void WallGeometry::find(const BoundaryInput& input, Span<const SurfaceMesh* const> meshes,
-                        const Workers& workers) {
+void WallGeometry::find(const BoundaryInput& input, const Workers& workers) {
   clear();
-  const NearTriangles near = find_near_triangles(input, meshes, image_.reach(input.support_radius), workers);
+  const NearTriangles near = find_near_triangles(input, image_.reach(input.support_radius), workers);
   number_points(near, input.x.size());
   std::vector<std::vector<Wall>> walls((points_.size() + point_chunk - 1) / point_chunk);
   workers.for_chunks(points_.size(), point_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
     for (std::size_t k = b; k < e; ++k)
-      PointWalls(input, meshes, image_, near.of(points_[k].particle), points_[k], walls[c]).find();
+      PointWalls(input, image_, near.of(points_[k].particle), points_[k], walls[c]).find();
   });
   join(walls);
 }

@@ -66,7 +66,7 @@ class WallGeometry {
 
   explicit WallGeometry(double support_ratio) : image_(support_ratio) {}
 
-  void find(const BoundaryInput& input, Span<const SurfaceMesh* const> meshes, const Workers& workers);
+  void find(const BoundaryInput& input, const Workers& workers);
   void clear();
 
   const std::vector<WallPoint>& points() const { return points_; }

@@ -37,6 +37,12 @@ class Emission {
   /// once.
   std::uint64_t settle(Span<const std::uint8_t> blocked);
 
+  /// For a step that may fail: checkpoint() copies the state of the emitters, roll_back() restores it,
+  /// commit() frees the points of volumes that have been filled.
+  void checkpoint();
+  void roll_back() noexcept;
+  void commit() noexcept;
+
   /// The emitters with their state between two steps, at `time` [s].
   void visit(Archive& archive, double time);
 

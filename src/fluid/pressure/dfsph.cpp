@@ -51,6 +51,13 @@ class Dfsph : public PressureModel {
   double particle_volume() const override { return fluid_.settled_volume; }
   void explicit_terms(StepState& state) override;
   void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) override;
+  Memory memory() const override {
+    return {loop_.relaxation(), controller_.iterations, controller_.settled_steps};
+  }
+  void set_memory(const Memory& memory) noexcept override {
+    loop_.set_relaxation(memory.relaxation);
+    controller_ = {memory.iterations, memory.settled_steps};
+  }
   void visit(Archive& archive) override {
     loop_.visit(archive);
     controller_.visit(archive);
@@ -132,7 +139,7 @@ void Dfsph::explicit_terms(StepState& state) {
 }
 
 void Dfsph::pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) {
-  OILSKIN_ASSERT(pressure.size() == state.size() && gradient_.size() == state.size());
+  OILSKIN_ASSERT(pressure.size() >= state.size() && gradient_.size() == state.size());
   begin_step(state);
   set_steps(state);
   solve_divergence(state, report);

@@ -22,6 +22,8 @@ class Pcisph : public PressureModel {
   double particle_volume() const override { return fluid_.settled_volume; }
   void explicit_terms(StepState& state) override;
   void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) override;
+  Memory memory() const override { return {loop_.relaxation(), 0, 0}; }
+  void set_memory(const Memory& memory) noexcept override { loop_.set_relaxation(memory.relaxation); }
   void visit(Archive& archive) override { loop_.visit(archive); }
 
  private:
@@ -58,7 +60,7 @@ void Pcisph::pressure_terms(StepState& state, std::vector<double>& pressure, Flu
 }
 
 void Pcisph::begin_step(StepState& state, const std::vector<double>& pressure) {
-  OILSKIN_ASSERT(pressure.size() == state.size() && state.velocity.size() == state.size() + 1);
+  OILSKIN_ASSERT(pressure.size() >= state.size() && state.velocity.size() == state.size() + 1);
   loop_.begin_step();
   walls_.begin_step(state);
   set_targets(state, fluid_.settings.spacing, target_);

@@ -70,6 +70,7 @@ class PressureLoop {
   Verdict judge(const Errors& errors);
 
   double relaxation() const { return relaxation_; }  ///< ω
+  void set_relaxation(double relaxation) noexcept { relaxation_ = relaxation; }
   // Of the loop that ended last
   int iterations() const { return iterations_; }
   const Errors& errors() const { return errors_; }

@@ -23,7 +23,14 @@ class PressureModel {
   /// writes the pressures [Pa].
   virtual void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) = 0;
 
-  /// State that is kept from step to step; none by default.
+  /// State that is kept from step to step: ω of the pressure loop, and the controller of its iterations. The
+  /// default is for models without.
+  struct Memory {
+    double relaxation = 0;
+    int iterations = 0, settled_steps = 0;
+  };
+  virtual Memory memory() const { return {}; }
+  virtual void set_memory(const Memory&) noexcept {}
   virtual void visit(Archive&) {}
 };
 
