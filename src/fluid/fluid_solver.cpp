@@ -1,30 +1,16 @@
 #include "fluid/fluid_solver.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "core/assert.h"
+#include "core/stage_timer.h"
 #include "fluid/occlusion.h"
 #include "fluid/pressure/pressure_model.h"
 
 namespace oilskin::fluid {
 
 namespace {
-
-/// Adds the time of its life to a stage.
-class StageTimer {
- public:
-  explicit StageTimer(double& seconds) : seconds_(seconds), start_(Clock::now()) {}
-  ~StageTimer() { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
-  StageTimer(const StageTimer&) = delete;
-  StageTimer& operator=(const StageTimer&) = delete;
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double& seconds_;
-  Clock::time_point start_;
-};
 
 [[maybe_unused]] bool sorted_by_particle(Span<const PredictionContact> contacts) {
   return std::is_sorted(contacts.begin(), contacts.end(),

@@ -80,7 +80,7 @@ TEST(Emission, what_is_emitted_does_not_depend_on_the_step) {
     rain.drops_per_second = 700;
     ASSERT_TRUE(emission.add(rain).ok());
     std::vector<double> times;
-    run(emission, 0.592, dt, &times);  // a whole number of steps for none but two of them
+    run(emission, 0.592, dt, &times);  // 0.592 s is a multiple of two of the steps only
     times.erase(std::remove_if(times.begin(), times.end(), [](double t) { return t >= 0.59; }), times.end());
     std::sort(times.begin(), times.end());
     if (reference.empty()) reference = times;
