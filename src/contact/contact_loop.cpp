@@ -56,6 +56,12 @@ void ContactLoop::prepare_surfaces() {
   }
 }
 
+std::vector<const MeshTopology*> ContactLoop::topologies() const {
+  std::vector<const MeshTopology*> all;
+  for (const SurfaceCache* cache : context_.caches) all.push_back(&cache->topology);
+  return all;
+}
+
 const std::vector<Contact>& ContactLoop::select_contacts() {
   StageTimer timer(context_.seconds->impulses);
   contacts_.select_active(context_, active_);

@@ -27,6 +27,8 @@ class ContactLoop {
   void run();
 
   const std::vector<Contact>& contacts() const { return active_; }
+  /// Of the surfaces of begin(), in their order.
+  std::vector<const MeshTopology*> topologies() const;
   void forget(std::uint64_t surface_id) { caches_.erase(surface_id); }
 
  private:

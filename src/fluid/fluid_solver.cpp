@@ -1,30 +1,16 @@
 #include "fluid/fluid_solver.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "core/assert.h"
+#include "core/stage_timer.h"
 #include "fluid/occlusion.h"
-#include "fluid/pressure_model.h"
+#include "fluid/pressure/pressure_model.h"
 
 namespace oilskin::fluid {
 
 namespace {
-
-/// Adds the time of its life to a stage.
-class StageTimer {
- public:
-  explicit StageTimer(double& seconds) : seconds_(seconds), start_(Clock::now()) {}
-  ~StageTimer() { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
-  StageTimer(const StageTimer&) = delete;
-  StageTimer& operator=(const StageTimer&) = delete;
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double& seconds_;
-  Clock::time_point start_;
-};
 
 [[maybe_unused]] bool sorted_by_particle(Span<const PredictionContact> contacts) {
   return std::is_sorted(contacts.begin(), contacts.end(),
@@ -56,12 +42,17 @@ struct FluidSolver::Impl {
       : settings(s), workers(std::move(w)), state(*workers, s.support_ratio), model(make_model(s)) {}
 
   void load(const Particles& particles);
-  void finish(Particles& particles);
+  void finish(Particles& particles, Span<Vec3> velocity);
 
   const FluidSettings settings;
   std::shared_ptr<Workers> workers;
   StepState state;
   std::unique_ptr<PressureModel> model;
+
+  // Of checkpoint()
+  double saved_previous_dt = 0;
+  PressureModel::Memory saved_model;
+  LoadMemory saved_loads;
 };
 
 FluidSolver::FluidSolver(const FluidSettings& settings, std::shared_ptr<Workers> workers) {
@@ -90,41 +81,41 @@ void FluidSolver::prepare(Particles& particles, StageSeconds& seconds) {
 }
 
 void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles& particles,
-                                 Span<SurfaceMotion* const> surfaces, StageSeconds& seconds) {
+                                 Span<SurfaceMotion* const> surfaces,
+                                 Span<const MeshTopology* const> topologies, StageSeconds& seconds) {
   StepState& state = impl_->state;
   const FluidSettings& settings = impl_->settings;
-  OILSKIN_ASSERT(dt > 0 && particles.size() == state.size());
-  if (surfaces.empty() || particles.size() == 0) return;
+  OILSKIN_ASSERT(dt > 0 && particles.size() >= state.size() && topologies.size() == surfaces.size());
+  if (surfaces.empty() || state.size() == 0) return;
+  const Span<const Vec3> positions(particles.position.data(), state.size());
   if (settings.occlusion) {
     const StageTimer timer(seconds.occlusion);
-    state.hidden_pairs = remove_hidden_neighbours(particles.position, surfaces, support_radius(),
-                                                  state.neighbours, *impl_->workers);
+    state.hidden_pairs =
+        remove_hidden_neighbours(positions, surfaces, support_radius(), state.neighbours, *impl_->workers);
   }
   if (settings.boundary == BoundaryModel::mirrored) {
     const StageTimer timer(seconds.boundary);
-    state.boundary.find(dt, particle_mass(), gravity.stableNormalized(), particles.position, state.neighbours,
-                        support_radius(), surfaces, *impl_->workers);
+    state.boundary.find({dt, particle_mass(), support_radius(), gravity.stableNormalized(), positions,
+                         state.neighbours, surfaces, topologies},
+                        *impl_->workers);
   }
 }
 
 void FluidSolver::record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces) {
   if (impl_->settings.boundary == BoundaryModel::mirrored)
-    impl_->state.boundary.record_host_response(dt, gravity, surfaces);
+    impl_->state.boundary.memory().record_host_response(dt, gravity, surfaces);
 }
 
 void FluidSolver::record_load(double dt, Span<SurfaceMotion* const> surfaces) {
-  if (impl_->settings.boundary == BoundaryModel::mirrored) impl_->state.boundary.record_load(dt, surfaces);
-}
-
-void FluidSolver::forget(std::uint64_t surface_id) {
-  impl_->state.boundary.forget(surface_id);
+  if (impl_->settings.boundary == BoundaryModel::mirrored)
+    impl_->state.boundary.memory().record_load(dt, surfaces);
 }
 
 void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
-                          Span<const PredictionContact> contacts, FluidReport& report,
+                          Span<const PredictionContact> contacts, Span<Vec3> velocity, FluidReport& report,
                           StageSeconds& seconds) {
   StepState& state = impl_->state;
-  OILSKIN_ASSERT(dt > 0 && particles.size() == state.size());
+  OILSKIN_ASSERT(dt > 0 && particles.size() >= state.size() && velocity.size() == particles.size());
   OILSKIN_ASSERT(sorted_by_particle(contacts));
   report = FluidReport{};
   report.hidden_pairs = state.hidden_pairs;
@@ -141,9 +132,20 @@ void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
     impl_->model->pressure_terms(state, particles.pressure, report);
   }
   const StageTimer timer(seconds.other_fluid);
-  impl_->finish(particles);
-  OILSKIN_ASSERT(particles.pressure.size() == state.size());
+  impl_->finish(particles, velocity);
   state.previous_dt = dt;
+}
+
+void FluidSolver::checkpoint() {
+  impl_->saved_previous_dt = impl_->state.previous_dt;
+  impl_->saved_model = impl_->model->memory();
+  impl_->saved_loads = impl_->state.boundary.memory();
+}
+
+void FluidSolver::roll_back() noexcept {
+  impl_->state.previous_dt = impl_->saved_previous_dt;
+  impl_->model->set_memory(impl_->saved_model);
+  impl_->state.boundary.memory().swap(impl_->saved_loads);
 }
 
 void FluidSolver::visit(Archive& archive) {
@@ -151,11 +153,11 @@ void FluidSolver::visit(Archive& archive) {
   archive.value(state.previous_dt);
   archive.require(std::isfinite(state.previous_dt) && state.previous_dt >= 0, "the length of the last step");
   impl_->model->visit(archive);
-  state.boundary.visit(archive);
+  state.boundary.memory().visit(archive);
 }
 
 void FluidSolver::Impl::load(const Particles& particles) {
-  const std::size_t n = particles.size();
+  const std::size_t n = state.size();
   state.velocity.resize(n + 1);
   state.velocity[n] = Record{0, 0, 0, 0};
   state.relative_density.resize(n);
@@ -168,9 +170,9 @@ void FluidSolver::Impl::load(const Particles& particles) {
   });
 }
 
-void FluidSolver::Impl::finish(Particles& particles) {
+void FluidSolver::Impl::finish(Particles& particles, Span<Vec3> velocity) {
   state.for_each([&](std::size_t i) {
-    particles.velocity[i] += state.dv[i];
+    velocity[i] = particles.velocity[i] + state.dv[i];
     particles.density[i] = settings.rest_density * static_cast<double>(state.relative_density[i]);
   });
 }

@@ -26,6 +26,7 @@ void World::Impl::run_step(double dt) {
     time = begin + substep * part;
     run_interval(part);
   }
+  emission->commit();
   scatter();
   OILSKIN_ASSERT(all_finite(particles.position) && all_finite(particles.velocity));
   OILSKIN_ASSERT(report.alive == particles.size());
@@ -43,7 +44,7 @@ void World::Impl::run_interval(double dt) {
   contact_report = {};
   contact->begin(dt, contact_settings, motion, surfaces, contact_report, report.seconds);
   // hidden neighbours, boundary terms
-  fluid->apply_surfaces(dt, settings.gravity, particles, surfaces, report.seconds);
+  fluid->apply_surfaces(dt, settings.gravity, particles, surfaces, contact->topologies(), report.seconds);
   predict_contacts(dt);  // bounds for the pressure solver
   propose_motion(dt);    // pressure, viscosity → x_t1
   contact->run();        // impulses, meetings, zones → certificate
@@ -56,10 +57,7 @@ void World::Impl::gather(double dt) {
   contact::StageTimer timer(report.seconds.gather);
   std::vector<std::uint64_t> stale;
   attachments.gather(dt, settings, fluid_settings, report, surfaces, stale);
-  for (std::uint64_t id : stale) {
-    contact->forget(id);
-    fluid->forget(id);
-  }
+  for (std::uint64_t id : stale) contact->forget(id);
   fluid->record_host_response(dt, settings.gravity, surfaces);
   attachments.relocate_particles(surfaces, particles, fluid->particle_mass(), next_particle_id, *workers,
                                  report);
@@ -155,7 +153,7 @@ void World::Impl::predict_contacts(double dt) {
 
 void World::Impl::propose_motion(double dt) {
   FluidReport found;
-  fluid->propose(dt, settings.gravity, particles, prediction, found, report.seconds);
+  fluid->propose(dt, settings.gravity, particles, prediction, particles.velocity, found, report.seconds);
   report.fluid = substep == 0 ? found : worst_of(report.fluid, found);
   contact::StageTimer timer(report.seconds.other_fluid);
   const std::size_t live = particles.size();

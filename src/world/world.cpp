@@ -76,7 +76,6 @@ void World::detach(SurfaceId id) {
   const std::uint64_t trace_id = impl_->attachments.detach(id.value);
   if (trace_id == 0) return;
   impl_->contact->forget(trace_id);
-  impl_->fluid->forget(trace_id);
 }
 
 std::size_t World::surface_count() const {

@@ -75,7 +75,8 @@ TEST(Dfsph, start_velocities_do_not_compress) {
     approach(tank, 4 * dx);
     tank.solver.prepare(tank.particles, tank.seconds);
     EXPECT_GT(mean_compression(tank, dt), 2e-3);
-    tank.solver.propose(dt, tank.gravity, tank.particles, {}, tank.report, tank.seconds);
+    tank.solver.propose(dt, tank.gravity, tank.particles, {}, tank.particles.velocity, tank.report,
+                        tank.seconds);
     EXPECT_GT(tank.report.divergence_iterations, 0);
     EXPECT_LE(mean_compression(tank, dt), 1.01 * tolerance);
     EXPECT_LE(tank.velocity_sum().norm(), 1e-12 * tank.speed_sum());
@@ -121,7 +122,7 @@ TEST(Dfsph, spray_is_not_held_apart) {
 }
 
 TEST(Dfsph, density_error_of_the_next_step_is_within_the_tolerance) {
-  // The report tells of a linear prediction; the truth is the density at the positions it leads to.
+  // The report is of a linear prediction; the truth is the density at the positions to which it leads.
   Column tank(dfsph(), 10, 20);
   double sum = 0;
   for (int step = 0; step < 300; ++step) {

@@ -45,8 +45,8 @@ test::StaticMesh bumpy_sheet(int n, double size, double bump, unsigned seed) {
   return mesh;
 }
 
-/// Another way to ask: the point of the line in the plane, in long double. `margin` tells how far from
-/// undecided it is, in units of the triangle.
+/// An independent test: the intersection of the line with the plane, in long double. `margin` is the distance
+/// from a change of the result, in units of the triangle.
 bool meets(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c, double* margin) {
   using L3 = Eigen::Matrix<long double, 3, 1>;
   const L3 e1 = (b - a).cast<long double>(), e2 = (c - a).cast<long double>();
@@ -171,6 +171,8 @@ TEST(Occlusion, keeps_momentum_and_bits) {
     const test::StaticMesh mesh = bumpy_sheet(10, 0.06, 0.006, 2);
     SurfaceMotion surface = test::surface_of(mesh);
     SurfaceMotion* surfaces[] = {&surface};
+    const MeshTopology topology(surface.triangles, surface.x_t0.size());
+    const MeshTopology* topologies[] = {&topology};
     FluidSettings settings;
     settings.xsph_rate = 50;
     settings.viscosity = 1e-4;
@@ -185,10 +187,10 @@ TEST(Occlusion, keeps_momentum_and_bits) {
     StageSeconds seconds;
     FluidReport report;
     solver.prepare(particles, seconds);
-    solver.apply_surfaces(1e-3, Vec3::Zero(), particles, surfaces, seconds);
+    solver.apply_surfaces(1e-3, Vec3::Zero(), particles, surfaces, topologies, seconds);
     Vec3 before = Vec3::Zero();
     for (const Vec3& v : particles.velocity) before += v;
-    solver.propose(1e-3, Vec3::Zero(), particles, {}, report, seconds);
+    solver.propose(1e-3, Vec3::Zero(), particles, {}, particles.velocity, report, seconds);
     EXPECT_GT(report.hidden_pairs, 1000u);
     Vec3& after = sum[threads - 1];
     after.setZero();

@@ -1,53 +1,46 @@
-#include "fluid/emission.h"
+#include "fluid/emission/emission.h"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "core/assert.h"
+#include "core/refuse.h"
+#include "fluid/emission/random.h"
 #include "fluid/kernels.h"
-#include "fluid/random.h"
 
 namespace oilskin::fluid {
 
 namespace {
 
-template <class T>
-Status wrong(const char* field, const T& value, const char* range) {
-  std::ostringstream s;
-  s << field << " is " << value << "; it must be " << range;
-  return Status::refused(s.str());
-}
-
 Status check_vector(const char* field, const Vec3& v) {
-  return v.allFinite() ? Status{} : wrong(field, v.transpose(), "finite");
+  return v.allFinite() ? Status{} : refuse_value(field, v.transpose(), "finite");
 }
 
 Status check_positive(const char* field, double x, const char* range) {
-  return std::isfinite(x) && x > 0 ? Status{} : wrong(field, x, range);
+  return std::isfinite(x) && x > 0 ? Status{} : refuse_value(field, x, range);
 }
 
 Status check_times(const char* start_field, double start, const char* stop_field, double stop) {
-  if (!std::isfinite(start) || start < 0) return wrong(start_field, start, "a finite time >= 0");
-  if (!(stop > start)) return wrong(stop_field, stop, "a time after start");
+  if (!std::isfinite(start) || start < 0) return refuse_value(start_field, start, "a finite time >= 0");
+  if (!(stop > start)) return refuse_value(stop_field, stop, "a time after start");
   return {};
 }
 
-/// The first refusal, or accepted.
+/// The first status that is not ok, or ok.
 Status first_of(std::initializer_list<Status> all) {
   for (const Status& s : all)
     if (!s.ok()) return s;
   return {};
 }
 
-/// Guard against a volume that is filled with more particles than a machine holds.
+/// Largest number of particles of a volume, against volumes that do not fit into memory.
 constexpr double max_points = 1e9;
 
-/// Layers and drops follow each other by no less than this [s], so that times stay distinct numbers.
+/// Shortest time between layers or drops [s], so that their times are distinct numbers.
 constexpr double min_period = 1e-9;
 
-/// A few particles that start together or layer by layer, at times given by a counter: nothing drifts, and
-/// what is emitted does not depend on the steps that it is asked in.
+/// Particles that start together, or layer by layer at times that are a function of a counter: times do not
+/// drift, and emission does not depend on dt (F.38), (F.40).
 struct Source {
   enum class Kind { nozzle, volume, rain } kind = Kind::volume;
   std::vector<Vec3> sites;  // nozzle: of a layer; volume: all points; rain: of a drop, relative to its centre
@@ -62,7 +55,7 @@ struct Source {
   std::vector<std::uint8_t> waiting;  // nozzle: per site
 
   double time_of(std::uint64_t k) const {
-    // Drops come at a random time within their period, so that they do not fall in step.
+    // A drop starts at a random time within its period, so that several emitters are not synchronous.
     const double phase = kind == Kind::rain ? random_unit(rain.seed, 3 * k + 2) : 0;
     return start + (static_cast<double>(k) + phase) * period;
   }
@@ -80,8 +73,8 @@ void visit(Archive& archive, Source& source) {
   archive.values(begun, next, waiting);
 }
 
-/// What add() guarantees of a source, and how far it is at `time`: one that lags would make up for it at
-/// once, with no end of particles.
+/// Checks what add() guarantees, and that the counter matches `time`: a source that is behind would emit all
+/// missing layers at once.
 bool is_in_range(const Source& s, double time) {
   if (!s.velocity.allFinite() || !std::isfinite(s.start) || std::isnan(s.stop)) return false;
   if (!std::all_of(s.sites.begin(), s.sites.end(), [](const Vec3& x) { return x.allFinite(); })) return false;
@@ -94,7 +87,7 @@ bool is_in_range(const Source& s, double time) {
   return due < 0x1p53 && (!s.begun || static_cast<double>(s.next) >= due - 2);
 }
 
-/// The square lattice through the axis, within the radius.
+/// Sites of the square lattice through the axis, within the radius.
 std::vector<Vec3> disc_sites(const DiscEmitter& e, double spacing) {
   const Vec3 axis = e.direction.normalized();
   int minimum = 0;
@@ -120,7 +113,7 @@ std::vector<Vec3> ball_sites(double radius, double spacing) {
   return sites;
 }
 
-/// As many lattice points as fit cells of one spacing, in the middle of the box.
+/// One point per cell of one spacing, centred in the box.
 std::vector<Vec3> box_sites(const Box& box, const Eigen::Array3d& cells, double spacing) {
   const Vec3 center = 0.5 * (box.min + box.max);
   const Vec3 first = center - 0.5 * spacing * (cells.matrix() - Vec3::Ones());
@@ -140,7 +133,15 @@ struct Emission::Impl {
   };
 
   double spacing, rest_density, particle_mass;
+  /// The state of a source.
+  struct Progress {
+    bool begun = false;
+    std::uint64_t next = 0;
+    std::vector<std::uint8_t> waiting;
+  };
+
   std::vector<Source> sources;
+  std::vector<Progress> saved;  // by checkpoint(), one per source
   std::vector<Start> starts;
   std::vector<Origin> origins;
 
@@ -172,27 +173,25 @@ Status Emission::add(const DiscEmitter& e) {
                        check_times("disc emitter: start", e.start, "disc emitter: stop", e.stop)});
   if (!s.ok()) return s;
   if (!(e.direction.stableNorm() > 0))
-    return wrong("disc emitter: direction", e.direction.transpose(), "longer than 0");
+    return refuse_value("disc emitter: direction", e.direction.transpose(), "longer than 0");
   if (e.radius / dx > 1e4)
-    return wrong("disc emitter: radius", e.radius, "at most 10000 spacings of the fluid");
+    return refuse_value("disc emitter: radius", e.radius, "at most 10000 spacings of the fluid");
   Source source;
   source.kind = Source::Kind::nozzle;
   source.sites = disc_sites(e, dx);
   source.velocity = e.speed * e.direction.stableNormalized();
   source.start = e.start;
   source.stop = e.stop;
-  // n m per layer of thickness ℓ carries ρ0 π r² v: ℓ = n m/(ρ0 π r²).
+  // Distance of layers that gives the mass flow ρ0 π r² v (F.37).
   const double layer = static_cast<double>(source.sites.size()) * impl_->particle_mass /
                        (impl_->rest_density * pi * e.radius * e.radius);
   if (layer < 0.65 * dx) {
-    std::ostringstream message;
-    message << "disc emitter: radius is " << e.radius << "; the " << source.sites.size()
-            << " sites within it cannot carry the flow of its area; use a radius of " << dx << " m or more";
-    return Status::refused(message.str());
+    return refuse("disc emitter: radius is ", e.radius, "; the ", source.sites.size(),
+                  " sites within it cannot carry the flow of its area; use a radius of ", dx, " m or more");
   }
   source.period = layer / e.speed;
   if (!(source.period >= min_period))
-    return wrong("disc emitter: speed", e.speed, "at most 1e9 layers per second");
+    return refuse_value("disc emitter: speed", e.speed, "at most 1e9 layers per second");
   source.waiting.assign(source.sites.size(), 0);
   impl_->sources.push_back(std::move(source));
   return {};
@@ -203,14 +202,14 @@ Status Emission::add(const BoxEmitter& e) {
                        check_vector("box emitter: box.max", e.box.max),
                        check_vector("box emitter: velocity", e.velocity)});
   if (!s.ok()) return s;
-  if (!std::isfinite(e.start)) return wrong("box emitter: start", e.start, "a finite time");
+  if (!std::isfinite(e.start)) return refuse_value("box emitter: start", e.start, "a finite time");
   const Eigen::Array3d cells = ((e.box.max - e.box.min).array() / impl_->spacing + 1e-6).floor();
   if (!(cells >= 1).all()) {
-    return wrong("box emitter: size", (e.box.max - e.box.min).transpose(),
-                 "at least one spacing of the fluid on every axis; it has no emission site");
+    return refuse_value("box emitter: size", (e.box.max - e.box.min).transpose(),
+                        "at least one spacing of the fluid on every axis; it has no emission site");
   }
   if (cells.prod() > max_points)
-    return wrong("box emitter: number of particles", cells.prod(), "at most 1e9");
+    return refuse_value("box emitter: number of particles", cells.prod(), "at most 1e9");
   Source source;
   source.sites = box_sites(e.box, cells, impl_->spacing);
   source.velocity = e.velocity;
@@ -222,7 +221,7 @@ Status Emission::add(const BoxEmitter& e) {
 Status Emission::add(const MeshEmitter& e) {
   Status s = check_vector("mesh emitter: velocity", e.velocity);
   if (!s.ok()) return s;
-  if (!std::isfinite(e.start)) return wrong("mesh emitter: start", e.start, "a finite time");
+  if (!std::isfinite(e.start)) return refuse_value("mesh emitter: start", e.start, "a finite time");
   Source source;
   s = lattice_inside(e, impl_->spacing, &source.sites);
   if (!s.ok()) return s;
@@ -246,7 +245,7 @@ Status Emission::add(const RainEmitter& e) {
        check_times("rain emitter: start", e.start, "rain emitter: stop", e.stop)});
   if (!s.ok()) return s;
   if (!(std::isfinite(e.drop_radius) && e.drop_radius >= 0 && e.drop_radius <= 500 * impl_->spacing))
-    return wrong("rain emitter: drop_radius", e.drop_radius, "0 … 500 spacings of the fluid");
+    return refuse_value("rain emitter: drop_radius", e.drop_radius, "0 … 500 spacings of the fluid");
   Source source;
   source.kind = Source::Kind::rain;
   source.sites = ball_sites(e.drop_radius, impl_->spacing);
@@ -255,7 +254,7 @@ Status Emission::add(const RainEmitter& e) {
   source.stop = e.stop;
   source.period = 1 / e.drops_per_second;
   if (!(source.period >= min_period))
-    return wrong("rain emitter: drops_per_second", e.drops_per_second, "at most 1e9 1/s");
+    return refuse_value("rain emitter: drops_per_second", e.drops_per_second, "at most 1e9 1/s");
   source.rain = e;
   impl_->sources.push_back(std::move(source));
   return {};
@@ -295,7 +294,7 @@ void Emission::Impl::emit_waiting(std::size_t source, double dt) {
 void Emission::Impl::emit_series(std::size_t index, double time, double dt) {
   Source& s = sources[index];
   OILSKIN_ASSERT(s.period >= min_period);
-  if (!s.begun) {  // what would have come before the first call is not made up for
+  if (!s.begun) {  // starts before the first call are not emitted later
     s.begun = true;
     if (time > s.start) s.next = static_cast<std::uint64_t>((time - s.start) / s.period);
     while (s.time_of(s.next) < time) ++s.next;
@@ -307,7 +306,7 @@ void Emission::Impl::emit_series(std::size_t index, double time, double dt) {
       center = s.rain.corner + random_unit(s.rain.seed, 3 * s.next) * s.rain.edge_u +
                random_unit(s.rain.seed, 3 * s.next + 1) * s.rain.edge_v;
     }
-    // A start that waited leaves at `time`: one of the same site within half a layer behind it would overlap
+    // A start that waited leaves at `time`. One of the same site within half a period after it would overlap
     // it.
     const bool behind = t - time < 0.5 * s.period;
     for (std::size_t k = 0; k < s.sites.size(); ++k)
@@ -322,7 +321,6 @@ void Emission::Impl::emit_volume(std::size_t index, double time, double dt) {
   s.begun = true;
   const double remaining = std::min(dt, time + dt - s.start);
   for (std::size_t k = 0; k < s.sites.size(); ++k) emit(index, k, s.sites[k], remaining);
-  s.sites = {};
 }
 
 std::uint64_t Emission::settle(Span<const std::uint8_t> blocked) {
@@ -335,6 +333,30 @@ std::uint64_t Emission::settle(Span<const std::uint8_t> blocked) {
     if (s.kind == Source::Kind::nozzle) s.waiting[impl_->origins[i].site] = 1;
   }
   return count;
+}
+
+void Emission::checkpoint() {
+  impl_->saved.resize(impl_->sources.size());
+  for (std::size_t k = 0; k < impl_->saved.size(); ++k) {
+    const Source& s = impl_->sources[k];
+    impl_->saved[k].begun = s.begun;
+    impl_->saved[k].next = s.next;
+    impl_->saved[k].waiting = s.waiting;
+  }
+}
+
+void Emission::roll_back() noexcept {
+  for (std::size_t k = 0; k < impl_->saved.size(); ++k) {
+    Source& s = impl_->sources[k];
+    s.begun = impl_->saved[k].begun;
+    s.next = impl_->saved[k].next;
+    s.waiting.swap(impl_->saved[k].waiting);
+  }
+}
+
+void Emission::commit() noexcept {
+  for (Source& s : impl_->sources)
+    if (s.kind == Source::Kind::volume && s.begun) std::vector<Vec3>().swap(s.sites);
 }
 
 void Emission::visit(Archive& archive, double time) {

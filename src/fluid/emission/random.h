@@ -1,5 +1,5 @@
-/// Random numbers that are a function of (seed, counter): no state to save, the same on every platform (the
-/// distributions of the standard library are not).
+/// Random numbers as a function of (seed, counter): there is no state to save, and they are the same on every
+/// platform, unlike the distributions of the standard library.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
-/// What a wall hides from a particle, for the cubic spline. Lengths in units of H, kernel masses relative to
-/// ρ0.
+/// Integrals of the cubic spline over walls. Lengths in units of H, kernel masses relative to ρ0.
 #pragma once
 
 #include <algorithm>
@@ -30,20 +29,20 @@ T plane_integral_slope(T z) {
   return T(16) * z * (T(2) * u * u * u - T(8) * v * v * v);
 }
 
-/// A triangle as seen by a particle at the origin.
+/// A triangle near a particle at the origin.
 struct WallView {
   float distance = 1;                                ///< of the triangle's plane
-  float share = 0;                                   ///< of what the whole plane would hide, 0 … 1
+  float share = 0;                                   ///< S_T: of the effect of the whole plane, 0 … 1
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< of the plane, towards the particle
 };
 
-/// Corners relative to the particle. The share is λ_T/λ(z): the kernel's mass in the triangle's shadow
-/// (B.7) over that behind its plane, so that the tiles of a plane add up to 1, without orientation
-/// or closedness. In polar coordinates (r, φ) about the particle's foot in the plane the radial integral of
-/// the shadow is λ again, and what is left is one integral along each edge,
-///   λ_T = 1/(2π) Σ_edges ∫ [λ(z) − z λ(r)/r] dφ (B.9),
-/// r = r(φ) at the edge: exact where summing over small triangles needs hundreds of them. 0 for a triangle
-/// without area, and for one whose plane contains the particle, which hides nothing.
+/// Corners relative to the particle. S_T = Λ_T/Λ(ζ) (B.7): the kernel mass in the triangle's shadow over that
+/// behind its plane, so that the shares of the tiles of a plane add up to 1, for any orientation and also for
+/// open meshes. In polar coordinates (r, ϕ) about the particle's foot in the plane the radial integral is
+/// known, and one integral along each edge remains (B.9),
+///   Λ_T = 1/(2π) Σ_edges ∫ [Λ(ζ) − ζ Λ(r)/r] dϕ.
+/// A sum over small triangles needs hundreds of them for the same accuracy. 0 for a triangle without area,
+/// and for one whose plane contains the particle.
 WallView view_of_wall(const std::array<Eigen::Vector3f, 3>& corners);
 
 }  // namespace oilskin::fluid

@@ -1,12 +1,12 @@
 /// The loops over pairs. Lengths are in units of H: Δ = (x_i − x_j)/H, q = |Δ|.
 ///
-/// Every pair term is computed from both sides by the same float operations on the same numbers (differences
-/// change sign exactly, everything else commutes), so f_ij = −f_ji holds bit for bit; where it changes
-/// velocities it is summed in double, and the momentum of the fluid is conserved to 1e-16 per particle.
+/// Both sides compute a pair term by the same float operations on the same numbers (differences change sign
+/// exactly, everything else commutes), so that f_ij = −f_ji bit for bit. Terms that change velocities are
+/// summed in double: the momentum of the fluid is conserved to 1e-16 per particle.
 #pragma once
 
 #include "fluid/kernels.h"
-#include "fluid/step_state.h"
+#include "fluid/pressure/step_state.h"
 
 namespace oilskin::fluid {
 
@@ -36,13 +36,12 @@ float density_sum(const Neighbours& neighbours, const std::vector<Record>& x, st
   return total(sum);
 }
 
-/// Σ_j (s_i + s_j) w'(q_ij)/q_ij Δ_ij with s = Record::w: the pressure gradient. `Sum` is F4 inside
-/// iterations and Sum4 (double) for what is applied.
+/// Σ_j (s_i + s_j) w'(q_ij)/q_ij Δ_ij: the pressure gradient. `x` are the positions with s in Record::w, so
+/// that one load per neighbour has both. `Sum` is F4 inside iterations and Sum4 (double) for what is applied.
 template <class Sum>
-Vec3 pressure_sum(StepState& state, std::size_t i) {
+Vec3 pressure_sum(const StepState& state, const std::vector<Record>& x, std::size_t i) {
   const std::uint32_t* j = state.neighbours.list(i);
   const float* slope = state.slopes(i);
-  const std::vector<Record>& x = state.position();
   const F4 own(x[i].w);
   Sum sx, sy, sz;
   for (std::uint32_t b = state.neighbours.blocks(i); b > 0; --b, j += 4, slope += 4) {
@@ -57,14 +56,14 @@ Vec3 pressure_sum(StepState& state, std::size_t i) {
 }
 
 /// dv −= scale Σ_j (s_i + s_j) w'/q Δ for all particles.
-inline void apply_pressure(StepState& state, double scale) {
-  state.for_each([&](std::size_t i) { state.dv[i] -= scale * pressure_sum<Sum4>(state, i); });
+inline void apply_pressure(StepState& state, const std::vector<Record>& x, double scale) {
+  state.for_each([&](std::size_t i) { state.dv[i] -= scale * pressure_sum<Sum4>(state, x, i); });
 }
 
-/// Density, slopes and, `with_velocity`, what smooths velocities. Model::Density and Model::Gradient are
-/// kernels; model.shear(pairs, dv·Δ, slope, w) gives {a, b} of the pair term a Δ − b (v_i − v_j).
-/// Model::Rates sums what a model wants besides, and model.keep(rates, i) keeps it. Model::store_pair writes
-/// `per_pair` floats of every pair.
+/// Density, slopes and, `with_velocity`, viscosity and XSPH of particle i. Model::Density and Model::Gradient
+/// are kernels; model.shear(pairs, dv·Δ, q, slope, w) returns {a, b} of the pair term a Δ − b (v_i − v_j).
+/// Model::Rates are further sums, which model.keep(rates, i) stores. Model::store_pair writes `per_pair`
+/// floats per pair.
 template <bool with_velocity, class Model>
 void explicit_sums(StepState& state, const Model& model, std::size_t i) {
   const std::vector<Record>& x = state.position();
@@ -98,9 +97,9 @@ void explicit_sums(StepState& state, const Model& model, std::size_t i) {
   }
 }
 
-/// The kernel's mass behind walls.
+/// Adds λ_i of walls to the densities.
 inline void add_wall_density(StepState& state) {
-  for (const Boundary::Point& point : state.boundary.points())
+  for (const WallPoint& point : state.boundary.points())
     state.relative_density[point.particle] += point.lambda;
 }
 
@@ -112,9 +111,9 @@ struct NoRates {
   void add(const Pairs&, F4, F4) {}
 };
 
-/// What both models need: ρ/ρ0 = scale (w(0) + Σ w), and XSPH [Schechter2012] (F.9) Δv = c Σ V (v_j −
-/// v_i) W with c = 1 − exp(−rate dt), so that the smoothing per second does not depend on dt. V = m/ρ0 for
-/// all, so that the terms are antisymmetric.
+/// Base of the models: ρ/ρ0 = D (w(0) + Σ w) (F.5), and XSPH [Schechter2012] (F.9) Δv = c Σ V (v_j − v_i) W
+/// with c = 1 − exp(−rate dt), so that the smoothing per second does not depend on dt. V is the same for all
+/// particles, so that the terms are antisymmetric.
 template <class Kernel>
 struct DensityModel {
   using Density = Kernel;

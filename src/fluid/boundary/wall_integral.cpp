@@ -1,4 +1,4 @@
-#include "fluid/wall_integral.h"
+#include "fluid/boundary/wall_integral.h"
 
 #include <cmath>
 
@@ -21,9 +21,9 @@ float angle_between(float d, float a, float b) {
   return std::atan2(d * (b - a), d * d + a * b);
 }
 
-/// ∫ [λ(z) − z λ(r)/r] dφ along an edge whose line passes the foot at distance d > 0, from t = a to b > a.
-/// With dφ = d dt/(d² + t²) the integrand is smooth in t; beyond r = 1 it is constant, and the angle is
-/// known.
+/// ∫ [Λ(ζ) − ζ Λ(r)/r] dϕ along an edge from t = a to b > a, whose line passes the foot at the distance d >
+/// 0. With dϕ = d dt/(d² + t²) the integrand is smooth in t; beyond r = 1 it is constant, and the integral is
+/// an angle.
 float edge_integral(float z, float mass_at_z, float d, float a, float b) {
   const float reach2 = 1 - z * z - d * d;
   const float reach = reach2 > 0 ? std::sqrt(reach2) : 0;

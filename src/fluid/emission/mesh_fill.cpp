@@ -1,10 +1,10 @@
 /// Lattice points inside a closed mesh, by winding number along the rows of the lattice.
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "core/assert.h"
-#include "fluid/emission.h"
+#include "core/refuse.h"
+#include "fluid/emission/emission.h"
 #include "fluid/kernels.h"
 
 namespace oilskin::fluid {
@@ -12,28 +12,21 @@ namespace oilskin::fluid {
 namespace {
 
 Status check_mesh(const MeshEmitter& mesh, double spacing) {
-  std::ostringstream s;
-  if (!(std::isfinite(spacing) && spacing > 0)) {
-    s << "mesh emitter: spacing is " << spacing << "; it must be a finite length > 0 m";
-    return Status::refused(s.str());
-  }
+  if (!(std::isfinite(spacing) && spacing > 0))
+    return refuse_value("mesh emitter: spacing", spacing, "a finite length > 0 m");
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-    if (!mesh.vertices[i].allFinite()) {
-      s << "mesh emitter: vertex " << i << " is " << mesh.vertices[i].transpose() << "; it must be finite";
-      return Status::refused(s.str());
-    }
-  if (mesh.triangles.empty()) return Status::refused("mesh emitter: the mesh has no triangles");
+    if (!mesh.vertices[i].allFinite())
+      return refuse("mesh emitter: vertex ", i, " is ", mesh.vertices[i].transpose(), "; it must be finite");
+  if (mesh.triangles.empty()) return refuse("mesh emitter: the mesh has no triangles");
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     for (const std::uint32_t v : mesh.triangles[i])
-      if (v >= mesh.vertices.size()) {
-        s << "mesh emitter: triangle " << i << " refers to vertex " << v << "; there are "
-          << mesh.vertices.size();
-        return Status::refused(s.str());
-      }
+      if (v >= mesh.vertices.size())
+        return refuse("mesh emitter: triangle ", i, " refers to vertex ", v, "; there are ",
+                      mesh.vertices.size());
   return {};
 }
 
-/// Points first + (i, j, k) spacing, as many as fill the box, in its middle.
+/// Points first + (i, j, k) spacing that fill the box, centred.
 struct Lattice {
   Vec3 first = Vec3::Zero();
   double spacing = 0;
@@ -51,9 +44,9 @@ struct Lattice {
   double size() const { return static_cast<double>(n[0]) * rows(); }
 };
 
-/// On which side of the edge a→b, seen along x, the row (y, z) passes: +1 or −1, 0 for an edge along x.
-/// Antisymmetric in a, b bit for bit, since it is computed in one order of the two. A row through the edge
-/// counts as moved by (ε, ε²), the same for all edges [Edelsbrunner1990].
+/// Side of the edge a→b, seen along x, on which the row (y, z) passes: +1 or −1, 0 for an edge along x.
+/// Evaluated in one order of a and b, so that it is antisymmetric bit for bit. A row through the edge is
+/// shifted symbolically by (ε, ε²), the same for all edges [Edelsbrunner1990].
 int side(const Vec3& a, const Vec3& b, double y, double z) {
   const bool swap = std::make_pair(b[1], b[2]) < std::make_pair(a[1], a[2]);
   const Vec3 &p = swap ? b : a, &q = swap ? a : b;
@@ -69,15 +62,15 @@ struct Crossing {
   int sign;
 };
 
-/// Where the row meets the plane of a triangle that is known to span it.
+/// x at which the row intersects the plane of a triangle that it is known to pass.
 double plane_x(const Vec3& a, const Vec3& b, const Vec3& c, double y, double z) {
   const Vec3 normal = (b - a).cross(c - a);
   const double low = std::min({a[0], b[0], c[0]}), high = std::max({a[0], b[0], c[0]});
   const double x = a[0] - (normal[1] * (y - a[1]) + normal[2] * (z - a[2])) / normal[0];
-  return x >= low ? std::min(x, high) : low;  // also where rounding made it NaN
+  return x >= low ? std::min(x, high) : low;  // low also for NaN
 }
 
-/// All crossings of all rows, row j + n_y k in [begin[row], begin[row + 1]).
+/// Crossings of the mesh with all rows of the lattice; row (j, k) has the number j + n_y k.
 class RowCrossings {
  public:
   RowCrossings(const MeshEmitter& mesh, const Lattice& lattice) : begin_(lattice.n[1] * lattice.n[2] + 1) {
@@ -99,7 +92,7 @@ class RowCrossings {
     for (const Triangle& t : mesh.triangles) {
       const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
       std::array<std::int64_t, 3> low{}, high{};
-      for (int k = 1; k < 3; ++k) {  // one row more on either side: rounding must not lose any
+      for (int k = 1; k < 3; ++k) {  // one more row on either side, against rounding
         const double min = std::min({a[k], b[k], c[k]}), max = std::max({a[k], b[k], c[k]});
         low[k] = std::max<std::int64_t>(0, std::llround((min - lattice.first[k]) / lattice.spacing - 1));
         high[k] =
@@ -131,8 +124,9 @@ double winding_number(const MeshEmitter& mesh, const Vec3& x) {
   return sum / (2 * pi);
 }
 
-/// Along a row the winding number changes by ±1 at every crossing. It must end at 0; where the mesh is open
-/// or inconsistently oriented it does not, and each point of the row is asked for itself.
+/// Along a row the winding number changes by ±1 at every crossing and must end at 0. Where it does not, as
+/// the mesh is open or inconsistently oriented, each point of the row is decided by the generalised winding
+/// number.
 void fill_row(const MeshEmitter& mesh, const Lattice& lattice, Span<Crossing> crossings, double y, double z,
               std::vector<Vec3>& points) {
   int total = 0;
@@ -160,10 +154,8 @@ Status lattice_inside(const MeshEmitter& mesh, double spacing, std::vector<Vec3>
     for (const std::uint32_t v : t) box.add(mesh.vertices[v]);
   const Lattice lattice(box, spacing);
   if (!(lattice.size() <= 1e9 && lattice.rows() <= 1e8)) {
-    std::ostringstream s;
-    s << "mesh emitter: the box of the mesh holds " << lattice.size()
-      << " points of the lattice; at most 1e9";
-    return Status::refused(s.str());
+    return refuse("mesh emitter: the box of the mesh holds ", lattice.size(),
+                  " points of the lattice; at most 1e9");
   }
   RowCrossings crossings(mesh, lattice);
   for (std::int64_t k = 0; k < lattice.n[2]; ++k)

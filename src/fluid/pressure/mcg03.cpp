@@ -3,8 +3,8 @@
 
 #include "core/assert.h"
 #include "fluid/lattice.h"
-#include "fluid/pair_sums.h"
-#include "fluid/pressure_model.h"
+#include "fluid/pressure/pair_sums.h"
+#include "fluid/pressure/pressure_model.h"
 
 namespace oilskin::fluid {
 
@@ -46,24 +46,27 @@ class Mcg03 : public PressureModel {
  private:
   const FluidSettings settings_;
   const double support_radius_, volume_;
+  std::vector<Record> x_share_;  // positions, and what the pressure of a particle adds to its pair forces
 };
 
-/// p = k (ρ − ρ0), not below 0: tension would clump free surfaces. Of the symmetric forms of the pair force,
-/// a_i = −Σ m (p_i/ρ_i² + p_j/ρ_j²) ∇W conserves momentum exactly and needs one number per particle.
+/// p = k (ρ − ρ0), not below 0 (F.13): with tension particles at free surfaces clump. The pair force (F.14),
+/// a_i = −Σ m (p_i/ρ_i² + p_j/ρ_j²) ∇W, is antisymmetric and needs one number per particle.
 void Mcg03::pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) {
-  OILSKIN_ASSERT(pressure.size() == state.size() && state.relative_density.size() == state.size());
+  OILSKIN_ASSERT(pressure.size() >= state.size() && state.relative_density.size() == state.size());
   const double rest_density = settings_.rest_density, mass = volume_ * rest_density;
   const double scale = state.dt * mass * Spiky::norm / std::pow(support_radius_, 4);  // of w'/q Δ in m ∇W dt
-  // In a step that sound outruns, the state equation would add energy without end: the fluid is softer then.
+  // Sound must not travel farther than 0.4 H in a step, or the explicit integration adds energy: the fluid
+  // becomes softer instead.
   const double fastest_sound = 0.4 * support_radius_ / state.dt;
   const double stiffness = std::min(settings_.stiffness, fastest_sound * fastest_sound);
+  x_share_ = state.position();
   state.for_each([&](std::size_t i) {
     const double density = rest_density * static_cast<double>(state.relative_density[i]);
-    OILSKIN_ASSERT(density > 0);  // its own share at least
+    OILSKIN_ASSERT(density > 0);  // w(0) at least
     pressure[i] = std::max(0.0, stiffness * (density - rest_density));
-    state.position()[i].w = static_cast<float>(scale * pressure[i] / (density * density));
+    x_share_[i].w = static_cast<float>(scale * pressure[i] / (density * density));
   });
-  apply_pressure(state, 1);
+  apply_pressure(state, x_share_, 1);
 
   std::uint64_t counted = 0;
   for (std::size_t i = 0; i < state.size(); ++i) {
