@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <iostream>
 
 #include "ccd/coplanarity_cubic.h"
 #include "ccd/queries.h"
 #include "ccd/separation.h"
+#include "support/record.h"
 
 #ifdef __SIZEOF_FLOAT128__
 
@@ -101,7 +101,7 @@ TEST(CoplanarityCubic, ErrorsStayWithinTheBound) {
       const Corners x = family.make(random);
       maximum = std::max(maximum, share_of_bound(x, random.uniform(0, 1), random.uniform(0, 1)));
     }
-    std::cout << "  " << family.name << ": " << maximum << " of the bound\n";
+    test::record(std::string(family.name) + ", error over its bound", maximum);
     EXPECT_LE(maximum, 1);
   }
 }
@@ -139,7 +139,7 @@ TEST(CoplanarityCubic, TheBoundIsNeededToAQuarterAtLeast) {
                          return share_of_bound(x, time(v[24]), time(v[25]));
                        }));
   }
-  std::cout << "  greatest error found: " << maximum << " of the bound\n";
+  test::record("greatest error over its bound", maximum);
   EXPECT_LE(maximum, 1);
   EXPECT_GT(maximum, 0.25);
 }
@@ -176,7 +176,7 @@ TEST(Separation, DotProductsStayAboveTheirBoundAndNeedAQuarterOfIt) {
     for (double& x : numbers) x = random.uniform(-1, 1);
     maximum = std::max(maximum, climb(numbers, random, 2000, share));
   }
-  std::cout << "  greatest error found: " << maximum << " of the bound\n";
+  test::record("greatest error over its bound", maximum);
   EXPECT_LE(maximum, 1);
   EXPECT_GT(maximum, 0.25);
 }

@@ -7,6 +7,7 @@
 #include "contact/predicates.h"
 #include "support/particle_arrays.h"
 #include "support/random.h"
+#include "support/record.h"
 
 namespace oilskin {
 namespace {
@@ -185,9 +186,12 @@ TEST_P(Squeezing, no_pair_meets_and_none_is_near_at_the_end) {
   }
   EXPECT_GT(zone_steps, 0u) << "the squeezing is too soft to test zones";
   EXPECT_GE(minimum, 1 - 1e-9);
-  std::cout << "  " << steps_run << " steps, " << zone_steps << " with zones, at most " << max_zone_rounds
-            << " rounds, least distance " << minimum << " δ, stalled " << stalled << ", removed " << removed
-            << "\n";
+  test::record("steps", steps_run);
+  test::record("steps with zones", zone_steps);
+  test::record("most zone rounds", max_zone_rounds);
+  test::record("smallest distance [δ]", minimum);
+  test::record("stalled", stalled);
+  test::record("removed", removed);
 }
 
 INSTANTIATE_TEST_SUITE_P(
