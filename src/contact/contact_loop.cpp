@@ -47,7 +47,7 @@ void ContactLoop::prepare_surfaces() {
     SurfaceCache& cache = caches_[s.id];
     if (cache.id != s.id) {
       cache.id = s.id;
-      cache.topology = Topology(s.triangles, nodes);
+      cache.topology = MeshTopology(s.triangles, nodes);
     }
     context_.caches[k] = &cache;
     context_.node_stamp[k].assign(nodes, 0);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/features.h"
 #include "contact/friction.h"
 #include "core/assert.h"
 
@@ -23,8 +24,8 @@ Contact make_contact(const Context& context, std::uint32_t p, std::uint32_t surf
   r.weights = c.weights;
   r.distance = c.distance;
   r.normal = c.distance > 0 ? Vec3(c.offset / c.distance) : geometric_normal(q.a, q.b, q.c);
-  const Topology& topology = context.caches[surface]->topology;
-  r.feature = topology.feature_key(triangle, r.nodes, c.feature);
+  const MeshTopology& topology = context.caches[surface]->topology;
+  r.feature = feature_key(topology, triangle, r.nodes, c.feature);
   const SurfaceSide f = side_of(topology, motion.triangles, motion.x_t0, triangle, c.feature, r.normal);
   OILSKIN_ASSERT(std::abs(r.weights[0] + r.weights[1] + r.weights[2] - 1) < 1e-12);
   OILSKIN_ASSERT(std::abs(r.normal.squaredNorm() - 1) < 1e-9);
@@ -65,15 +66,15 @@ void find_for_particle(const Context& context, const CandidateSet& candidates,
       if (squared_distance_to_box(q) >= reach * reach) continue;
       const ClosestPoint c = closest_point(q.p, q.a, q.b, q.c);
       if (c.distance >= reach) continue;
-      const Topology& topology = context.caches[s]->topology;
+      const MeshTopology& topology = context.caches[s]->topology;
       const std::uint64_t feature =
-          topology.feature_key(pair.triangle, motion.triangles[pair.triangle], c.feature);
+          feature_key(topology, pair.triangle, motion.triangles[pair.triangle], c.feature);
       const bool is_vertex = (c.feature & (c.feature - 1)) == 0;
       if (is_vertex) {
         if (std::find(vertices.begin(), vertices.end(), feature) != vertices.end()) continue;
         vertices.push_back(feature);
       }
-      if (!topology.is_local_minimum(motion.triangles, motion.x_t0, pair.triangle, c)) continue;
+      if (!is_local_minimum(topology, motion.triangles, motion.x_t0, pair.triangle, c)) continue;
       const bool duplicate = std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
                                          [&](const Contact& o) { return o.feature == feature; });
       if (!duplicate) out.push_back(make_contact(context, p, s, pair.triangle, q, c));

@@ -4,8 +4,8 @@
 #include <chrono>
 
 #include "contact/predicates.h"
-#include "contact/topology.h"
 #include "core/assert.h"
+#include "core/mesh_topology.h"
 #include "core/parallel.h"
 #include "oilskin/contact.h"
 #include "proximity/surface_tree.h"
@@ -15,7 +15,7 @@ namespace oilskin::contact {
 /// What is kept of a surface from step to step.
 struct SurfaceCache {
   std::uint64_t id = 0;
-  Topology topology;
+  MeshTopology topology;
   proximity::SurfaceTree tree;
 };
 

@@ -47,7 +47,7 @@ double wall_layer(const ParticleMotion& particles, const SurfaceMotion& surface)
   return layer;
 }
 
-SurfaceSide side_of(const Topology& topology, Span<const Triangle> triangles, Span<const Vec3> x,
+SurfaceSide side_of(const MeshTopology& topology, Span<const Triangle> triangles, Span<const Vec3> x,
                     std::uint32_t triangle, std::uint8_t feature, const Vec3& normal) {
   SurfaceSide f;
   OILSKIN_ASSERT(triangle < triangles.size() && feature >= 1 && feature <= 7);

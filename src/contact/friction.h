@@ -23,7 +23,7 @@ struct SurfaceSide {
 /// `feature` as ClosestPoint has it. The side is that of the angle-weighted normal [Baerentzen2005] (C.8),
 /// right at sharp folds, too; the front where there is no telling: in the plane of a border, at degenerate
 /// triangles, at duplicates of both windings.
-SurfaceSide side_of(const Topology& topology, Span<const Triangle> triangles, Span<const Vec3> x,
+SurfaceSide side_of(const MeshTopology& topology, Span<const Triangle> triangles, Span<const Vec3> x,
                     std::uint32_t triangle, std::uint8_t feature, const Vec3& normal);
 
 /// Sets Row::wall_area (C.19) of the rows of records, which are ordered by particle.

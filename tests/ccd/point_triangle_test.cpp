@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "../demos/ccd_command.h"
+#include "ccd_command.h"
 #include "ccd/exact_query.h"
 #include "ccd/queries.h"
 

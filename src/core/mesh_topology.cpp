@@ -1,0 +1,63 @@
+#include "core/mesh_topology.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace oilskin {
+
+namespace {
+
+std::vector<std::uint32_t> find_first_equal(Span<const Triangle> triangles) {
+  std::vector<Triangle> sorted(triangles.begin(), triangles.end());
+  for (Triangle& t : sorted) std::sort(t.begin(), t.end());
+  std::vector<std::uint32_t> order(triangles.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t i, std::uint32_t j) { return sorted[i] < sorted[j]; });
+  std::vector<std::uint32_t> first(triangles.size());
+  for (std::size_t k = 0; k < order.size(); ++k)
+    first[order[k]] = k > 0 && sorted[order[k]] == sorted[order[k - 1]] ? first[order[k - 1]] : order[k];
+  return first;
+}
+
+}  // namespace
+
+MeshTopology::MeshTopology(Span<const Triangle> triangles, std::size_t node_count)
+    : first_equal_(find_first_equal(triangles)), begin_(node_count + 1, 0) {
+  collect_triangles_of_nodes(triangles);
+  find_border(triangles);
+}
+
+void MeshTopology::collect_triangles_of_nodes(Span<const Triangle> triangles) {
+  for (const Triangle& t : triangles)
+    for (std::uint32_t node : t) {
+      OILSKIN_ASSERT(node < node_count());
+      ++begin_[node + 1];
+    }
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  triangle_.resize(begin_.back());
+  OILSKIN_ASSERT(begin_.back() == 3 * triangles.size());
+  std::vector<std::uint32_t> fill(begin_.begin(), begin_.end() - 1);
+  for (std::uint32_t i = 0; i < triangles.size(); ++i)
+    for (std::uint32_t node : triangles[i]) triangle_[fill[node]++] = i;
+}
+
+void MeshTopology::find_border(Span<const Triangle> triangles) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3 && !is_duplicate(t); ++k)
+      edges.push_back(std::minmax(triangles[t][k], triangles[t][(k + 1) % 3]));
+  std::sort(edges.begin(), edges.end());
+  std::vector<std::uint8_t> is_border_node(node_count(), 0);
+  for (std::size_t k = 0; k < edges.size();) {
+    std::size_t stop = k;
+    while (stop < edges.size() && edges[stop] == edges[k]) ++stop;
+    if (stop - k != 2) is_border_node[edges[k].first] = is_border_node[edges[k].second] = 1;
+    k = stop;
+  }
+  at_border_.reserve(triangles.size());
+  for (const Triangle& t : triangles)
+    at_border_.push_back(is_border_node[t[0]] | is_border_node[t[1]] | is_border_node[t[2]]);
+}
+
+}  // namespace oilskin

@@ -1,0 +1,53 @@
+/// Adjacency of a triangle mesh: equal triangles, triangles at a node, the border. It depends on indices
+/// alone, so one analysis holds for as long as the triangles do.
+#pragma once
+
+#include <vector>
+
+#include "core/assert.h"
+#include "oilskin/types.h"
+
+namespace oilskin {
+
+class MeshTopology {
+ public:
+  MeshTopology() = default;
+  /// Indices must be < node_count (asserted). Degenerate and duplicate triangles are allowed.
+  MeshTopology(Span<const Triangle> triangles, std::size_t node_count);
+
+  std::size_t triangle_count() const { return first_equal_.size(); }
+  std::size_t node_count() const { return begin_.empty() ? 0 : begin_.size() - 1; }
+
+  /// The first triangle with the same three nodes, in whatever order: the triangle itself where there is no
+  /// earlier one.
+  std::uint32_t first_equal(std::uint32_t triangle) const {
+    OILSKIN_ASSERT(triangle < first_equal_.size());
+    return first_equal_[triangle];
+  }
+  /// Does an earlier triangle have the same three nodes?
+  bool is_duplicate(std::uint32_t triangle) const { return first_equal(triangle) != triangle; }
+
+  /// Does the triangle have a node on a border edge? An edge is at the border unless exactly two triangles
+  /// share it; duplicates do not count.
+  bool is_at_border(std::uint32_t triangle) const {
+    OILSKIN_ASSERT(triangle < at_border_.size());
+    return at_border_[triangle] != 0;
+  }
+
+  /// The triangles that have the node, ascending. A triangle that names the node twice is listed twice.
+  Span<const std::uint32_t> triangles_of(std::uint32_t node) const {
+    OILSKIN_ASSERT(node < node_count());
+    return {triangle_.data() + begin_[node], begin_[node + 1] - begin_[node]};
+  }
+
+ private:
+  void collect_triangles_of_nodes(Span<const Triangle> triangles);
+  void find_border(Span<const Triangle> triangles);
+
+  std::vector<std::uint32_t> first_equal_;  // per triangle
+  std::vector<std::uint32_t> begin_;        // per node, into triangle_; one more than there are nodes
+  std::vector<std::uint32_t> triangle_;
+  std::vector<std::uint8_t> at_border_;  // per triangle
+};
+
+}  // namespace oilskin
