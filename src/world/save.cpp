@@ -80,8 +80,9 @@ bool is_in_range(const SurfaceMotion& m) {
   return true;
 }
 
-/// Unique ids that a counter has given out, which now stands at `next`.
+/// Unique ids that a counter has given out, which now stands at `next` and cannot overflow.
 bool are_given(std::vector<std::uint64_t> ids, std::uint64_t next) {
+  if (next == 0 || next >> 63 != 0) return false;
   std::sort(ids.begin(), ids.end());
   return ids.empty() ||
          (ids.front() > 0 && ids.back() < next && std::adjacent_find(ids.begin(), ids.end()) == ids.end());
