@@ -78,7 +78,7 @@ void expect_right_placement(const Corners& x, int end, int query) {
 
 class Adversarial : public testing::TestWithParam<int> {};
 
-TEST_P(Adversarial, AnswersAreExactAndNeverLate) {
+TEST_P(Adversarial, results_are_exact_and_never_late) {
   constexpr double kEarliest = 1e-6;
   const Family& family = families()[GetParam()];
   Random random(1000 + GetParam());

@@ -92,7 +92,7 @@ bool within_range_of_quads(const Family& family) {
   return !family.wide && family.name != "denormal" && family.name != "tiny" && family.name != "huge";
 }
 
-TEST(CoplanarityCubic, ErrorsStayWithinTheBound) {
+TEST(CoplanarityCubic, errors_stay_within_the_bound) {
   Random random(23);
   for (const Family& family : families()) {
     if (!within_range_of_quads(family)) continue;
@@ -126,7 +126,7 @@ double climb(std::vector<double> x, Random& random, int steps, Share share) {
 
 /// Random input has errors that cancel each other. A search for those that add up shows what the bound is
 /// worth: were the constant too small by the share that is found, this would fail.
-TEST(CoplanarityCubic, TheBoundIsNeededToAQuarterAtLeast) {
+TEST(CoplanarityCubic, errors_reach_a_quarter_of_the_bound) {
   Random random(37);
   double maximum = 0;
   for (int start = 0; start < 60; ++start) {
@@ -145,7 +145,7 @@ TEST(CoplanarityCubic, TheBoundIsNeededToAQuarterAtLeast) {
 }
 
 /// d·A between the ends of the step, for numbers whose rounding errors were made to add up.
-TEST(Separation, DotProductsStayAboveTheirBoundAndNeedAQuarterOfIt) {
+TEST(Separation, errors_of_dot_products_stay_within_the_bound_and_reach_a_quarter_of_it) {
   Random random(41);
   double maximum = 0;
   // v: d, the corner and the point at both ends, the time
@@ -182,7 +182,7 @@ TEST(Separation, DotProductsStayAboveTheirBoundAndNeedAQuarterOfIt) {
 }
 
 /// Coefficients on a sub-interval are those of the polynomial restricted to it: its ends are values.
-TEST(CoplanarityCubic, SubIntervalsAgreeWithValues) {
+TEST(CoplanarityCubic, sub_intervals_agree_with_values) {
   Random random(29);
   for (int i = 0; i < 2000; ++i) {
     const Corners x = families()[0].make(random);
