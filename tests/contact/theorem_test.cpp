@@ -139,7 +139,7 @@ void expect_certified(const Scene& scene, int step) {
     for (const Vec3& x : s.x_t1) ASSERT_EQ(x, stored(x, s.storage));
 }
 
-TEST_P(Squeezing, no_pair_meets_and_none_is_near_at_the_end) {
+TEST_P(Squeezing, no_paths_intersect_and_no_pair_is_too_close_at_the_end) {
   Case c = GetParam();
   if (const char* steps = std::getenv("OILSKIN_SQUEEZING_STEPS")) c.steps = std::atoi(steps);
   Random random(static_cast<std::uint64_t>(c.at * 7 + c.pins * 100 + c.steps));
