@@ -15,7 +15,7 @@ namespace oilskin::test {
 namespace {
 
 TEST(HardGeometry,
-     particles_that_start_exactly_on_the_mesh_are_refused_and_those_it_lands_on_are_seeded_anew) {
+     particles_that_start_exactly_on_the_mesh_are_refused_and_those_under_a_new_mesh_are_relocated) {
   HardCase c("4", "particles exactly on a face, an edge, a vertex, and 1 nm over one");
   std::uint64_t refused = 0, seeded = 0, removed = 0;
   for (const HostKind& host : host_kinds) {

@@ -100,7 +100,7 @@ TEST(HardFluid, an_over_compressed_start_recovers_without_exploding) {
   c.note("steps not converged", static_cast<std::uint64_t>(not_converged));
 }
 
-TEST(HardFluid, one_iteration_is_too_few_and_says_so_but_is_stable) {
+TEST(HardFluid, one_iteration_is_too_few_is_flagged_and_is_stable) {
   HardCase c("31", "max_iterations = 1, a column of 16 layers in a box, 150 steps, two solvers");
   double error = 0, gain = 0;
   int said = 0;
@@ -143,7 +143,7 @@ TEST(HardFluid, tolerances_out_of_reach_and_wide_supports_end_at_the_limit_of_it
   c.equal("steps that end unconverged before 30 iterations", static_cast<std::uint64_t>(early), 0);
 }
 
-TEST(HardFluid, a_pressure_loop_that_grows_is_found_and_damped) {
+TEST(HardFluid, a_pressure_loop_that_diverges_is_detected_and_damped) {
   HardCase c("32b", "729 particles at 0.58 to 0.62 dx in a box, H/dx 3, two solvers");
   int diverged = 0;
   double speed = 0, density = 0;

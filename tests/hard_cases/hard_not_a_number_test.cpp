@@ -34,7 +34,7 @@ std::vector<Vec3> state_of(const World& w, std::uint64_t without = 0) {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 const double not_a_number = std::nan("");
 
-TEST(HardFluid, a_particle_that_is_no_number_is_quarantined_and_the_others_do_not_notice) {
+TEST(HardFluid, a_particle_that_is_not_finite_is_removed_and_the_others_keep_their_bits) {
   HardCase c("24", "NaN, ±Inf and 1e300 as the velocity of one particle among 217, three solvers");
   std::uint64_t removed_invalid = 0, different = 0;
   for (PressureSolver solver : all_solvers) {
@@ -82,7 +82,7 @@ class Spoilt : public MockCloth<double> {
   }
 };
 
-TEST(HardFluid, a_node_or_a_target_that_is_no_number_leaves_its_surface_out_and_nothing_else) {
+TEST(HardFluid, a_node_or_a_target_that_is_not_finite_excludes_its_surface_and_nothing_else) {
   HardCase c("24b", "NaN or Inf as a node's position, velocity or mass, or as a pin's target");
   const std::function<void(SurfaceMotion&)> faults[] = {
       nullptr,  // detached at that step instead
@@ -124,7 +124,7 @@ TEST(HardFluid, a_node_or_a_target_that_is_no_number_leaves_its_surface_out_and_
   c.equal("runs with other bits than without that surface", different, 0);
 }
 
-TEST(HardFluid, forces_that_are_no_numbers_are_refused_or_cost_what_they_act_on) {
+TEST(HardFluid, forces_that_are_not_finite_are_refused) {
   HardCase c("24c", "NaN or Inf as gravity, dt, emitter, place or velocity");
   ClothSetup setup;
   ClothScene<double> scene(setup, 1, [](ClothScene<double>& s) {

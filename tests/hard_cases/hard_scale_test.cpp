@@ -105,7 +105,7 @@ Difference compare(const ContactScene& a, const ContactScene& b, double scale, c
   return d;
 }
 
-TEST(HardGeometry, far_from_the_origin_contact_gives_the_same_answer_or_is_refused) {
+TEST(HardGeometry, far_from_the_origin_contact_gives_the_same_result_or_is_refused) {
   HardCase c("21", "2^20 m from the origin in double, 2^10 m in float; float at 1e6 m");
   Difference worst[2];
   double tolerance[2] = {};

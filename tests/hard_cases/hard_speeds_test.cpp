@@ -178,7 +178,7 @@ Found teleport(bool announced, std::uint64_t* ahead, std::uint64_t* relocated) {
   return run_checked(make, 4, 1e-3);
 }
 
-TEST(HardMotion, pins_that_teleport_by_ten_metres_sweep_what_is_on_their_way_or_are_a_new_surface) {
+TEST(HardMotion, pins_that_teleport_by_ten_metres_sweep_the_particles_in_between_or_are_a_new_surface) {
   HardCase c("26", "all pins of a sheet move by 10 m in one step, unannounced and as reset_motion()");
   std::uint64_t swept = 0, left = 0, relocated = 0, none = 0;
   Found all;

@@ -50,7 +50,7 @@ TEST(HardMotion, particles_pinched_between_two_free_layers_stop_them_or_escape_a
   c.at_most("momentum error", all.momentum_error, max_momentum_error);
 }
 
-TEST(HardMotion, prescribed_layers_that_close_to_zero_gap_follow_the_policy_and_say_so) {
+TEST(HardMotion, prescribed_layers_that_close_to_zero_gap_follow_the_policy_and_are_counted) {
   HardCase c("18", "prescribed layers close to zero gap on 40 particles, by policy");
   for (const auto& [policy, holdable, name] :
        {std::tuple<Infeasible, bool, const char*>{Infeasible::stall, true, "stall, pins"},
