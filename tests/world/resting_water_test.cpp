@@ -146,7 +146,7 @@ TEST_P(Column, stands_as_high_as_its_water_and_presses_with_its_weight) {
   test::record("pressure over hydrostatic, bulk", bulk);
 }
 
-TEST_P(Column, is_not_thrown_apart_by_a_shorter_step) {
+TEST_P(Column, a_shorter_step_adds_no_speed) {
   for (BoundaryModel boundary : {BoundaryModel::contact_only, BoundaryModel::mirrored})
     for (double shorter : {1e-4, 1e-6, 1e-9}) {
       FluidSettings fluid = accurate(GetParam());
@@ -221,7 +221,7 @@ TEST(TwoSides, equal_heads_leave_a_sheet_alone) {
   EXPECT_LT(std::abs(force.mean()), 0.01 * one_side) << "equal heads";
 }
 
-TEST(TwoSides, levels_meet_around_a_border_only) {
+TEST(TwoSides, levels_equalise_around_a_border_only) {
   for (bool open : {true, false}) {
     FluidSettings fluid = accurate();
     fluid.xsph_rate = 50;

@@ -44,7 +44,7 @@ double suggested(const FluidSettings& fluid, const Vec3& velocity, double gravit
   return w.suggested_dt(largest);
 }
 
-TEST(SuggestedDt, is_the_least_of_its_limits) {
+TEST(SuggestedDt, is_the_smallest_of_its_limits) {
   EXPECT_EQ(World(box(1)).suggested_dt(0.25), 0.25) << "nothing there";
   EXPECT_EQ(suggested(FluidSettings{}, Vec3::Zero(), 0), 1);
   EXPECT_NEAR(suggested(FluidSettings{}, Vec3(0, 2, 0), 0), 0.4 * 0.005 / 2, 1e-15);
@@ -60,7 +60,7 @@ TEST(SuggestedDt, is_the_least_of_its_limits) {
   EXPECT_NEAR(suggested(gas, Vec3(0, 0.1, 0), 0), 0.4 * 0.01 / 2.1, 1e-15);
 }
 
-TEST(SuggestedDt, foresees_what_the_emitters_do) {
+TEST(SuggestedDt, takes_the_emitters_of_the_next_step_into_account) {
   World w(box(1));
   DiscEmitter nozzle;
   nozzle.speed = 4;
@@ -94,7 +94,7 @@ TEST(SuggestedDt, knows_accelerations_and_surfaces_from_the_last_step) {
   EXPECT_NEAR(w.suggested_dt(1), 0.4 * 0.005 / 4, 1e-8);
 }
 
-TEST(SuggestedDt, is_never_zero_and_asks_for_nothing_sensible) {
+TEST(SuggestedDt, is_never_zero_for_invalid_particles_or_settings) {
   World w(box(1));
   add_block(w, 2, Vec3::Zero(), Vec3::Zero());
   std::vector<Vec3> dv(8, Vec3::Zero());

@@ -53,7 +53,7 @@ TEST(SurfacePaths, a_node_continues_from_where_it_is_to_where_the_host_wants_it)
   EXPECT_FALSE(m.moved[0]) << "it has arrived: the host need not write anything";
 }
 
-TEST(SurfacePaths, a_held_pin_catches_up_at_the_speed_that_this_takes_and_moved_says_where_it_did_not) {
+TEST(SurfacePaths, a_held_pin_catches_up_and_moved_marks_where_it_did_not) {
   SurfaceMotion m = one_node(0);
   SurfaceMotion* const surfaces[] = {&m};
   SurfacePaths paths;
