@@ -114,8 +114,8 @@ void DrawnWorld::check_momentum(const StepReport& r, const Before& before) {
   }
   const double residual = r.momentum_residual().norm();
   if (residual > ledger_tolerance * size && r.removed_invalid >= 2) {
-    // Two whom the pressure threw apart at 1e18 m/s take momenta along, of which the report tells the sum.
-    // What is lost in rounding them is no fault.
+    // Two particles that the pressure drove apart at 1e18 m/s have momenta that cancel in the report's sum.
+    // Their rounding error is no fault.
     ++verdict_.not_judged;
   } else {
     if (size > 0) verdict_.worst_momentum = std::max(verdict_.worst_momentum, residual / size);
@@ -164,7 +164,7 @@ void DrawnWorld::check_promise(const StepReport& r) {
     expect(c.started_too_close == 0, "a particle begins nearer than δ");
     expect((r.flags & flag_no_promise) == 0, "no promise");
   }
-  // It takes what passes an edge closer than rounding tells (1e-17 m) for a crossing; the auditor decides.
+  // It counts a path that passes an edge within rounding (1e-17 m) as a crossing; the auditor decides.
   verdict_.false_alarms += c.crossings_found_by_verify > c.allowed;
   if (!leaks_allowed_) return;
   const audit::Summary s = watch_.judge();

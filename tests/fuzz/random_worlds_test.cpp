@@ -1,6 +1,6 @@
 // Worlds drawn at random from fixed seeds. Whatever they do: every number stays finite, nobody crosses, mass
-// and momentum are booked, the work of a step is bounded, and threads do not matter. A world that fails
-// prints its seed; OILSKIN_WORLDS_FIRST=<seed> OILSKIN_WORLDS_COUNT=1 runs it again.
+// and momentum are accounted for, the work of a step is bounded, and threads do not matter. A world that
+// fails prints its seed; OILSKIN_WORLDS_FIRST=<seed> OILSKIN_WORLDS_COUNT=1 runs it again.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

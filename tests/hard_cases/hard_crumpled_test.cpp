@@ -43,7 +43,7 @@ TEST(HardGeometry, crumpled_cloth_of_twelve_layers_through_each_other_lets_nothi
     s.x_t1 = s.x_t0;
     Random random(2);
     scene.surfaces = {s};
-    // A hail on it from all sides, and particles that begin between the layers where there is room.
+    // A hail on it from all sides, and particles that start between the layers where there is space.
     for (int k = 0; k < 120; ++k) {
       const Vec3 out = random.direction();
       scene.particles.add(Vec3(0, 0.005, 0) + 0.06 * out, -random.log_uniform(5, 500) * out, particle_mass);

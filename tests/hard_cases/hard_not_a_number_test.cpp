@@ -70,7 +70,7 @@ TEST(HardFluid, a_particle_that_is_not_finite_is_removed_and_the_others_keep_the
   c.equal("runs whose other particles have other bits", different, 0);
 }
 
-/// A mock cloth that spoils what it tells.
+/// A mock cloth that spoils what gather() reports.
 class Spoilt : public MockCloth<double> {
  public:
   using MockCloth<double>::MockCloth;

@@ -172,7 +172,7 @@ void CheckedContact::resolve() {
   if (size > 0) found.momentum_error = std::max(found.momentum_error, gained.norm() / size);
   EXPECT_LE(gained.norm(), max_momentum_error * size + std::numeric_limits<double>::min());
 
-  double work = 0;  // of whoever moves prescribed nodes
+  double work = 0;  // of the owner of prescribed nodes
   for (const SurfaceMotion& s : scene.surfaces)
     for (std::size_t i = 0; i < s.velocity.size(); ++i) {
       found.impulse = std::max(found.impulse, s.impulse[i].norm());

@@ -13,7 +13,7 @@ void aim(ContactScene& scene, const std::vector<Vec3>& targets, double speed, Ra
 /// Whether the straight paths of a particle and of some triangle touch, in exact arithmetic.
 bool exactly_intersects(const ContactScene& scene, std::size_t particle = 0);
 
-/// Shots through the plane with the normal `up` through the origin: those that would meet the mesh must end
+/// Shots through the plane with the normal `up` through the origin: those that would hit the mesh must end
 /// on the side where they began if the mesh stands still.
 struct Shooting {
   Found found;

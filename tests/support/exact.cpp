@@ -81,7 +81,7 @@ bool in_triangle(const Query& q, Root* root) {
   for (int k = 0; k < 3; ++k) {
     const int facing = sign_at_root(q.normal[k], root);
     if (facing == 0) continue;
-    // All wedges are multiples of the normal, so one component tells their orientation.
+    // All wedges are multiples of the normal, so one component has their orientation.
     for (int i = 0; i < 3; ++i) {
       if (sign_at_root(q.wedge[i][k], root) * facing < 0) return false;
     }

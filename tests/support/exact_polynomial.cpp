@@ -164,7 +164,7 @@ void isolate(const Polynomial& f, const Dyadic& t, std::vector<Root>* roots) {
   const int count = variations(signs);
   if (count == 0) return;
   // One variation: exactly one root inside. The sign just after the left end is what refinement compares
-  // with; a root at the left end itself has been recorded apart, and the first non-zero coefficient tells the
+  // with; a root at the left end itself has been recorded apart, and the first non-zero coefficient has the
   // sign.
   if (count == 1 && signs.back() != 0) {
     roots->push_back({f, t, false, signs.back()});

@@ -185,7 +185,7 @@ TEST(Save, surfaces_keep_their_ids_in_the_trace_and_get_the_handles_of_the_new_w
   EXPECT_TRUE(other.world.surface(other.cloth_id)->slip_back.has_value());
 }
 
-/// A host that fails when it is told to.
+/// A host that fails on request.
 class Fragile : public test::StaticMesh {
  public:
   bool broken = false;

@@ -1,4 +1,4 @@
-// The world: bad input, quarantine, kill box, emission by contact's rules, threads.
+// The world: bad input, invalid particles, kill box, emission by contact's rules, threads.
 #include <gtest/gtest.h>
 
 #include <cmath>
