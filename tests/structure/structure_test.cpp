@@ -84,6 +84,8 @@ std::string fault_of_room(const std::string& file, const std::string& target) {
   if (target.find('/') == std::string::npos || rooms.count(other) == 0) return "";
   for (const auto& [room, seen] : may_see) {
     if (!begins(file, room + "/")) continue;
+    // Sources beside the public headers may use core; the headers may not.
+    if (room == "src/oilskin" && other == "core" && fs::path(file).extension() == ".cpp") continue;
     const std::string own = fs::path(room).filename().string();
     if (other != own && seen.count(other) == 0)
       return file + " includes \"" + target + "\": " + room + " may not see " + other;
@@ -182,6 +184,8 @@ TEST(Structure, the_test_itself_catches_back_edges) {
   EXPECT_EQ(faults_with("src/reconstruction/a.cpp", "#include \"contact/contacts.h\""), 1u);
   EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"world/world_impl.h\""), 1u);
   EXPECT_EQ(faults_with("src/oilskin/a.h", "#include \"core/parallel.h\""), 1u);
+  EXPECT_EQ(faults_with("src/oilskin/a.cpp", "#include \"core/parallel.h\""), 0u);
+  EXPECT_EQ(faults_with("src/oilskin/a.cpp", "#include \"contact/zones.h\""), 1u);
   EXPECT_EQ(faults_with("src/world/a.cpp", "#include <BulletSoftBody/btSoftBody.h>"), 1u);
   EXPECT_EQ(faults_with("src/contact/a.cpp", "#include <fcl/fcl.h>"), 1u);
   EXPECT_EQ(faults_with("src/fluid/a.cpp", "#include <tbb/parallel_for.h>"), 1u);

@@ -70,13 +70,13 @@ std::vector<std::string> flag_texts(std::uint32_t flags) {
       {flag_pressure_not_converged, "pressure_not_converged: raise fluid.max_iterations, or lower dt"},
       {flag_leaked, "leaked: contact.infeasible is allow and a particle passed; use stall or remove"},
       {flag_stalled, "stalled: prescribed nodes close on particles and were held; slow their motion"},
-      {flag_removed_by_contact, "removed_by_contact: particles were given up between prescribed surfaces"},
+      {flag_removed_by_contact, "removed_by_contact: particles between prescribed surfaces were removed"},
       {flag_removed_invalid, "quarantined: non-finite particles were removed; lower dt"},
       {flag_surface_out_of_range, "surface_out_of_range: a surface left the kill box; enlarge it"},
       {flag_surface_refused, "surface_refused: a surface was left out"},
       {flag_many_holds, "many_holds: nodes were held; use more cloth substeps or iterations"},
-      {flag_no_promise, "no_promise: contact.ccd or contact.zones is off, or particles began too close"},
-      {flag_scatter_mismatch, "scatter_mismatch: the host does not store what it is given"},
+      {flag_no_promise, "no_promise: contact.ccd or contact.zones is off, or particles started too close"},
+      {flag_scatter_mismatch, "scatter_mismatch: the host does not store the numbers that it is given"},
       {flag_pressure_diverged, "pressure_diverged: keep fluid.support_ratio at 2.2 or below"},
   };
   std::vector<std::string> texts;
