@@ -213,7 +213,7 @@ TEST(Emission, rain_is_a_function_of_its_seed) {
   EXPECT_EQ(rain(1, dx).size(), 7 * a.size());  // lattice ball of radius dx: a point and six around it
 }
 
-TEST(Emission, refuses_what_cannot_be_right_and_says_so) {
+TEST(Emission, refuses_invalid_settings_with_a_message) {
   Emission emission = make();
   auto refused = [&](auto change, auto emitter, const char* word) {
     change(emitter);
