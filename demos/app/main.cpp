@@ -10,6 +10,7 @@
 #include "ccd_command.h"
 #include "hosts/bullet_simulation.h"
 #include "mesh_command.h"
+#include "oilskin/version.h"
 #include "output/output_error.h"
 #include "run/runner.h"
 #include "scene/fields.h"
@@ -71,6 +72,7 @@ struct CommandLine {
 
 CommandLine::CommandLine() {
   app.require_subcommand(1);
+  app.set_version_flag("--version", "oilskin " OILSKIN_VERSION_STRING);
   list = app.add_subcommand("list", "the scenes that come with it");
   ccd = app.add_subcommand("ccd",
                            "answers every vertex-face query of the files and compares with their labels");
@@ -155,6 +157,7 @@ int run_program(int argc, char** argv) {
 }  // namespace
 }  // namespace oilskin::demo
 
+// NOLINTNEXTLINE(bugprone-exception-escape): std::terminate prints the message of an unexpected exception
 int main(int argc, char** argv) {
   return oilskin::demo::run_program(argc, argv);
 }

@@ -62,9 +62,10 @@ Vec3 from_bt(const btVector3& x) {
 /// At mixed heights, so that no step length suits all.
 Vec3 start_of(std::size_t i) {
   const double across = 0.03 * (particles_across - 1);
-  return {0.03 * static_cast<double>(i % particles_across) - 0.5 * across + 0.0037,
+  const std::size_t column = i % particles_across, row = i / particles_across;
+  return {0.03 * static_cast<double>(column) - 0.5 * across + 0.0037,
           start_height * (1 + std::fmod(0.618034 * static_cast<double>(i), 1)),
-          0.03 * static_cast<double>(i / particles_across) - 0.5 * across + 0.0019};
+          0.03 * static_cast<double>(row) - 0.5 * across + 0.0019};
 }
 
 Vec3 velocity_of(double speed) {
@@ -125,6 +126,7 @@ class Judge {
  private:
   static std::vector<Vec3> nodes_of(const btSoftBody& cloth) {
     std::vector<Vec3> x;
+    x.reserve(static_cast<std::size_t>(cloth.m_nodes.size()));
     for (int i = 0; i < cloth.m_nodes.size(); ++i) x.push_back(from_bt(cloth.m_nodes[i].m_x));
     return x;
   }
@@ -231,6 +233,7 @@ int run_theirs(const Case& c, double reach) {
   for (int k = 0; k < steps_of(c); ++k) {
     host.world.stepSimulation(bt(c.dt), 0);
     std::vector<Vec3> now;
+    now.reserve(static_cast<std::size_t>(rain->m_nodes.size()));
     for (int i = 0; i < rain->m_nodes.size(); ++i) now.push_back(from_bt(rain->m_nodes[i].m_x));
     judge.look(*host.cloth, now);
   }
@@ -244,6 +247,7 @@ std::vector<Vec3> positions_of(const oilskin::World& fluid) {
     by_id.emplace_back(fluid.ids()[i], fluid.positions()[i]);
   std::sort(by_id.begin(), by_id.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Vec3> x;
+  x.reserve(by_id.size());
   for (const auto& [id, position] : by_id) x.push_back(position);
   return x;
 }

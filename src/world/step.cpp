@@ -85,6 +85,7 @@ void World::Impl::emit(double dt) {
   OILSKIN_ASSERT(substep < report.substeps && dt > 0);
   const std::vector<fluid::Start>& starts = emission->due(time, dt);
   std::vector<Vec3> points;
+  points.reserve(starts.size());
   for (const fluid::Start& s : starts) points.push_back(s.position);
   std::vector<std::uint8_t> blocked;
   world::ClearanceTest(surfaces, *workers).run(points, blocked);
