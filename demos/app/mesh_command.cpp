@@ -119,7 +119,7 @@ void print_frame(int number, const MadeMesh& made) {
   std::printf(
       "frame %04d: %zu triangles, %.3f s, %zu intersecting pairs, %zu nearer than the gap, %zu submerged, "
       "%zu open edges, least distance %g m, volume %g m3\n",
-      number, made.mesh.triangles.size(), made.seconds, c.intersecting_pairs, c.near_pairs,
+      number, made.mesh.triangles.size(), made.seconds, c.intersecting_pairs, c.too_close_pairs,
       c.submerged_components, c.open_edges, c.min_distance, c.volume);
   if (made.report.particles_skipped > 0)
     std::printf("  %zu particles were left out: not finite, or farther away than 2^20 cells\n",

@@ -1,11 +1,11 @@
 /// @file
-/// A triangle mesh of the water from its particles that never cuts the cloth. Works for any particles and any
-/// triangle meshes, independently of the simulation. Target: oilskin::reconstruction.
+/// Reconstructs a triangle mesh of the water from its particles, one that does not intersect the cloth. Works
+/// for any particles and any triangle meshes, independently of the simulation. Target:
+/// oilskin::reconstruction.
 ///
 /// The field is that of [Zhu2005] with the decay of [Onderik2011] or of [Solenthaler2007], polygonised by
 /// marching cubes [Lorensen1987]; at obstacles the visibility criterion of [Huber2013] section 4, cut cells,
-/// and a repair loop. docs/manual/water_mesh.md says what is promised, docs/theory/reconstruction.md why it
-/// holds.
+/// and a repair loop. docs/manual/water_mesh.md states the promise, docs/theory/reconstruction.md proves it.
 ///
 ///     ReconstructionInput input;
 ///     input.positions = world.positions();
@@ -29,7 +29,7 @@ namespace oilskin {
 /// is the mean of the particles weighted by V_i k with their volumes V_i, and w = Σ V_i W(x−x_i) is the
 /// fraction of water.
 enum class ReconstructionField {
-  /// |x − x̄| − r g(w) (R.5): the radius r falls with w, so the surface spans no gap.
+  /// |x − x̄| − r g(w) (R.5): the radius decreases with w, so no skin spans a gap.
   density_decay,
   /// |x − x̄| − r f(EV), with the largest eigenvalue EV of ∇x̄; takes 2.6 times as long.
   eigenvalue_decay,
@@ -43,19 +43,17 @@ enum class ReconstructionField {
 enum class ObstacleMode {
   /// Obstacles are ignored: the surface cuts them.
   none,
-  /// That of [Huber2013] (R.14): hidden particles do not count, and nodes closer than `gap` (or half a cell,
-  /// if that is
-  /// more) to an obstacle are outside. Free of intersections only for distances of √3 cells. For comparison.
+  /// The method of [Huber2013] (R.14): hidden particles do not count, and nodes closer to an obstacle than
+  /// `gap`, or than half a cell if that is more, are outside. Free of intersections only for distances of
+  /// √3 cells. For comparison.
   reset,
   /// No triangle is closer than `gap`. Water that ends before it is unchanged.
   gap,
   /// As `gap`, and water within `touch_range` of an obstacle extends to it: an even film at the gap.
   touch,
-  /// Water within `touch_range` of an obstacle passes through it by `overlap_depth`, so that no air shows
-  /// between them.
-  /// For closed obstacles that are drawn opaque. An open sheet is pierced: it lies inside the water mesh, and
-  /// water
-  /// shows on its dry side.
+  /// Water within `touch_range` of an obstacle passes through it by `overlap_depth`, so that no gap is
+  /// visible. For closed obstacles that are drawn opaque. An open sheet lies inside the mesh, and water shows
+  /// on its dry side.
   overlap,
 };
 
@@ -88,7 +86,7 @@ struct ReconstructionOptions {
   std::optional<Box> clip;
   /// Pieces of water of a smaller volume are left out, in s³, ≥ 0; a drop has about 0.5.
   double min_blob = 0;
-  /// Working memory [bytes], > 0; what needs more is refused before it starts.
+  /// Working memory [bytes], > 0. Input that needs more is refused before the work starts.
   double memory_limit = 4e9;
   /// 0 = all hardware threads. The results do not depend on it.
   int threads = 0;
@@ -97,7 +95,7 @@ struct ReconstructionOptions {
   Status validate() const;
 };
 
-/// A quantity of the particles that the mesh is to carry, too.
+/// A quantity of the particles that is interpolated at the vertices.
 struct ParticleAttribute {
   /// `components` values for each particle.
   Span<const float> values;
@@ -114,7 +112,7 @@ struct ObstacleMesh {
   Span<const Triangle> triangles;
 };
 
-/// What the mesh is made of.
+/// Particles and obstacles.
 struct ReconstructionInput {
   /// [m]; particles that are not finite or more than 2²⁰ cells away are skipped.
   Span<const Vec3> positions;
@@ -122,7 +120,7 @@ struct ReconstructionInput {
   Span<const Vec3> velocities;
   /// More quantities of the particles.
   std::vector<ParticleAttribute> attributes;
-  /// What the mesh must not cut.
+  /// Meshes that the water must not intersect.
   std::vector<ObstacleMesh> obstacles;
 };
 
@@ -154,17 +152,17 @@ struct WaterMesh {
 struct ReconstructionSeconds {
   /// Sorting particles, finding the blocks that the surface passes.
   double blocks = 0;
-  /// Volumes and field, with visibility.
+  /// Distances from obstacles, volumes, field, visibility.
   double field = 0;
-  /// Distances, cut edges, repair.
+  /// Repair.
   double contact = 0;
-  /// Marching cubes, blobs.
+  /// Cut edges, marching cubes, blobs.
   double mesh = 0;
   /// Smoothing, normals, attributes.
   double vertices = 0;
 };
 
-/// What the reconstruction reports.
+/// Report of a reconstruction.
 struct ReconstructionReport {
   /// Particles that are not finite, or too far away.
   std::size_t particles_skipped = 0;
@@ -172,7 +170,7 @@ struct ReconstructionReport {
   std::size_t blocks = 0;
   /// Grid edges that an obstacle crosses.
   std::size_t cut_edges = 0;
-  /// Nodes set outside by the rule of cut edges and by repair.
+  /// Nodes set outside for cut edges and by repair.
   std::size_t nodes_cleared = 0;
   /// Iterations of the repair.
   int repair_rounds = 0;
@@ -180,7 +178,7 @@ struct ReconstructionReport {
   std::size_t components_freed = 0;
   /// Pieces of water smaller than ReconstructionOptions::min_blob.
   std::size_t blobs_removed = 0;
-  /// Vertices that smoothing held because a move would have brought them too close.
+  /// Vertices that smoothing put back because they came too close.
   std::size_t vertices_held = 0;
   /// The volume inside the mesh [m³].
   double volume = 0;
@@ -198,17 +196,17 @@ Status reconstruct_surface(const ReconstructionInput& input, const Reconstructio
 
 /// The faults of a mesh. In a mesh without a fault all counts except `components` are zero.
 struct MeshCheck {
-  /// Pairs of a triangle of the mesh and one of an obstacle that may intersect.
+  /// Pairs of a triangle of the mesh and one of an obstacle that are not certified to be disjoint.
   std::size_t intersecting_pairs = 0;
-  /// Such pairs that may be closer than the gap.
-  std::size_t near_pairs = 0;
+  /// Such pairs that are not certified to be farther apart than the gap.
+  std::size_t too_close_pairs = 0;
   /// Connected pieces of obstacles with a point inside the mesh.
   std::size_t submerged_components = 0;
   /// Edges with one triangle.
   std::size_t open_edges = 0;
   /// Edges with more than two triangles.
   std::size_t crowded_edges = 0;
-  /// Edges with two triangles that pass it in the same direction.
+  /// Edges with two triangles that traverse them in the same direction.
   std::size_t misoriented_edges = 0;
   /// Vertices whose triangles form more than one fan.
   std::size_t pinched_vertices = 0;
@@ -222,15 +220,14 @@ struct MeshCheck {
 
   /// Whether the mesh is closed and manifold and no point of an obstacle lies inside or closer than the gap.
   bool clean() const {
-    return intersecting_pairs + near_pairs + submerged_components + open_edges + crowded_edges +
+    return intersecting_pairs + too_close_pairs + submerged_components + open_edges + crowded_edges +
                misoriented_edges + pinched_vertices ==
            0;
   }
 };
 
-/// Checks any triangle mesh. If no pair intersects, each piece of an obstacle is wholly inside or wholly
-/// outside, so the check tests one point of it. `gap` [m] ≥ 0. Indices in range and finite numbers are
-/// asserted.
+/// Checks any triangle mesh. If no pair intersects, each piece of an obstacle is entirely inside or outside,
+/// so one of its points decides. `gap` [m] ≥ 0. Indices in range and finite numbers are asserted.
 MeshCheck check_mesh(const WaterMesh& mesh, Span<const ObstacleMesh> obstacles, double gap, int threads = 0);
 
 }  // namespace oilskin

@@ -51,7 +51,7 @@ enum StepFlag : std::uint32_t {
   flag_removed_invalid = 1u << 4,
   /// A surface left the kill box, so δ no longer covers rounding: enlarge the box.
   flag_surface_out_of_range = 1u << 5,
-  /// A surface was left out; StepReport::messages says why.
+  /// A surface was left out; StepReport::messages has the reason.
   flag_surface_refused = 1u << 6,
   /// Nodes were held: use more sub-steps or iterations for the cloth.
   flag_many_holds = 1u << 7,
@@ -178,7 +178,7 @@ struct StepReport {
   Vec3 momentum_after = Vec3::Zero();
   /// The momentum of emitted particles [N s].
   Vec3 momentum_emitted = Vec3::Zero();
-  /// The momentum of removed particles, for whatever reason [N s].
+  /// The momentum of all removed particles [N s].
   Vec3 momentum_removed = Vec3::Zero();
   /// The momentum from gravity [N s].
   Vec3 momentum_gravity = Vec3::Zero();

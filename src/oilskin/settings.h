@@ -1,6 +1,6 @@
 /// @file
-/// Settings: plain structs with all defaults. Each field has its unit, its range, and what it changes.
-/// validate() names the first field that is out of range, its value and what is accepted.
+/// Settings: plain structs with all defaults. Each field has its unit, its range and its effect. validate()
+/// names the first field that is out of range, its value and its range.
 #pragma once
 
 #include <optional>
@@ -33,7 +33,7 @@ struct FluidSettings {
   double spacing = 0.005;
   /// The rest density ρ0 [kg/m³], 1e-6 … 1e9.
   double rest_density = 1000;
-  /// Support radius over spacing, H/dx, 1.5 … 4. The relaxation of PCISPH falls as it grows.
+  /// Support radius over spacing, H/dx, 1.5 … 4. The relaxation ω of PCISPH decreases as it grows.
   double support_ratio = 2;
   /// The pressure solver.
   PressureSolver solver = PressureSolver::pcisph;
@@ -45,8 +45,8 @@ struct FluidSettings {
   int min_iterations = 3;
   /// PCISPH, DFSPH: ≥ min_iterations. A step that reaches it is counted.
   int max_iterations = 50;
-  /// MCG03: k [m²/s²], > 0. The speed of sound is √k, so dt ≤ 0.4 H/(√k + v); a longer step lowers k to (0.4
-  /// H/dt)².
+  /// MCG03: k [m²/s²], > 0. The speed of sound is √k, so dt ≤ 0.4 H/(√k + v). A longer step lowers k to
+  /// (0.4 H/dt)².
   double stiffness = 4;
   /// The kinematic viscosity ν [m²/s], ≥ 0; 0 = none. Explicit: dt ≤ 0.035 H²/ν.
   double viscosity = 1e-6;
@@ -77,16 +77,13 @@ enum class SlipModel {
   /// No tangential impulse: inviscid.
   free,
   /// |J_t| ≤ μ J_n; μ = 1 is Eq. 8 of [Huber2013]. J_n is the impulse of contact alone: water that boundary
-  /// terms
-  /// carry has no friction.
+  /// terms carry has no friction.
   coulomb,
-  /// The first layer moves with the sheet, as if the wall stood half a spacing inside the fluid (in a channel
-  /// of 10
-  /// particles the velocity in the middle is a fifth too small).
+  /// The first layer moves with the sheet. The wall is effectively half a spacing inside the fluid: in a
+  /// channel of 10 particles the velocity in the middle is a fifth too small.
   sticking,
-  /// Wall shear μ_f u/(z + ℓ) on the first layer, z < dx, implicit: no slip of a viscous fluid, of second
-  /// order in
-  /// the spacing. It is as weak as the fluid's viscosity: water at 5 mm hardly feels it.
+  /// Wall shear μ_f v_t/(z + ℓ) on the first layer, z < dx, implicit: no slip of a viscous fluid, of second
+  /// order in dx. It is proportional to the viscosity, so its effect on water at 5 mm is small.
   viscous_wall,
 };
 

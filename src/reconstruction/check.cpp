@@ -40,7 +40,7 @@ void count_pairs(const WaterMesh& mesh, const Obstacles& obstacles, double gap, 
                    }
                    const std::lock_guard<std::mutex> lock(mutex);
                    check.intersecting_pairs += counts.intersecting;
-                   check.near_pairs += counts.too_close;
+                   check.too_close_pairs += counts.too_close;
                    check.min_distance = std::min(check.min_distance, counts.min_distance);
                  });
 }

@@ -74,6 +74,21 @@ struct VertexMasks {
   }
 };
 
+std::vector<std::uint32_t> blocks_with_surface(const Grid& grid, const Workers& workers) {
+  std::vector<std::uint8_t> has_surface(grid.blocks.size());
+  workers.for_chunks(grid.blocks.size(), chunk, [&](std::size_t from, std::size_t to, std::size_t) {
+    BlockRows rows;
+    for (auto b = static_cast<std::uint32_t>(from); b < to; ++b) {
+      rows.gather(grid, b);
+      has_surface[b] = !rows.empty();
+    }
+  });
+  std::vector<std::uint32_t> blocks;
+  for (std::uint32_t b = 0; b < grid.blocks.size(); ++b)
+    if (has_surface[b]) blocks.push_back(b);
+  return blocks;
+}
+
 template <class F>
 void for_vertices(const VertexMasks& masks, std::uint32_t block, const F& f) {
   std::uint32_t number = 0;
@@ -121,21 +136,10 @@ NodeRef inside_end(const Grid& grid, const VertexRef& v) {
 }
 
 RawMesh polygonise(const Grid& grid, bool with_nodes, const Workers& workers) {
-  std::vector<std::uint8_t> has_surface(grid.blocks.size());
-  workers.for_chunks(grid.blocks.size(), chunk, [&](std::size_t from, std::size_t to, std::size_t) {
-    BlockRows rows;
-    for (auto b = static_cast<std::uint32_t>(from); b < to; ++b) {
-      rows.gather(grid, b);
-      has_surface[b] = !rows.empty();
-    }
-  });
-  std::vector<std::uint32_t> with_surface, mask_of(grid.blocks.size(), none);
-  for (std::uint32_t b = 0; b < grid.blocks.size(); ++b) {
-    if (!has_surface[b]) continue;
-    mask_of[b] = static_cast<std::uint32_t>(with_surface.size());
-    with_surface.push_back(b);
-  }
+  const std::vector<std::uint32_t> with_surface = blocks_with_surface(grid, workers);
   const std::size_t n = with_surface.size();
+  std::vector<std::uint32_t> mask_of(grid.blocks.size(), none);
+  for (std::size_t m = 0; m < n; ++m) mask_of[with_surface[m]] = static_cast<std::uint32_t>(m);
   std::vector<VertexMasks> masks(n);
   workers.for_each(n, chunk, [&](std::size_t m) {
     BlockRows rows;

@@ -207,7 +207,7 @@ TEST(Check, sees_what_is_wrong_with_a_mesh) {
             1u);
   const MeshCheck near = with({Vec3(0.1, 0.1, -0.25), Vec3(0.2, 0.1, -0.25), Vec3(0.1, 0.2, -0.25)}, 0.5);
   EXPECT_EQ(near.intersecting_pairs, 0u);
-  EXPECT_EQ(near.near_pairs, 3u);
+  EXPECT_EQ(near.too_close_pairs, 3u);
   EXPECT_NEAR(near.min_distance, 0.25, 1e-13);
   EXPECT_LE(near.min_distance, 0.25);
   EXPECT_TRUE(with({Vec3(0.1, 0.1, -0.25), Vec3(0.2, 0.1, -0.25), Vec3(0.1, 0.2, -0.25)}, 0.2).clean());

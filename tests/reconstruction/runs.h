@@ -25,7 +25,7 @@ inline void expect_closed(const MeshCheck& c) {
 inline void expect_clean(const MeshCheck& c, double gap) {
   expect_closed(c);
   EXPECT_EQ(c.intersecting_pairs, 0u);
-  EXPECT_EQ(c.near_pairs, 0u);
+  EXPECT_EQ(c.too_close_pairs, 0u);
   EXPECT_EQ(c.submerged_components, 0u);
   EXPECT_TRUE(c.min_distance > gap) << c.min_distance;
   EXPECT_TRUE(c.clean());

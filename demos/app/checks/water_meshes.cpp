@@ -15,7 +15,7 @@ class WaterMeshes : public Check {
     };
     if (end.scene.water_mesh->mode == ObstacleMode::overlap) return {none("surface_flaws", meshes.flaws)};
     return {none("surface_flaws", meshes.flaws), none("surface_intersections", meshes.intersecting_pairs),
-            none("surface_submerged", meshes.submerged), none("surface_below_gap", meshes.near_pairs)};
+            none("surface_submerged", meshes.submerged), none("surface_below_gap", meshes.too_close_pairs)};
   }
 };
 

@@ -74,7 +74,7 @@ void MeshTotals::add(const MadeMesh& made) {
   ++frames;
   triangles = made.mesh.triangles.size();
   intersecting_pairs += made.check.intersecting_pairs;
-  near_pairs += made.check.near_pairs;
+  too_close_pairs += made.check.too_close_pairs;
   submerged += made.check.submerged_components;
   flaws += flaws_of(made.check);
   min_distance = std::min(min_distance, made.check.min_distance);

@@ -26,8 +26,9 @@ MadeMesh make_mesh(const ReconstructionInput& input, const ReconstructionOptions
 /// Sums over all meshes of a run.
 struct MeshTotals {
   std::uint64_t frames = 0, triangles = 0;  ///< triangles of the last frame
-  std::uint64_t intersecting_pairs = 0, near_pairs = 0, submerged = 0, flaws = 0;  ///< flaws: edges, vertices
-  double min_distance = std::numeric_limits<double>::infinity();                   ///< [m]
+  std::uint64_t intersecting_pairs = 0, too_close_pairs = 0, submerged = 0,
+                flaws = 0;                                        ///< flaws: edges, vertices
+  double min_distance = std::numeric_limits<double>::infinity();  ///< [m]
   double seconds = 0;
 
   void add(const MadeMesh& made);

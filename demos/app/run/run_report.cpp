@@ -104,7 +104,7 @@ Json surface(const MeshTotals& s) {
   return {{"frames", s.frames},
           {"triangles", s.triangles},
           {"intersecting_pairs", s.intersecting_pairs},
-          {"nearer_than_gap", s.near_pairs},
+          {"nearer_than_gap", s.too_close_pairs},
           {"submerged", s.submerged},
           {"flaws", s.flaws},
           {"least_distance", s.min_distance},
