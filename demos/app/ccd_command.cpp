@@ -21,7 +21,7 @@ struct Row {
   bool hit = false;
 };
 
-/// A whole number with optional sign, up to the separator; advances `text` past it. Numbers may have more
+/// An integer with optional sign, up to the separator; advances `text` past it. Numbers may have more
 /// digits than any integer type holds, so they are read as doubles, rounded once.
 bool read_whole_number(const char** text, char separator, double* value) {
   const char* c = *text;

@@ -1,4 +1,4 @@
-/// `oilskin ccd FILE.csv…`: the continuous test judged by files of queries with known answers.
+/// `oilskin ccd FILE.csv…`: the continuous test checked against files of queries with exact results.
 #pragma once
 
 #include <iosfwd>
@@ -9,14 +9,14 @@
 
 namespace oilskin::demo {
 
-/// One vertex–face query and its exact answer (touching is a hit).
+/// One vertex–face query and its exact result (touching is a hit).
 struct LabelledQuery {
   ccd::PointTriangleMotion motion;
   bool hit = false;
 };
 
 /// Reads a file of queries: eight rows each (point and corners at t = 0, then at t = 1), a row being
-/// x_num,x_den,y_num,y_den,z_num,z_den,label with whole numbers of any length and the label 0 or 1 on each
+/// x_num,x_den,y_num,y_den,z_num,z_den,label with integers of any length and the label 0 or 1 on each
 /// row. Blank lines are skipped. On failure `queries` is unspecified and `error` names file, line and fault.
 bool read_queries(const std::string& file, std::vector<LabelledQuery>* queries, std::string* error);
 

@@ -150,7 +150,7 @@ TEST(SoftBodyHost, pins_move_only_when_they_are_held) {
     cloth->m_nodes[pin].m_v = btVector3(0, 1, 0);
     ASSERT_TRUE(gather_step(host, 0.5, motion).status.ok());
     EXPECT_EQ(motion.holdable[p], may_hold);
-    motion.impulse[p] = Vec3(0, -1, 0);  // the reaction: booked, not applied
+    motion.impulse[p] = Vec3(0, -1, 0);  // the reaction: recorded, not applied
     motion.x_t1[p] = motion.x_t0[p];
     motion.moved[p] = 1;
     host.scatter(motion);

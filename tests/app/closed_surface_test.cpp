@@ -1,4 +1,4 @@
-// What is inside of a closed cloth, on shapes whose answers are known.
+// What is inside of a closed cloth, on shapes with known results.
 #include "geometry/closed_surface.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Prescribed surfaces that close on water: what each policy does with it, and that report.json tells.
+// Prescribed surfaces that close on water: what each policy does with it, and that report.json counts it.
 #include <gtest/gtest.h>
 
 #include "app/program.h"
@@ -53,7 +53,7 @@ int number(const nlohmann::json& report, const char* key) {
   return report["contact"][key].get<int>();
 }
 
-/// What holds under every policy: nobody is lost without a count, momentum and mass are booked.
+/// What holds under every policy: no particle is lost uncounted; momentum and mass are recorded.
 void expect_books_closed(const nlohmann::json& report) {
   const nlohmann::json& particles = report["particles"];
   EXPECT_GT(particles["emitted"].get<int>(), 50);

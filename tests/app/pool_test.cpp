@@ -1,4 +1,4 @@
-// The level of a pool and the rest of water, on shapes whose answers are known.
+// The level of a pool and the rest of water, on shapes with known results.
 #include "geometry/pool.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Lengths of steps, fixed and adaptive: frames and the end are met.
+// Lengths of steps, fixed and adaptive: every frame and the end lie on a step.
 #include "hosts/step_plan.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 /// Decides most pairs of a moving point and a moving triangle by plain arithmetic with error bounds; the rest
-/// is left to exact arithmetic. Answers "certainly" only.
+/// is left to exact arithmetic. Decides only what is certain.
 #pragma once
 
 #include <array>

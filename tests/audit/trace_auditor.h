@@ -63,7 +63,7 @@ class Auditor {
   Record previous_;
 };
 
-/// Audits a whole stream. False and `error` where the trace is malformed; the summary tells what was seen so
+/// Audits a whole stream. False and `error` where the trace is malformed; the summary covers what was read so
 /// far.
 bool audit_stream(std::istream& in, const Limits& limits, Summary* summary, std::string* error);
 

@@ -1,4 +1,4 @@
-// The continuous test and its rivals at hand on the same queries: false answers against exact arithmetic,
+// The continuous test beside Bullet and FCL on the same queries: false results against exact arithmetic,
 // mean and worst time on one thread, and how often each of our exits is taken.
 //
 // use: ccd_benchmark [--trace FILE] [--queries N = 2000] [FILE.csv…]

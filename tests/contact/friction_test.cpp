@@ -137,7 +137,7 @@ TEST(ViscousWall, a_free_sheet_gets_what_the_particle_loses) {
     EXPECT_LE((after - before).norm(), 1e-15 * mass);
     EXPECT_LE((report.impulse_on_free_nodes - (before - mass * p.velocity[0])).norm(), 1e-15 * mass);
     EXPECT_LT(report.kinetic_energy_change, 0);
-    // K = 1/m_p + Σ w²/m_i from the nodes' answer: v_i = −w_i J/m_i with J along v.
+    // K = 1/m_p + Σ w²/m_i from the change of the nodes' velocities: v_i = −w_i J/m_i with J along v.
     double k_row = 1 / mass;
     const Vec3 impulse = mass * (p.velocity[0] - v);
     for (const Vec3& u : s[0].velocity) {

@@ -131,10 +131,10 @@ TEST(Response, stop_impulse_matches_the_closed_form_to_fourteen_digits) {
   }
 }
 
-// k equal particles hit one free node at once: the converged answer is −k m v/(M + k m), in any order.
+// k equal particles hit one free node at once: the converged result is −k m v/(M + k m), in any order.
 TEST(Response, simultaneous_impacts_converge_to_the_inelastic_solution_in_any_order) {
   const int k = 64;
-  const double m = 1, mass = 64;  // k m = M: the one-sweep answer is 26 % too fast
+  const double m = 1, mass = 64;  // k m = M: the result of one iteration is 26 % too fast
   for (bool reversed : {false, true}) {
     for (int solver_iterations : {1, 5, 200}) {
       SurfaceMotion s = one_triangle({0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {1 / mass, 0, 0});

@@ -85,7 +85,7 @@ class BoxGeometry : public fcl::CollisionGeometry<double> {
   void computeLocalAABB() override {}
 };
 
-/// FCL 0.7 gives an unrotated object the box centre ± radius unless it is told otherwise.
+/// FCL 0.7 gives an unrotated object the box centre ± radius unless a rotation is set.
 std::unique_ptr<fcl::CollisionObject<double>> object_of(const Box& b) {
   auto object = std::make_unique<fcl::CollisionObject<double>>(std::make_shared<BoxGeometry>(b),
                                                                fcl::Transform3<double>::Identity());

@@ -1,4 +1,4 @@
-/// Do two triangles meet, and how far are they apart? Another route than the library's: signs of
+/// Do two triangles intersect, and how far are they apart? Another algorithm than the library's: signs of
 /// determinants, exact where doubles do not decide, and distances in long doubles.
 #pragma once
 
@@ -8,10 +8,10 @@ namespace oilskin::test {
 
 using Corners3 = std::array<Vec3, 3>;
 
-/// The exact answer for closed triangles, of which one at least has an area.
+/// Exact for closed triangles, of which one at least has an area.
 bool triangles_meet(const Corners3& t, const Corners3& c);
 
-/// Nearest vertex–face and edge–edge distance [m], to about 1e-15 of the size; 0 where they meet.
+/// Nearest vertex–face and edge–edge distance [m], to about 1e-15 of the size; 0 where they intersect.
 double triangle_distance(const Corners3& t, const Corners3& c);
 
 struct PairAudit {

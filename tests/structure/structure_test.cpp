@@ -1,4 +1,4 @@
-// A room may include core and the rooms before it, nothing else; Bullet, FCL, JSON, command-line and picture
+// A module may include core and the modules before it, nothing else; Bullet, FCL, JSON, command-line and picture
 // libraries stay where they belong. Reads the include lines.
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Which rooms of src each room may see, besides itself and the public headers. `world` is never named: it
+/// Which modules of src each module may include, apart from itself and the public headers. `world` is never named: it
 /// sees all.
 const std::map<std::string, std::set<std::string>> may_see = {
     {"src/oilskin", {}},
@@ -42,7 +42,7 @@ const std::map<std::string, std::set<std::string>> fluid_may_see = {
 const std::set<std::string> rooms = {"core",    "fluid",          "proximity", "ccd",
                                      "contact", "reconstruction", "world"};
 
-/// Which folders of demos/app each folder may include, besides itself. The files of demos/app itself (main
+/// Which folders of demos/app each folder may include, apart from itself. The files of demos/app itself (main
 /// and the commands) may include all, and no folder may include them.
 const std::map<std::string, std::set<std::string>> app_may_see = {
     {"scene", {}},

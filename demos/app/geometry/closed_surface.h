@@ -6,7 +6,7 @@
 namespace oilskin::demo {
 
 /// Winding numbers by counting the faces over a point, one grid of bins for all questions. While no point
-/// meets the cloth its winding number cannot change, whatever the cloth does, even where it passes through
+/// touches the cloth its winding number cannot change, whatever the cloth does, even where it passes through
 /// itself: that is what makes it a check of the contact code that shares nothing with it.
 class ClosedSurface {
  public:

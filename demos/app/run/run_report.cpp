@@ -51,7 +51,7 @@ Json machine(const RunSummary& s) {
           {"precision", s.simulation.precision()}};
 }
 
-/// Reading and writing the host's surfaces is booked as cloth.
+/// Reading and writing the host's surfaces is counted as cloth.
 Json seconds(const RunSummary& s) {
   const StageSeconds& t = s.totals.seconds;
   return {{"cloth", s.simulation.host_seconds() + t.gather},
