@@ -1,5 +1,5 @@
-// A module may include core and the modules before it, nothing else; Bullet, FCL, JSON, command-line and picture
-// libraries stay where they belong. Reads the include lines.
+// A module may include core and the modules before it, nothing else; Bullet, FCL, JSON, command-line and
+// picture libraries stay where they belong. Reads the include lines.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Which modules of src each module may include, apart from itself and the public headers. `world` is never named: it
-/// sees all.
+/// Which modules of src each module may include, apart from itself and the public headers. `world` is never
+/// named: it sees all.
 const std::map<std::string, std::set<std::string>> may_see = {
     {"src/oilskin", {}},
     {"src/core", {}},
