@@ -4,20 +4,12 @@
 #include <chrono>
 
 #include "contact/predicates.h"
+#include "contact/surface_geometry.h"
 #include "core/assert.h"
-#include "core/mesh_topology.h"
 #include "core/parallel.h"
 #include "oilskin/contact.h"
-#include "proximity/surface_tree.h"
 
 namespace oilskin::contact {
-
-/// What is kept of a surface from step to step.
-struct SurfaceCache {
-  std::uint64_t id = 0;
-  MeshTopology topology;
-  proximity::SurfaceTree tree;
-};
 
 struct Context {
   // Input
@@ -26,7 +18,7 @@ struct Context {
   const Workers* workers = nullptr;
   ParticleMotion* particles = nullptr;
   Span<SurfaceMotion* const> surfaces;
-  std::vector<SurfaceCache*> caches;  // one per surface
+  Span<SurfaceGeometry* const> geometry;  // one per surface
 
   // State: the epoch in which a point's end position last changed. Pairs are tested again when a stamp is
   // younger than their last test.

@@ -5,14 +5,6 @@
 
 namespace oilskin::contact {
 
-/// d0 below which a record slips although no normal impulse acts [m]; 0 = free.
-double friction_distance(const ParticleMotion& particles, const SurfaceMotion& surface,
-                         const SlipSettings& slip);
-
-/// d0 within which every particle needs a record, whether it approaches or not: the first layer of a viscous
-/// wall. 0 where neither side of the surface is one.
-double wall_layer(const ParticleMotion& particles, const SurfaceMotion& surface);
-
 /// How a surface looks from a point at distance > 0 whose closest feature is given.
 struct SurfaceSide {
   bool back = false;  ///< seen from the side that the triangles' normals turn away from

@@ -516,6 +516,11 @@ void Boundary::push(const std::vector<Load<double>>& load, std::vector<Vec3>& dv
 }
 
 void Boundary::record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces) {
+  for (auto it = memory_.begin(); it != memory_.end();) {
+    const bool is_present = std::any_of(surfaces.begin(), surfaces.end(),
+                                        [&](const SurfaceMotion* s) { return s->id == it->first; });
+    it = is_present ? std::next(it) : memory_.erase(it);
+  }
   const double fresh = -std::expm1(-dt / memory_time);
   for (const SurfaceMotion* s : surfaces) {
     const auto found = memory_.find(s->id);

@@ -102,10 +102,14 @@ class Boundary {
   void push(const std::vector<Load<double>>& load, std::vector<Vec3>& dv, const Workers& workers);
 
   /// What the hosts did with the load of the last step, once per step: after they were gathered, and before
-  /// they are scattered with the impulses of the step. gravity [m/s²].
+  /// they are scattered with the impulses of the step. gravity [m/s²]. Surfaces that are not in the list are
+  /// forgotten.
   void record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
   void record_load(double dt, Span<SurfaceMotion* const> surfaces);
-  void forget(std::uint64_t surface_id) { memory_.erase(surface_id); }
+
+  /// For a step that may fail: checkpoint() copies the nodes' memory, roll_back() puts it back.
+  void checkpoint() { saved_memory_ = memory_; }
+  void roll_back() noexcept { memory_.swap(saved_memory_); }
 
   /// What is kept from step to step: the nodes' memory.
   void visit(Archive& archive);
@@ -186,6 +190,7 @@ class Boundary {
   std::vector<Eigen::Vector3f> wall_velocity_;  // of every node
   std::vector<SurfaceMotion*> surfaces_;
   std::map<std::uint64_t, SurfaceMemory> memory_;  // by surface id
+  std::map<std::uint64_t, SurfaceMemory> saved_memory_;
 };
 
 }  // namespace oilskin::fluid

@@ -46,6 +46,12 @@ class Dfsph : public IncompressibleModel {
 
   void explicit_terms(StepState& state) override;
   void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) override;
+  Memory memory() const override { return {relaxation_, controller_.iterations, controller_.settled_steps}; }
+  void set_memory(const Memory& memory) noexcept override {
+    IncompressibleModel::set_memory(memory);
+    controller_.iterations = memory.iterations;
+    controller_.settled_steps = memory.settled_steps;
+  }
   void visit(Archive& archive) override {
     IncompressibleModel::visit(archive);
     controller_.visit(archive);
@@ -119,7 +125,7 @@ void Dfsph::explicit_terms(StepState& state) {
 
 void Dfsph::pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) {
   begin(state);
-  OILSKIN_ASSERT(pressure.size() == state.size() && gradient_.size() == state.size());
+  OILSKIN_ASSERT(pressure.size() >= state.size() && gradient_.size() == state.size());
   resize(state);
   set_steps(state);
   solve_divergence(state, report);

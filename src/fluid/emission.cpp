@@ -140,7 +140,15 @@ struct Emission::Impl {
   };
 
   double spacing, rest_density, particle_mass;
+  /// The state of a source.
+  struct Progress {
+    bool begun;
+    std::uint64_t next;
+    std::vector<std::uint8_t> waiting;
+  };
+
   std::vector<Source> sources;
+  std::vector<Progress> saved;  // by checkpoint(), one per source
   std::vector<Start> starts;
   std::vector<Origin> origins;
 
@@ -322,7 +330,6 @@ void Emission::Impl::emit_volume(std::size_t index, double time, double dt) {
   s.begun = true;
   const double remaining = std::min(dt, time + dt - s.start);
   for (std::size_t k = 0; k < s.sites.size(); ++k) emit(index, k, s.sites[k], remaining);
-  s.sites = {};
 }
 
 std::uint64_t Emission::settle(Span<const std::uint8_t> blocked) {
@@ -335,6 +342,30 @@ std::uint64_t Emission::settle(Span<const std::uint8_t> blocked) {
     if (s.kind == Source::Kind::nozzle) s.waiting[impl_->origins[i].site] = 1;
   }
   return count;
+}
+
+void Emission::checkpoint() {
+  impl_->saved.resize(impl_->sources.size());
+  for (std::size_t k = 0; k < impl_->saved.size(); ++k) {
+    const Source& s = impl_->sources[k];
+    impl_->saved[k].begun = s.begun;
+    impl_->saved[k].next = s.next;
+    impl_->saved[k].waiting = s.waiting;
+  }
+}
+
+void Emission::roll_back() noexcept {
+  for (std::size_t k = 0; k < impl_->saved.size(); ++k) {
+    Source& s = impl_->sources[k];
+    s.begun = impl_->saved[k].begun;
+    s.next = impl_->saved[k].next;
+    s.waiting.swap(impl_->saved[k].waiting);
+  }
+}
+
+void Emission::commit() noexcept {
+  for (Source& s : impl_->sources)
+    if (s.kind == Source::Kind::volume && s.begun) std::vector<Vec3>().swap(s.sites);
 }
 
 void Emission::visit(Archive& archive, double time) {

@@ -38,6 +38,12 @@ class Emission {
   /// blocked.
   std::uint64_t settle(Span<const std::uint8_t> blocked);
 
+  /// For a step that may fail: checkpoint() remembers how far the emitters are, roll_back() returns to there,
+  /// commit() frees the points of volumes that were filled since.
+  void checkpoint();
+  void roll_back() noexcept;
+  void commit() noexcept;
+
   /// Emitters with their phases and waiting starts, as they are between two steps at `time` [s].
   void visit(Archive& archive, double time);
 

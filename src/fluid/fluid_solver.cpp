@@ -56,12 +56,16 @@ struct FluidSolver::Impl {
       : settings(s), workers(std::move(w)), state(*workers, s.support_ratio), model(make_model(s)) {}
 
   void load(const Particles& particles);
-  void finish(Particles& particles);
+  void finish(Particles& particles, Span<Vec3> velocity);
 
   const FluidSettings settings;
   std::shared_ptr<Workers> workers;
   StepState state;
   std::unique_ptr<PressureModel> model;
+
+  // Of checkpoint()
+  PressureModel::Memory saved_memory;
+  double saved_previous_dt = 0;
 };
 
 FluidSolver::FluidSolver(const FluidSettings& settings, std::shared_ptr<Workers> workers) {
@@ -93,16 +97,17 @@ void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles
                                  Span<SurfaceMotion* const> surfaces, StageSeconds& seconds) {
   StepState& state = impl_->state;
   const FluidSettings& settings = impl_->settings;
-  OILSKIN_ASSERT(dt > 0 && particles.size() == state.size());
-  if (surfaces.empty() || particles.size() == 0) return;
+  OILSKIN_ASSERT(dt > 0 && particles.size() >= state.size());
+  if (surfaces.empty() || state.size() == 0) return;
+  const Span<const Vec3> positions(particles.position.data(), state.size());
   if (settings.occlusion) {
     const StageTimer timer(seconds.occlusion);
-    state.hidden_pairs = remove_hidden_neighbours(particles.position, surfaces, support_radius(),
-                                                  state.neighbours, *impl_->workers);
+    state.hidden_pairs =
+        remove_hidden_neighbours(positions, surfaces, support_radius(), state.neighbours, *impl_->workers);
   }
   if (settings.boundary == BoundaryModel::mirrored) {
     const StageTimer timer(seconds.boundary);
-    state.boundary.find(dt, particle_mass(), gravity.stableNormalized(), particles.position, state.neighbours,
+    state.boundary.find(dt, particle_mass(), gravity.stableNormalized(), positions, state.neighbours,
                         support_radius(), surfaces, *impl_->workers);
   }
 }
@@ -116,15 +121,11 @@ void FluidSolver::record_load(double dt, Span<SurfaceMotion* const> surfaces) {
   if (impl_->settings.boundary == BoundaryModel::mirrored) impl_->state.boundary.record_load(dt, surfaces);
 }
 
-void FluidSolver::forget(std::uint64_t surface_id) {
-  impl_->state.boundary.forget(surface_id);
-}
-
 void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
-                          Span<const PredictionContact> contacts, FluidReport& report,
+                          Span<const PredictionContact> contacts, Span<Vec3> velocity, FluidReport& report,
                           StageSeconds& seconds) {
   StepState& state = impl_->state;
-  OILSKIN_ASSERT(dt > 0 && particles.size() == state.size());
+  OILSKIN_ASSERT(dt > 0 && particles.size() >= state.size() && velocity.size() == particles.size());
   OILSKIN_ASSERT(sorted_by_particle(contacts));
   report = FluidReport{};
   report.hidden_pairs = state.hidden_pairs;
@@ -141,9 +142,20 @@ void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
     impl_->model->pressure_terms(state, particles.pressure, report);
   }
   const StageTimer timer(seconds.other_fluid);
-  impl_->finish(particles);
-  OILSKIN_ASSERT(particles.pressure.size() == state.size());
+  impl_->finish(particles, velocity);
   state.previous_dt = dt;
+}
+
+void FluidSolver::checkpoint() {
+  impl_->saved_previous_dt = impl_->state.previous_dt;
+  impl_->saved_memory = impl_->model->memory();
+  impl_->state.boundary.checkpoint();
+}
+
+void FluidSolver::roll_back() noexcept {
+  impl_->state.previous_dt = impl_->saved_previous_dt;
+  impl_->model->set_memory(impl_->saved_memory);
+  impl_->state.boundary.roll_back();
 }
 
 void FluidSolver::visit(Archive& archive) {
@@ -155,7 +167,7 @@ void FluidSolver::visit(Archive& archive) {
 }
 
 void FluidSolver::Impl::load(const Particles& particles) {
-  const std::size_t n = particles.size();
+  const std::size_t n = state.size();
   state.velocity.resize(n + 1);
   state.velocity[n] = Record{0, 0, 0, 0};
   state.relative_density.resize(n);
@@ -168,9 +180,9 @@ void FluidSolver::Impl::load(const Particles& particles) {
   });
 }
 
-void FluidSolver::Impl::finish(Particles& particles) {
+void FluidSolver::Impl::finish(Particles& particles, Span<Vec3> velocity) {
   state.for_each([&](std::size_t i) {
-    particles.velocity[i] += state.dv[i];
+    velocity[i] = particles.velocity[i] + state.dv[i];
     particles.density[i] = settings.rest_density * static_cast<double>(state.relative_density[i]);
   });
 }

@@ -46,14 +46,20 @@ class FluidSolver {
   /// how light cloth answers. Once per step, after all surfaces were gathered and before they are scattered.
   void record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
   void record_load(double dt, Span<SurfaceMotion* const> surfaces);
-  void forget(std::uint64_t surface_id);
 
   /// After prepare(), for the same particles: density and pressure of the start positions, and
-  /// velocity ← velocity + dt (gravity + viscosity + pressure). Positions stay. Pair forces are antisymmetric
-  /// and summed in double, so that the fluid's momentum changes by gravity alone, up to 1e-12 relative.
-  /// `contacts` sorted by particle.
+  /// velocity ← particles.velocity + dt (gravity + viscosity + pressure). Positions stay. Pair forces are
+  /// antisymmetric and summed in double, so that the fluid's momentum changes by gravity alone, up to 1e-12
+  /// relative. `contacts` sorted by particle. `velocity` has one value per particle and may be
+  /// particles.velocity itself.
+  ///
+  /// Particles that were appended since prepare() take no part in the sums; nothing of them changes.
   void propose(double dt, const Vec3& gravity, Particles& particles, Span<const PredictionContact> contacts,
-               FluidReport& report, StageSeconds& seconds);
+               Span<Vec3> velocity, FluidReport& report, StageSeconds& seconds);
+
+  /// For a step that may fail: checkpoint() copies what is kept from step to step, roll_back() puts it back.
+  void checkpoint();
+  void roll_back() noexcept;
 
   /// What is kept from step to step besides the particles.
   void visit(Archive& archive);

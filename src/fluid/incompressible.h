@@ -58,6 +58,8 @@ class IncompressibleModel : public PressureModel {
   static constexpr double min_relaxation = 1.0 / 256;
 
   double particle_volume() const override { return settled_volume_; }
+  Memory memory() const override { return {relaxation_, 0, 0}; }
+  void set_memory(const Memory& memory) noexcept override { relaxation_ = memory.relaxation; }
   void visit(Archive& archive) override;
 
  protected:

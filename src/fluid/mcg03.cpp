@@ -51,7 +51,7 @@ class Mcg03 : public PressureModel {
 /// p = k (ρ − ρ0), not below 0: tension would clump free surfaces. Of the symmetric forms of the pair force,
 /// a_i = −Σ m (p_i/ρ_i² + p_j/ρ_j²) ∇W conserves momentum exactly and needs one number per particle.
 void Mcg03::pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) {
-  OILSKIN_ASSERT(pressure.size() == state.size() && state.relative_density.size() == state.size());
+  OILSKIN_ASSERT(pressure.size() >= state.size() && state.relative_density.size() == state.size());
   const double rest_density = settings_.rest_density, mass = volume_ * rest_density;
   const double scale = state.dt * mass * Spiky::norm / std::pow(support_radius_, 4);  // of w'/q Δ in m ∇W dt
   // In a step that sound outruns, the state equation would add energy without end: the fluid is softer then.

@@ -33,7 +33,7 @@ class Pcisph : public IncompressibleModel {
 
 void Pcisph::pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) {
   begin(state);
-  OILSKIN_ASSERT(pressure.size() == state.size() && state.velocity.size() == state.size() + 1);
+  OILSKIN_ASSERT(pressure.size() >= state.size() && state.velocity.size() == state.size() + 1);
   predicted_.resize(state.size() + 1);
   predicted_[state.size()] = state.position()[state.size()];  // the padding
   const double factor = warm_start(state), scale = phi_per_pascal(state.dt);

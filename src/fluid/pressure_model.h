@@ -23,7 +23,13 @@ class PressureModel {
   /// pressures [Pa].
   virtual void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) = 0;
 
-  /// What the model keeps from step to step: here, nothing.
+  /// What a model keeps from step to step; here, nothing.
+  struct Memory {
+    double relaxation = 0;  // ω
+    int iterations = 0, settled_steps = 0;
+  };
+  virtual Memory memory() const { return {}; }
+  virtual void set_memory(const Memory&) noexcept {}
   virtual void visit(Archive&) {}
 };
 

@@ -10,8 +10,6 @@
 
 namespace oilskin {
 
-class Workers;
-
 /// n particles over one interval. Spans point to the caller's arrays, all of the same length.
 struct ParticleMotion {
   Span<const std::uint64_t> id;     ///< unique
@@ -48,10 +46,14 @@ struct Contact {
 /// After resolve() returns an accepted status with ccd and zones on, for every particle that is not `removed`
 /// the straight motion x_t0 → x_t1 keeps a distance > 0 from the straight motion of every triangle, and ends
 /// no nearer than δ — provided it began no nearer than δ.
+///
+/// One thread at a time may call a solver; different solvers are independent. It calls nothing of the
+/// caller's. If resolve() throws (std::bad_alloc, std::runtime_error where FCL has no memory,
+/// std::length_error beyond 2^32 candidate pairs), the solver can be used again; x_t0 is as it was, the ends,
+/// velocities and impulses in `particles` and `surfaces` have no meaning.
 class ContactSolver {
  public:
   explicit ContactSolver(const ContactSettings& settings = {}, int threads = 0);
-  ContactSolver(const ContactSettings& settings, std::shared_ptr<Workers> workers);
   ~ContactSolver();
   ContactSolver(ContactSolver&&) noexcept;
   ContactSolver& operator=(ContactSolver&&) noexcept;
@@ -60,8 +62,8 @@ class ContactSolver {
   Status set_settings(const ContactSettings& settings);
 
   /// One interval of length dt [s] > 0. Refuses non-finite or mismatched input, naming the array and the
-  /// index. `surfaces` need id, δ and thickness set; x_t0 and x_t1 must be stored numbers. Ends, velocities
-  /// and impulses are in `particles` and `surfaces` afterwards; the caller goes on from there.
+  /// index. `surfaces` need different ids, δ and thickness set; x_t0 and x_t1 must be stored numbers. Ends,
+  /// velocities and impulses are in `particles` and `surfaces` afterwards; the caller goes on from there.
   Status resolve(double dt, ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
                  ContactReport& report, StageSeconds& seconds);
   Status resolve(double dt, ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
@@ -69,11 +71,6 @@ class ContactSolver {
     StageSeconds seconds;
     return resolve(dt, particles, surfaces, report, seconds);
   }
-
-  /// The records at the start positions alone, ordered by particle, surface and feature, using x_t1 as the
-  /// predicted sweep. Valid until the next call.
-  const std::vector<Contact>& find_contacts(const ParticleMotion& particles,
-                                            Span<SurfaceMotion* const> surfaces);
 
   /// The active records of the last resolve(): who was hit, where.
   const std::vector<Contact>& contacts() const;
@@ -83,7 +80,8 @@ class ContactSolver {
   static std::uint64_t count_crossings(const ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
                                        std::uint64_t* pairs_tested = nullptr);
 
-  /// Forgets what is cached for a surface (its tree).
+  /// Forgets what is kept of a surface from call to call: its tree and the analysis of its mesh. Results do
+  /// not depend on it. A changed mesh needs a new id, or this call.
   void forget(std::uint64_t surface_id);
 
  private:

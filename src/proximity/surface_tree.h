@@ -31,7 +31,7 @@ class SurfaceTree {
   /// when the triangles are not those of the last call, or when the leaves or the whole tree have grown to
   /// more than twice their size after the last build; else refits. What queries find does not depend on which
   /// of the two it was. Finite positions, indices in range (asserted). Throws std::runtime_error where FCL
-  /// refuses (out of memory).
+  /// refuses (out of memory); after any exception the tree has no triangles, and the next call builds it.
   void update(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1);
 
   std::size_t builds() const;  ///< how often a tree was built, for tests and reports

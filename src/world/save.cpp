@@ -209,6 +209,7 @@ Status Attachments::take_hosts(Attachments& from) {
 
 /// Counters first: what follows is checked against them.
 void World::Impl::visit_state(Archive& archive) {
+  auto& [particles, next_particle_id, step_count, interval_count, time, last_dt, max_acceleration] = state;
   archive.values(next_particle_id, step_count, interval_count, time, last_dt, max_acceleration);
   archive.require(time >= 0 && std::isfinite(time) && last_dt >= 0 && std::isfinite(last_dt), "the time");
   particles.visit(archive);
@@ -240,9 +241,9 @@ Status World::Impl::restore(Span<const std::uint8_t> saved) {
   if (!archive.ok()) return refuse(archive.status());
   if (Status s = restored.attachments.take_hosts(attachments); !s.ok()) return s;
   restored.observer = observer;
-  restored.report.step = restored.step_count;
-  restored.report.time = restored.time;
-  restored.report.alive = restored.particles.size();
+  restored.report.step = restored.state.step_count;
+  restored.report.time = restored.state.time;
+  restored.report.alive = restored.state.particles.size();
   *this = std::move(restored);
   return {};
 }

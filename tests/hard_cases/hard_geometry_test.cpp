@@ -14,6 +14,7 @@
 #include "hard_cases/invariants.h"
 #include "hard_cases/outcome.h"
 #include "support/exact.h"
+#include "support/find_contacts.h"
 #include "support/random.h"
 #include "support/static_mesh.h"
 #include "support/surface_of.h"
@@ -120,10 +121,9 @@ ContactCount check_records(std::vector<SurfaceMotion> surfaces, const std::vecto
   for (const Vec3& x : points) p.add(x, Vec3::Zero(), particle_mass);
   std::vector<SurfaceMotion*> list;
   for (SurfaceMotion& s : surfaces) list.push_back(&s);
-  ContactSolver solver(ContactSettings{}, 1);
   ContactCount found;
   std::set<std::uint32_t> seen;
-  for (const Contact& r : solver.find_contacts(p.motion(), list)) {
+  for (const Contact& r : test::find_contacts(p.motion(), list)) {
     ++found.number;
     seen.insert(r.particle);
     double sum = 0, k = 1 / particle_mass;
@@ -237,7 +237,7 @@ TEST(HardGeometry,
     SurfaceMotion* list[] = {&copy};
     ContactSolver solver(ContactSettings{}, 1);
     std::set<std::uint32_t> seen;
-    for (const Contact& r : solver.find_contacts(p.motion(), list)) {
+    for (const Contact& r : test::find_contacts(p.motion(), list)) {
       seen.insert(r.particle);
       EXPECT_NEAR(r.normal.norm(), 1, 1e-12);
     }
