@@ -22,7 +22,7 @@ Box swept_box(const ParticleMotion& particles, std::uint32_t p) {
 
 }  // namespace
 
-// Room for what pressure and rounds of impulses add to the predicted way. Who leaves it is queried again.
+// Covers what pressure and impulses usually add to the predicted displacement.
 double CandidateSet::prediction_margin(const ParticleMotion& particles) {
   return 0.2 * particles.spacing;
 }
@@ -87,8 +87,7 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
       set.pool.clear();
     }
     stale.clear();
-    // Beyond δ nothing can be bad, so for detection a swept box inflated by 2 δ within the queried one is
-    // covered.
+    // Pairs farther apart than δ are no violations: for detection a swept box inflated by 2 δ is enough.
     const double reach = std::max(2 * motion.delta, margin * motion.thickness);
     for (std::uint32_t p = 0; p < context.particle_count(); ++p) {
       if (context.out_of_play[p]) {

@@ -87,7 +87,9 @@ Status check_surface(const SurfaceMotion& s) {
   if (s.triangles.empty()) return refuse("surface ", s.id, " has no triangles");
   for (std::size_t t = 0; t < s.triangles.size(); ++t)
     for (std::uint32_t v : s.triangles[t])
-      if (v >= n) return refuse("triangle ", t, " of surface ", s.id, " names node ", v, "; there are ", n);
+      if (v >= n)
+        return refuse("triangle ", t, " of surface ", s.id, " has the node index ", v, "; there are ", n,
+                      " nodes");
   if (!(s.delta > 0) || !(s.thickness >= 4 * s.delta))
     return refuse("surface ", s.id, " has thickness ", s.thickness, " and delta ", s.delta,
                   "; it must hold that thickness ≥ 4 delta > 0");

@@ -10,7 +10,7 @@
 
 namespace oilskin {
 
-/// n particles over one interval. Spans point to the caller's arrays, all of the same length.
+/// Particles over one interval. The spans view the caller's arrays and have the same length.
 struct ParticleMotion {
   Span<const std::uint64_t> id;     ///< unique
   Span<const Vec3> x_t0;            ///< start [m]
@@ -41,7 +41,7 @@ struct Contact {
   double normal_alignment = 1;
 };
 
-/// Runs the loop: records → impulses → meetings → zones → certificate.
+/// Finds contacts, solves their constraints, resolves impacts, and certifies the result.
 ///
 /// After resolve() returns an accepted status with ccd and zones on, for every particle that is not `removed`
 /// the straight motion x_t0 → x_t1 keeps a distance > 0 from the straight motion of every triangle, and ends
@@ -72,7 +72,7 @@ class ContactSolver {
     return resolve(dt, particles, surfaces, report, seconds);
   }
 
-  /// The active records of the last resolve(): who was hit, where.
+  /// The contacts of the last resolve() that had a constraint.
   const std::vector<Contact>& contacts() const;
 
   /// Independent of resolve(): counts the particles whose path meets a triangle or that end nearer than δ, by

@@ -29,8 +29,8 @@ Status check_mesh(const SurfaceMotion& m) {
   for (std::size_t t = 0; t < m.triangles.size(); ++t)
     for (std::uint32_t v : m.triangles[t])
       if (v >= m.x_t1.size())
-        return refuse("triangle ", t, " names node ", v, "; the surface has ", m.x_t1.size(), " nodes (0 … ",
-                      m.x_t1.size() - 1, ")");
+        return refuse("triangle ", t, " has the node index ", v, "; the surface has ", m.x_t1.size(),
+                      " nodes (0 … ", m.x_t1.size() - 1, ")");
   return {};
 }
 
@@ -48,7 +48,8 @@ Status check_state(const SurfaceMotion& m) {
       return refuse("the inverse mass of node ", i, " is ", m.inverse_mass[i], "; it must be ",
                     inverse_mass_range);
     if (stored(m.x_t1[i], m.storage) != m.x_t1[i])
-      return refuse("the position of node ", i, " is no number that its storage can hold");
+      return refuse("the position of node ", i, " is not a ",
+                    m.storage == Storage::float32 ? "single" : "double", "-precision number");
   }
   return {};
 }

@@ -1,4 +1,4 @@
-/// How long a step may be, and in how many parts it falls.
+/// The longest accurate step, and the speeds that decide how many sub-steps a step has.
 #include <algorithm>
 #include <cmath>
 
@@ -8,14 +8,14 @@
 
 namespace oilskin {
 
-/// A wall drives the water before it as fast as it goes itself, so what surfaces do counts like the fluid's
-/// own speed, but only where they meet: cloth that flaps in the air costs nothing.
+/// A wall gives its own speed to the water in front of it, so the speed of surfaces counts like that of the
+/// fluid, but only where their swept triangles overlap the fluid's box.
 world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved_for, double dt) const {
   world::Speeds found;
   Box water;
   for (std::size_t i = 0; i < state.particles.size(); ++i) {
     const Vec3 &x = state.particles.position[i], &v = state.particles.velocity[i];
-    if (!world::is_in_range(x) || !world::is_in_range(v)) continue;  // quarantined by the next step
+    if (!world::is_in_range(x) || !world::is_in_range(v)) continue;  // removed by the next step
     water.add(x);
     found.fluid = std::max(found.fluid, v.squaredNorm());
   }
@@ -26,8 +26,8 @@ world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved
   return found;
 }
 
-/// The limits (F.45) and (F.46). Those of accuracy hold for an interval, so that sub-steps loosen them. Those
-/// of stability hold for the step: a step is cut by speeds alone, and it may not be.
+/// The limits (F.45) and (F.46). Limits of accuracy hold for an interval: sub-steps relax them. Limits of
+/// stability hold for the step, because only speeds decide on sub-steps.
 double World::Impl::longest_dt(double largest) const {
   std::vector<SurfaceMotion*> moved;
   for (const auto& a : attachments.all())

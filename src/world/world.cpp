@@ -75,7 +75,7 @@ const SurfaceMotion* World::surface(SurfaceId id) const {
 }
 
 void World::reset_motion(SurfaceId id) {
-  // One that was left out stays out until its next gather: what it holds now was found wrong.
+  // A refused surface remains refused until its next gather: its present motion is invalid.
   if (world::Attachment* a = impl_->attachments.find(id.value)) a->teleported = true;
 }
 
@@ -97,7 +97,7 @@ Status World::set_slip(SurfaceId id, const SlipSettings& front, const SlipSettin
 namespace {
 
 Status check_inside(const Box& kill_box, const Box& emitter) {
-  // Numbers that are no place at all are the emitter's own fault, and it says so better.
+  // Positions that are not finite are refused by Emission, with a better message.
   if (!emitter.min.allFinite() || !emitter.max.allFinite() || kill_box.overlaps(emitter)) return {};
   std::ostringstream s;
   s << "the emitter, at (" << emitter.min.transpose() << ") m, lies outside the kill box ("
@@ -246,10 +246,10 @@ std::uint64_t World::state_hash() const {
     hash.add(p.position[i]);
     hash.add(p.velocity[i]);
   }
-  std::uint64_t number = 0;  // and not the handle: a restored world gives its own
+  std::uint64_t number = 0;  // not the handle: a restored world has its own handles
   for (const auto& a : impl_->attachments.all()) {
     hash.add(++number);
-    if (a->refused) continue;  // whatever it holds takes no part
+    if (a->refused) continue;  // its motion is invalid
     for (const Vec3& x : a->motion.x_t1) hash.add(x);
     for (const Vec3& v : a->motion.velocity) hash.add(v);
   }
