@@ -1,8 +1,9 @@
-# Sourced by demos/run, tests/run and .ci/run: Debian packages and quiet builds.
+# Sourced by demos/run, tests/run and tests/check: Debian packages and quiet builds.
 
 oilskin_build_packages=(cmake ninja-build g++ pkg-config libeigen3-dev libfcl-dev libccd-dev liboctomap-dev libtbb-dev
   libbullet-dev nlohmann-json3-dev libcli11-dev libgtest-dev)
 oilskin_test_packages=()
+oilskin_check_packages=(clang-format clang-tidy doxygen python3)
 oilskin_benchmark_packages=(libbenchmark-dev)
 # xvfb-run needs xauth, and a renderer to draw with.
 oilskin_picture_packages=(libvtk9-dev xvfb xauth libgl1-mesa-dri)

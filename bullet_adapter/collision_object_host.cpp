@@ -35,7 +35,7 @@ Status CollisionObjectHost::read_if_changed() {
     return Status::refused("collision object has no collision shape: call setCollisionShape() first");
   std::vector<double> signature = shape_signature(*shape);
   if (!forget_motion_ && signature == signature_) return Status::accepted();
-  const Status status = read_shape(*shape, &mesh_);
+  Status status = read_shape(*shape, &mesh_);
   world_.clear();  // stale
   if (status.ok()) signature_ = std::move(signature);
   return status;

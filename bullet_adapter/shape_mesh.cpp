@@ -122,7 +122,7 @@ Status read(const btCollisionShape& shape, const btTransform& to_body, int depth
     const auto& compound = static_cast<const btCompoundShape&>(shape);
     for (int i = 0; i < compound.getNumChildShapes(); ++i) {
       const btTransform child = to_body * compound.getChildTransform(i);
-      const Status status = read(*compound.getChildShape(i), child, depth + 1, mesh);
+      Status status = read(*compound.getChildShape(i), child, depth + 1, mesh);
       if (!status.ok()) return status;
     }
     return Status::accepted();
@@ -162,7 +162,7 @@ void add_signature(const btCollisionShape& shape, int depth, std::vector<double>
 
 Status read_shape(const btCollisionShape& shape, ShapeMesh* mesh) {
   *mesh = ShapeMesh();
-  const Status status = read(shape, btTransform::getIdentity(), 0, mesh);
+  Status status = read(shape, btTransform::getIdentity(), 0, mesh);
   if (!status.ok()) return status;
   if (mesh->triangles.empty() && mesh->planes.empty()) return unsupported(shape, "has no triangles");
   for (std::size_t i = 0; i < mesh->vertices.size(); ++i)

@@ -1,8 +1,7 @@
-/// Water for Bullet's soft bodies, in Bullet's own manner: the user creates and owns everything, we keep raw
-/// pointers. Couples in updateSoftBodies(), the last call of every internal sub-step, or in an explicit
-/// step(dt).
-///
-/// Never touched: rest lengths, masses, tick callbacks, user pointers, tags.
+/// @file
+/// Water for Bullet's soft bodies. As in Bullet, the user creates and owns all objects, and Oilskin keeps raw
+/// pointers. It couples in updateSoftBodies(), the last call of each of Bullet's sub-steps, or in an explicit
+/// step(dt). It never changes rest lengths, masses, tick callbacks, user pointers or tags.
 #pragma once
 
 #include <BulletSoftBody/btDefaultSoftBodySolver.h>
@@ -13,9 +12,9 @@
 
 #include "oilskin/world.h"
 
-// Single and double precision Bullet share header and symbol names; a program compiled for one and linked
-// with the adapter of the other would corrupt memory. It fails to link instead, and the missing symbol says
-// why.
+// Single and double precision Bullet share header and symbol names. A program compiled for one and linked
+// with the adapter of the other would corrupt memory. It does not link, and the missing symbol names the
+// reason.
 #ifdef BT_USE_DOUBLE_PRECISION
 #define OILSKIN_BULLET_GUARD oilskin_bullet_adapter_was_built_for_double_precision
 static_assert(sizeof(btScalar) == sizeof(double),
@@ -36,36 +35,46 @@ __attribute__((used)) static const char* const link_guard = &OILSKIN_BULLET_GUAR
 #pragma detect_mismatch("oilskin_bullet_precision", "single")
 #endif
 
+/// The adapter for Bullet.
 namespace oilskin::bullet {
 
 class btFluidCoupling;
 
-/// A fluid: settings, particles and emitters. One per coupling. May be deleted while it is in one.
+/// A fluid: settings, particles and emitters. It belongs to at most one coupling, and may be deleted before
+/// it.
 class btFluid {
  public:
-  /// Water of that rest distance [m], with default settings; the kill box is ±10 m.
+  /// Water with default settings and the rest distance `restDistance` [m] of particles; the kill box is ±10
+  /// m.
   explicit btFluid(btScalar restDistance = btScalar(0.005));
+  /// A fluid with all settings.
   btFluid(const FluidSettings& fluid, const WorldSettings& world, const ContactSettings& contact);
   ~btFluid();
   btFluid(const btFluid&) = delete;
   btFluid& operator=(const btFluid&) = delete;
 
-  /// A round nozzle that runs from now on. Position and radius in m, speed in m/s, any length of direction >
-  /// 0.
+  /// Adds a round nozzle that starts with the next step. Position and radius in m, speed in m/s; the
+  /// direction has any length > 0.
   Status addJet(const btVector3& position, const btVector3& direction, btScalar speed,
                 btScalar radius = btScalar(0.025));
   /// Fills a box with fluid at the next step.
   Status addBox(const btVector3& boxMin, const btVector3& boxMax,
                 const btVector3& velocity = btVector3(0, 0, 0));
 
+  /// The number of particles.
   int getNumParticles() const;
+  /// [m]
   btVector3 getPosition(int i) const;
+  /// [m/s]
   btVector3 getVelocity(int i) const;
-  /// Three floats a particle, `strideBytes` apart (≥ 12); `out` holds getNumParticles() of them.
+  /// Writes three floats per particle [m], `strideBytes` ≥ 12 apart, getNumParticles() times.
   void copyPositions(float* out, int strideBytes = 12) const;
+  /// Writes three floats per particle [m/s], `strideBytes` ≥ 12 apart, getNumParticles() times.
   void copyVelocities(float* out, int strideBytes = 12) const;
 
+  /// The world behind the fluid, with all that Bullet's interface does not show.
   World& getWorld() { return *m_world; }
+  /// The same, read-only.
   const World& getWorld() const { return *m_world; }
 
  private:
@@ -77,10 +86,11 @@ class btFluid {
 /// Couples one fluid with soft bodies and collision objects. Add it to a world with addAction() for debug
 /// drawing only: actions run before Bullet solves the cloth, so nothing is coupled there.
 ///
-/// Whatever is attached must be removed from the coupling before it is deleted. Bodies may be cut, refined
-/// and re-ordered while they are attached: they are then new surfaces.
+/// Attached objects must be removed from the coupling before they are deleted. Bodies may be cut, refined and
+/// re-ordered while they are attached: they become new surfaces.
 class btFluidCoupling : public btActionInterface {
  public:
+  /// Adds the fluid, if there is one.
   explicit btFluidCoupling(btFluid* fluid = nullptr);
   ~btFluidCoupling() override;
   btFluidCoupling(const btFluidCoupling&) = delete;
@@ -88,54 +98,64 @@ class btFluidCoupling : public btActionInterface {
 
   /// One fluid per coupling; a second one is refused. Surfaces added before the fluid are attached with it.
   Status addFluid(btFluid* fluid);
+  /// Removes the fluid; the surfaces remain and are attached to the next one.
   void removeFluid(btFluid* fluid);
+  /// Null = none.
   btFluid* getFluid() const;
 
-  /// Refuses soft bodies without faces, thicknesses below 4 δ, bodies that are attached already. A refusal
-  /// attaches nothing. Before there is a fluid, δ is not known: addFluid() may then refuse.
-  ///
-  /// mayHoldPins: where pins close on a particle from both sides they are stopped for a step, and counted.
-  /// weldNodes: nodes that lie at bit-equal positions now (an unwelded mesh) are one node of their common
-  /// mass for contact and are kept together: at every coupling they are put to their centre of mass with
-  /// their common velocity, for Bullet itself lets them fall apart, and the open seam would be a hole. Off
-  /// for sheets that shall part.
+  /// Refuses soft bodies without faces, thicknesses below 4 δ [m], and bodies that are attached already; a
+  /// refusal attaches nothing. Without a fluid δ is not known, and addFluid() may refuse later.
   Status addCloth(btSoftBody* cloth, btScalar thickness, const SlipSettings& slip = {});
+  /// The same with all settings.
+  ///
+  /// mayHoldPins: pins that close on a particle from both sides are held for a step, and counted.
+  ///
+  /// weldNodes: nodes at bit-equal positions (an unwelded mesh) are one node with their common mass for
+  /// contact. Every coupling moves them to their centre of mass with their common velocity, because Bullet
+  /// lets them separate, and water would pass between them. Off for sheets that are to separate there.
   Status addCloth(btSoftBody* cloth, const SurfaceSettings& settings, bool mayHoldPins = true,
                   bool weldNodes = true);
+  /// Detaches a cloth. One that is not attached is ignored.
   void removeCloth(btSoftBody* cloth);
-  /// Static and kinematic objects; dynamic rigid bodies are refused. Triangle meshes (all concave shapes that
-  /// list their triangles), boxes and convex hulls exactly, without the margin that Bullet adds outside of
-  /// hulls; spheres by 1280 triangles around them; other convex shapes by the hull of 642 of their points;
-  /// static planes by their part inside the kill box; compounds of these. Transform and scaling are read at
-  /// every step.
+  /// Attaches a static or kinematic object; dynamic rigid bodies are refused. Triangle meshes (all concave
+  /// shapes that list their triangles), boxes and convex hulls are exact, without the margin that Bullet adds
+  /// outside of hulls. Spheres are 1280 triangles around them, other convex shapes the hull of 642 of their
+  /// points, static planes their part inside the kill box; compounds consist of these. Transform and scaling
+  /// are read at every step.
   Status addCollisionObject(btCollisionObject* object, btScalar thickness, const SlipSettings& slip = {});
+  /// The same with all settings.
   Status addCollisionObject(btCollisionObject* object, const SurfaceSettings& settings);
+  /// Detaches an object. One that is not attached is ignored.
   void removeCollisionObject(btCollisionObject* object);
 
   /// The positions of the cloth at the next step are a teleport, not a motion.
   void resetMotion(btSoftBody* cloth);
+  /// The transform of the object at the next step is a teleport, not a motion.
   void resetMotion(btCollisionObject* object);
 
-  /// Gravity of the fluid at every step: that of the first cloth's btSoftBodyWorldInfo while a cloth is
-  /// attached (default), or what btFluid::getWorld().set_gravity() and WorldSettings say.
+  /// The gravity of the fluid: that of the first cloth's btSoftBodyWorldInfo while a cloth is attached
+  /// (default), or that of WorldSettings and World::set_gravity().
   void setUseClothGravity(bool use);
 
-  /// One coupled step for engines that own their world: call it after stepSimulation(). dt [s] is the time
-  /// that the cloth has moved since the last call: sub-steps run × their length. 0 (no sub-step was run) does
-  /// nothing, and the motion counts with the next step.
+  /// One coupled step for engines that own their world; call it after stepSimulation(). dt [s] is the time
+  /// that the cloth has moved since the last call: Bullet's sub-steps × their length. 0 (no sub-step) does
+  /// nothing, and the motion is part of the next step.
   const StepReport& step(btScalar dt);
+  /// The report of the last step.
   const StepReport& getReport() const;
 
-  /// Impulses given to the nodes in the last step [N s], one per node in Bullet's order; null when not
-  /// attached. For pins: the reaction.
+  /// The impulses on the nodes in the last step [N s], one per node in Bullet's order, at pins the reaction;
+  /// null for a cloth that is not attached.
   const std::vector<Vec3>* getNodeImpulses(const btSoftBody* cloth) const;
+  /// The motion of a cloth in the last step; null for one that is not attached.
   const SurfaceMotion* getSurface(const btSoftBody* cloth) const;
+  /// The motion of an object in the last step; null for one that is not attached.
   const SurfaceMotion* getSurface(const btCollisionObject* object) const;
 
-  // btActionInterface
+  /// Does nothing: actions run before Bullet solves the cloth.
   void updateAction(btCollisionWorld*, btScalar) override {}
-  /// Wireframe: particles as short lines along their velocity, dark blue (still) to white (fast). Contact
-  /// points or normals: contacts of the last step.
+  /// Wireframe: particles as short lines along their velocity, from dark blue (at rest) to white (fast).
+  /// Contact points or normals: contacts of the last step.
   void debugDraw(btIDebugDraw* drawer) override;
 
  private:
@@ -146,48 +166,64 @@ class btFluidCoupling : public btActionInterface {
   std::unique_ptr<Impl> m_impl;
 };
 
-/// Pass it as fifth argument of btSoftRigidDynamicsWorld or btSoftMultiBodyDynamicsWorld.
+/// A soft-body solver that couples in every sub-step. Pass it as fifth argument of btSoftRigidDynamicsWorld
+/// or btSoftMultiBodyDynamicsWorld. It has the functions of btFluidCoupling.
 class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
  public:
   btFluidSoftBodySolver();
   ~btFluidSoftBodySolver() override;
 
+  /// btFluidCoupling::addFluid().
   Status addFluid(btFluid* fluid) { return m_coupling.addFluid(fluid); }
+  /// btFluidCoupling::removeFluid().
   void removeFluid(btFluid* fluid) { m_coupling.removeFluid(fluid); }
+  /// btFluidCoupling::addCloth().
   Status addCloth(btSoftBody* cloth, btScalar thickness, const SlipSettings& slip = {}) {
     return m_coupling.addCloth(cloth, thickness, slip);
   }
+  /// btFluidCoupling::addCloth().
   Status addCloth(btSoftBody* cloth, const SurfaceSettings& settings, bool mayHoldPins = true,
                   bool weldNodes = true) {
     return m_coupling.addCloth(cloth, settings, mayHoldPins, weldNodes);
   }
+  /// btFluidCoupling::removeCloth().
   void removeCloth(btSoftBody* cloth) { m_coupling.removeCloth(cloth); }
+  /// btFluidCoupling::addCollisionObject().
   Status addCollisionObject(btCollisionObject* object, btScalar thickness, const SlipSettings& slip = {}) {
     return m_coupling.addCollisionObject(object, thickness, slip);
   }
+  /// btFluidCoupling::addCollisionObject().
   Status addCollisionObject(btCollisionObject* object, const SurfaceSettings& settings) {
     return m_coupling.addCollisionObject(object, settings);
   }
+  /// btFluidCoupling::removeCollisionObject().
   void removeCollisionObject(btCollisionObject* object) { m_coupling.removeCollisionObject(object); }
+  /// btFluidCoupling::resetMotion().
   void resetMotion(btSoftBody* cloth) { m_coupling.resetMotion(cloth); }
+  /// btFluidCoupling::resetMotion().
   void resetMotion(btCollisionObject* object) { m_coupling.resetMotion(object); }
 
-  /// Couple at every n-th Bullet sub-step only (n ≥ 1), over the straight line from the last coupling.
+  /// Couples at every n-th of Bullet's sub-steps (n ≥ 1), over the straight line from the last coupling.
   void setCouplingInterval(int n);
+  /// The number of Bullet's sub-steps between two couplings.
   int getCouplingInterval() const { return m_interval; }
+  /// The coupling behind the solver.
   btFluidCoupling& getCoupling() { return m_coupling; }
+  /// The same, read-only.
   const btFluidCoupling& getCoupling() const { return m_coupling; }
-  /// Of the last coupled step.
+  /// The report of the last coupled step.
   const StepReport& getReport() const;
 
+  /// Is called by Bullet at the start of each of its sub-steps.
   void predictMotion(btScalar solverdt) override;
+  /// Is called by Bullet at the end of each of its sub-steps; couples.
   void updateSoftBodies() override;
 
  private:
   btFluidCoupling m_coupling;
   int m_interval = 1;
-  int m_pending = 0;         // sub-steps since the last coupling
-  double m_pendingTime = 0;  // [s], and their length
+  int m_pending = 0;         // Bullet's sub-steps since the last coupling
+  double m_pendingTime = 0;  // their length [s]
 };
 
 }  // namespace oilskin::bullet

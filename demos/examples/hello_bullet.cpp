@@ -52,7 +52,7 @@ int main() {
   const oilskin::StepReport& report = solver.getReport();  // of the last coupled step
   std::printf("%d particles, %llu contacts, lowest at %.3f m\n", water.getNumParticles(),
               static_cast<unsigned long long>(report.contact.contacts), static_cast<double>(lowest));
-  const bool holds = water.getNumParticles() > 0 && accepted(report.status);
+  const bool holds = accepted(report.status) && water.getNumParticles() > 0 && report.contact.contacts > 0;
 
   solver.removeCloth(cloth);
   world.removeSoftBody(cloth);

@@ -32,9 +32,11 @@ static_assert(sizeof(PointTriangleMotion) == 24 * sizeof(double), "end points ar
 
 bool nothing_moves(const PointTriangleMotion& m) {
   const double *start = m.p_t0.data(), *end = m.p_t1.data();
-  // The point alone decides nearly always.
+  // The point alone decides nearly always. Bits are compared, so that +0 and −0 differ.
+  // NOLINTBEGIN(bugprone-suspicious-memory-comparison)
   return std::memcmp(start, end, 3 * sizeof(double)) == 0 &&
          std::memcmp(start, end, 12 * sizeof(double)) == 0;
+  // NOLINTEND(bugprone-suspicious-memory-comparison)
 }
 
 /// (T.2). Fills `relative` axis by axis; true as soon as an axis separates. The six signs are exact, and what

@@ -11,7 +11,7 @@ std::uint64_t feature_key(const MeshTopology& topology, std::uint32_t triangle, 
   // Two bits of kind, then the nodes (31 bits each) or the face.
   OILSKIN_ASSERT(triangle < topology.triangle_count() && feature >= 1 && feature <= 7);
   constexpr std::uint64_t edge_kind = 1ull << 62, face_kind = 2ull << 62;
-  std::uint32_t on[3];
+  std::uint32_t on[3] = {};
   int count = 0;
   for (int k = 0; k < 3; ++k)
     if (feature & (1 << k)) on[count++] = nodes[k];

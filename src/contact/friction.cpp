@@ -77,7 +77,7 @@ Vec3 tangential_impulse(const Context& context, const ContactConstraint& constra
   OILSKIN_ASSERT(constraint.k > 0 && vt.allFinite());
   const SurfaceMotion& surface = *context.surfaces[constraint.contact.surface];
   const SlipSettings& slip = surface.slip_on(constraint.contact.back);
-  const Vec3 sticking = constraint.tangential_impulse - vt / constraint.k;
+  Vec3 sticking = constraint.tangential_impulse - vt / constraint.k;
   switch (slip.model) {
     case SlipModel::free:
       return Vec3::Zero();

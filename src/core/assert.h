@@ -1,19 +1,15 @@
-/// Assertions for misuse by the programmer and for broken invariants. Alive in every build but those that
-/// define NDEBUG and not OILSKIN_ASSERTS; a host can route them.
+/// The macro that the library asserts with.
 #pragma once
 
-namespace oilskin {
+#include "oilskin/assert.h"
 
-using AssertHandler = void (*)(const char* expression, const char* file, int line);
-
-/// The default prints and aborts. Null restores it.
-void set_assert_handler(AssertHandler handler);
-
-namespace detail {
+namespace oilskin::detail {
+// A handler may return, but what holds after it is not worth analysing.
+#ifdef __clang_analyzer__
+[[noreturn]]
+#endif
 void assert_failed(const char* expression, const char* file, int line);
-}
-
-}  // namespace oilskin
+}  // namespace oilskin::detail
 
 #if !defined(NDEBUG) || defined(OILSKIN_ASSERTS)
 #define OILSKIN_ASSERT(e) \

@@ -14,10 +14,10 @@ namespace oilskin {
 
 namespace {
 
-/// Tells ThreadSanitizer what oneTBB promises and it cannot see, the library being compiled without it:
-/// chunks begin after the fork and end before the join. Between chunks it is told nothing, so races there are
-/// found. This file is compiled without instrumentation (CMakeLists.txt), or it would watch oneTBB's own
-/// templates.
+/// Reports the synchronisation of oneTBB to ThreadSanitizer, which cannot see it because the library is
+/// compiled without instrumentation: chunks start after the fork and end before the join. Nothing is reported
+/// between chunks, so races between them are found. This file is compiled without instrumentation
+/// (CMakeLists.txt); otherwise ThreadSanitizer would watch the templates of oneTBB.
 class ForkJoin {
  public:
 #if OILSKIN_TSAN

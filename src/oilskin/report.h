@@ -1,4 +1,5 @@
-/// What a step tells about itself.
+/// @file
+/// What a step reports.
 #pragma once
 
 #include "oilskin/types.h"
@@ -7,107 +8,184 @@ namespace oilskin {
 
 /// Wall time per stage of a step [s].
 struct StageSeconds {
-  double gather = 0;      ///< reading and writing surfaces
-  double neighbours = 0;  ///< sorting and neighbour search
+  /// Reading and writing surfaces.
+  double gather = 0;
+  /// Sorting and neighbour search.
+  double neighbours = 0;
+  /// The pressure solver.
   double pressure = 0;
-  double occlusion = 0;    ///< neighbours hidden by surfaces
-  double boundary = 0;     ///< boundary terms: walls within the support radius
-  double other_fluid = 0;  ///< emission, density, viscosity, integration
-  double proximity = 0;    ///< trees, candidates
-  double impulses = 0;     ///< records and Gauss–Seidel
-  double ccd = 0;          ///< detection
+  /// Finding neighbours that surfaces hide.
+  double occlusion = 0;
+  /// Boundary terms: walls within the support radius.
+  double boundary = 0;
+  /// Emission, density, viscosity, integration.
+  double other_fluid = 0;
+  /// Trees and candidates.
+  double proximity = 0;
+  /// Contacts and Gauss–Seidel iterations.
+  double impulses = 0;
+  /// The continuous test.
+  double ccd = 0;
+  /// Impact zones.
   double zones = 0;
+  /// Effects; none exist yet.
   double effects = 0;
-  double verify = 0;  ///< the independent check, when asked for
+  /// ContactSettings::verify.
+  double verify = 0;
 
+  /// Adds the times stage by stage.
   StageSeconds& operator+=(const StageSeconds& o);
 };
 
-/// A bit per thing that was given up; each comment names the setting that mends it.
+/// A bit for each limit that a step reached. The comment of each names the setting that changes it.
 enum StepFlag : std::uint32_t {
-  flag_pressure_not_converged = 1u << 0,  ///< raise fluid.max_iterations, or lower dt
-  flag_leaked = 1u << 1,   ///< contact.infeasible = allow, and a particle passed; use stall or remove
-  flag_stalled = 1u << 2,  ///< prescribed nodes were held: they close on particles; slow their motion
-  flag_removed_by_contact = 1u << 3,  ///< particles were given up between prescribed surfaces
-  flag_removed_invalid = 1u << 4,     ///< non-finite particles were removed; lower dt
-  flag_surface_out_of_range =
-      1u << 5,  ///< a surface left the kill box, so δ no longer covers rounding: enlarge it
-  flag_surface_refused = 1u << 6,  ///< a surface was left out; its message is in StepReport::messages
-  flag_many_holds = 1u << 7,       ///< held nodes: use more cloth sub-steps or iterations
-  flag_no_promise = 1u << 8,       ///< contact.ccd or contact.zones is off, or particles began closer than δ
-  flag_scatter_mismatch = 1u << 9,    ///< a host does not store what it was given; its adapter is at fault
-  flag_pressure_diverged = 1u << 10,  ///< ω was halved; keep support_ratio ≤ 2.2
+  /// The pressure solver reached its limit: raise fluid.max_iterations, or lower dt.
+  flag_pressure_not_converged = 1u << 0,
+  /// A particle passed under contact.infeasible = allow: use stall or remove.
+  flag_leaked = 1u << 1,
+  /// Prescribed nodes that close on particles were held: slow their motion.
+  flag_stalled = 1u << 2,
+  /// Particles were removed between prescribed surfaces: slow their motion.
+  flag_removed_by_contact = 1u << 3,
+  /// Particles that are not finite were removed: lower dt.
+  flag_removed_invalid = 1u << 4,
+  /// A surface left the kill box, so δ no longer covers rounding: enlarge the box.
+  flag_surface_out_of_range = 1u << 5,
+  /// A surface was left out; StepReport::messages says why.
+  flag_surface_refused = 1u << 6,
+  /// Nodes were held: use more sub-steps or iterations for the cloth.
+  flag_many_holds = 1u << 7,
+  /// contact.ccd or contact.zones is off, or particles started closer than δ: crossings are not excluded.
+  flag_no_promise = 1u << 8,
+  /// A host does not store what it was given: correct its adapter.
+  flag_scatter_mismatch = 1u << 9,
+  /// The error of the pressure grew and the relaxation ω was halved: keep support_ratio ≤ 2.2.
+  flag_pressure_diverged = 1u << 10,
 };
 
-/// The names of the bits that are set, each with what mends it.
+/// The names of the bits that are set, each with its remedy.
 std::vector<std::string> flag_texts(std::uint32_t flags);
 
-/// Counts and measures of contact in one interval.
+/// Counts and measures of contact in one interval, or their sums over the intervals of a step.
 struct ContactReport {
-  std::uint64_t candidates = 0;      ///< particle–triangle pairs whose boxes met
-  std::uint64_t contacts = 0;        ///< active records
-  std::uint64_t impacts = 0;         ///< bad pairs found by detection in the impulse rounds
-  std::uint64_t ccd_iterations = 0;  ///< rounds of impulses at meetings
+  /// Particle–triangle pairs whose swept boxes overlap.
+  std::uint64_t candidates = 0;
+  /// Contacts with a constraint.
+  std::uint64_t contacts = 0;
+  /// Violations found in the iterations of continuous test and impulses.
+  std::uint64_t impacts = 0;
+  /// Iterations of continuous test and impulses.
+  std::uint64_t ccd_iterations = 0;
+  /// Iterations of impact zones.
   std::uint64_t zone_rounds = 0;
-  std::uint64_t zone_points = 0;  ///< members of zones at the end
-  std::uint64_t held = 0;         ///< points held (x1 = x0)
+  /// Members of impact zones at the end.
+  std::uint64_t zone_points = 0;
+  /// Points held: they end where they started.
+  std::uint64_t held = 0;
+  /// Separations of particles that ended too close without crossing.
   std::uint64_t separated = 0;
-  std::uint64_t stalled = 0;        ///< prescribed nodes held
-  std::uint64_t carried_along = 0;  ///< particles saved by affine follow
-  std::uint64_t removed = 0;        ///< particles given up
-  std::uint64_t allowed = 0;        ///< particles that passed by policy
-  std::uint64_t started_too_close =
-      0;                        ///< contacts that began nearer than δ: what the promise does not cover
-  std::uint64_t relocated = 0;  ///< particles moved out of, or removed at, a new surface
-  double min_distance = std::numeric_limits<double>::infinity();  ///< end distance over all tested pairs [m]
-  std::uint64_t crossings_found_by_verify =
-      0;  ///< particles whose path touches a surface, or that end nearer than δ
+  /// Prescribed nodes held.
+  std::uint64_t stalled = 0;
+  /// Particles carried along with a triangle.
+  std::uint64_t carried_along = 0;
+  /// Particles removed because prescribed surfaces close on them.
+  std::uint64_t removed = 0;
+  /// Particles that passed under Infeasible::allow.
+  std::uint64_t allowed = 0;
+  /// Contacts that started closer than δ; the certificate does not cover them.
+  std::uint64_t started_too_close = 0;
+  /// Particles moved away from, or removed at, a new surface.
+  std::uint64_t relocated = 0;
+  /// The smallest distance at the end over all tested pairs [m].
+  double min_distance = std::numeric_limits<double>::infinity();
+  /// ContactSettings::verify: particles whose path touches a surface, or that end closer than δ.
+  std::uint64_t crossings_found_by_verify = 0;
+  /// ContactSettings::verify: pairs that it tested.
   std::uint64_t verified_pairs = 0;
-  Vec3 impulse_on_free_nodes = Vec3::Zero();  ///< [N s]
-  /// Reactions of pins, static and kinematic nodes, and of particles of infinite mass [N s].
+  /// The impulse on free nodes [N s].
+  Vec3 impulse_on_free_nodes = Vec3::Zero();
+  /// The reaction of pins, static and kinematic nodes, and of particles of infinite mass [N s].
   Vec3 impulse_on_prescribed = Vec3::Zero();
-  Vec3 momentum_removed = Vec3::Zero();  ///< carried away by particles given up [N s]
-  double kinetic_energy_change = 0;      ///< of particles and free nodes, by impulses [J]
+  /// The momentum of removed particles [N s].
+  Vec3 momentum_removed = Vec3::Zero();
+  /// The kinetic energy that impulses gave to particles and free nodes [J].
+  double kinetic_energy_change = 0;
 
+  /// Adds the counts, impulses and energies of another interval; the smaller distance remains.
   void add(const ContactReport& o);
 };
 
+/// What the pressure solver reports of one interval.
 struct FluidReport {
-  int iterations = 0;             ///< of the pressure solver
-  int divergence_iterations = 0;  ///< DFSPH: of its divergence solver
-  double density_error_mean = 0;  ///< positive part, relative, over particles whose error exceeds −tolerance
-  double density_error_max = 0;   ///< relative
+  /// Iterations of the pressure solver.
+  int iterations = 0;
+  /// DFSPH: iterations of its divergence solver.
+  int divergence_iterations = 0;
+  /// The mean of the positive part, relative, over particles whose error exceeds −tolerance.
+  double density_error_mean = 0;
+  /// The largest relative error.
+  double density_error_max = 0;
+  /// Whether the error came below the tolerance.
   bool converged = true;
+  /// Whether the error grew, so that the relaxation was halved.
   bool diverged = false;
-  std::uint64_t hidden_pairs = 0;  ///< pairs of neighbours parted by a surface
+  /// Pairs of neighbours that a surface separates.
+  std::uint64_t hidden_pairs = 0;
 };
 
-/// Of two sub-steps together: counts add up, of the errors the larger, and what either gave up. The last
-/// sub-step alone would hide a bad one before it.
+/// Two fluid sub-steps together: counts are added, errors are the larger ones, and both flags are kept, so
+/// that the last sub-step does not hide a bad one before it.
 FluidReport worst_of(const FluidReport& a, const FluidReport& b);
 
-/// Where a step was cut into sub-steps, counts and exchanges are their sums, `fluid` is their worst_of(), and
-/// `alive`, momentum before and after are those of the whole step.
+/// One step. If it was cut into sub-steps, counts and impulses are sums, `fluid` is their worst_of(), and
+/// `alive` and the momenta before and after are those of the whole step.
 struct StepReport {
-  Status status;  ///< refused: nothing was done
+  /// Refused: nothing was done.
+  Status status;
+  /// Surfaces that were left out and why; crossings that ContactSettings::verify found.
   std::vector<std::string> messages;
+  /// The number of the step, counted from 0.
   std::uint64_t step = 0;
-  double time = 0;  ///< simulated, after the step [s]
+  /// Simulated time after the step [s].
+  double time = 0;
+  /// The length of the step [s].
   double dt = 0;
-  int substeps = 0;  ///< certified intervals that the step was cut into
+  /// The number of certified intervals.
+  int substeps = 0;
+  /// Wall time by stage.
   StageSeconds seconds;
+  /// The pressure solver.
   FluidReport fluid;
+  /// Contact.
   ContactReport contact;
-  std::uint64_t alive = 0, emitted = 0, removed = 0, removed_invalid = 0, blocked_starts = 0;  ///< particles
-  double mass_emitted = 0, mass_removed = 0;                                                   ///< [kg]
-  Vec3 momentum_before = Vec3::Zero();  ///< of the fluid [N s]
+  /// Particles after the step.
+  std::uint64_t alive = 0;
+  /// Particles that emitters added.
+  std::uint64_t emitted = 0;
+  /// Particles removed by the kill box, by contact or at a new surface.
+  std::uint64_t removed = 0;
+  /// Particles removed because their numbers were not finite.
+  std::uint64_t removed_invalid = 0;
+  /// Starts without a particle: too close to a surface, or outside the kill box.
+  std::uint64_t blocked_starts = 0;
+  /// The mass of emitted particles [kg].
+  double mass_emitted = 0;
+  /// The mass of removed particles [kg].
+  double mass_removed = 0;
+  /// The momentum of the fluid before the step [N s].
+  Vec3 momentum_before = Vec3::Zero();
+  /// The momentum of the fluid after the step [N s].
   Vec3 momentum_after = Vec3::Zero();
+  /// The momentum of emitted particles [N s].
   Vec3 momentum_emitted = Vec3::Zero();
-  Vec3 momentum_removed = Vec3::Zero();  ///< kill box, quarantine and contact's removals
-  Vec3 momentum_gravity = Vec3::Zero();  ///< given by gravity
-  std::uint32_t flags = 0;               ///< StepFlag bits
+  /// The momentum of removed particles, for whatever reason [N s].
+  Vec3 momentum_removed = Vec3::Zero();
+  /// The momentum from gravity [N s].
+  Vec3 momentum_gravity = Vec3::Zero();
+  /// StepFlag bits.
+  std::uint32_t flags = 0;
 
-  /// Σ after − before − emitted + removed − gravity + what the surfaces got (C.28): zero up to rounding.
+  /// After − before − emitted + removed − gravity + impulses on surfaces [N s] (C.28): zero up to rounding.
   Vec3 momentum_residual() const;
 };
 

@@ -1,4 +1,5 @@
-/// The motion of certified intervals, for independent auditors (docs/manual/commands_and_formats.md:
+/// @file
+/// The motion of certified intervals, for independent auditors (format: docs/manual/commands_and_formats.md,
 /// "Motion trace").
 #pragma once
 
@@ -9,26 +10,35 @@
 
 namespace oilskin {
 
-/// What happened in one certified interval. The spans live until the observer returns.
+/// What happened in one certified interval. The spans are valid until the observer returns.
 struct Interval {
+  /// The number of the interval, counted from 0 on.
   std::uint64_t number = 0;
-  double length = 0;  ///< [s]
-  /// Particles that live at the start or are emitted in the interval, without those given up or quarantined.
+  /// The length of the interval [s].
+  double length = 0;
+  /// The particles that live at the start or are emitted in the interval, without those that were removed by
+  /// contact or as invalid.
   Span<const std::uint64_t> id;
-  Span<const Vec3> x_t0, x_t1;
+  /// The positions of the particles at the start [m].
+  Span<const Vec3> x_t0;
+  /// The positions of the particles at the end [m].
+  Span<const Vec3> x_t1;
+  /// The attached surfaces with their positions at the start and at the end.
   Span<SurfaceMotion* const> surfaces;
 };
 
-/// Told after the certificate of every interval, before anything else moves.
+/// Is called after the certificate of every interval, before anything else moves.
 class IntervalObserver {
  public:
   virtual ~IntervalObserver() = default;
+  /// Reads one interval.
   virtual void on_interval(const Interval& interval) = 0;
 };
 
-/// Writes records of the motion trace (format OILSTEP1) to a stream.
+/// Writes the motion trace (format OILSTEP1) to a stream.
 class TraceWriter : public IntervalObserver {
  public:
+  /// The stream must outlive the writer. Its state shows errors of writing.
   explicit TraceWriter(std::ostream& out) : out_(out) {}
   void on_interval(const Interval& interval) override;
 

@@ -1,4 +1,5 @@
-/// A fluid, the surfaces that it meets, and the step.
+/// @file
+/// A fluid, the surfaces that it touches, and the step.
 #pragma once
 
 #include <memory>
@@ -12,10 +13,13 @@
 
 namespace oilskin {
 
-/// A typed handle; 0 is none.
+/// The handle of an attached surface.
 struct SurfaceId {
+  /// 0 = none.
   std::uint64_t value = 0;
+  /// Whether it is the handle of a surface.
   explicit operator bool() const { return value != 0; }
+  /// Whether two handles are the same.
   bool operator==(SurfaceId o) const { return value == o.value; }
 };
 
@@ -45,90 +49,115 @@ class World {
   /// Accepted, or what is wrong with the settings given at construction.
   Status status() const;
 
+  /// The settings of the world.
   const WorldSettings& settings() const;
+  /// The settings of the fluid.
   const FluidSettings& fluid_settings() const;
+  /// The settings of contact.
   const ContactSettings& contact_settings() const;
+  /// [m/s²]; refuses numbers that are not finite.
   Status set_gravity(const Vec3& gravity);
+  /// Refuses settings that are out of range.
   Status set_contact_settings(const ContactSettings& settings);
 
-  // --- surfaces. The host stays the caller's and must outlive its attachment.
-  /// Refuses a mesh without triangles, indices out of range, non-finite positions, and a thickness below 4 δ
-  /// (the message gives the smallest thickness and the largest kill box that would do). Particles nearer than
-  /// 2 δ are moved out or removed at the next step, and counted.
+  // --- surfaces
+  /// The host remains the caller's and must outlive its attachment. Refuses a mesh without triangles, indices
+  /// out of range, positions that are not finite, and a thickness below 4 δ (the message has the smallest
+  /// thickness and the largest kill box that are accepted). The next step relocates particles closer than 2
+  /// δ, or removes them.
   Status attach(SurfaceHost& host, const SurfaceSettings& settings, SurfaceId* id);
+  /// Detaches a surface. An unknown id is ignored.
   void detach(SurfaceId id);
+  /// The number of attached surfaces.
   std::size_t surface_count() const;
-  /// The last step's motion of a surface, with impulses per node; null for an unknown id.
+  /// The motion of a surface in the last step, with impulses per node; null for an unknown id.
   const SurfaceMotion* surface(SurfaceId id) const;
-  /// The next gather of this surface is a teleport, not a motion: it becomes a new surface.
+  /// The next positions of this surface are a teleport, not a motion: it becomes a new surface.
   void reset_motion(SurfaceId id);
-  Status set_slip(SurfaceId id, const SlipSettings& slip);  ///< of both sides
+  /// Changes the slip law of both sides.
+  Status set_slip(SurfaceId id, const SlipSettings& slip);
+  /// Changes the slip law of each side.
   Status set_slip(SurfaceId id, const SlipSettings& front, const SlipSettings& back);
 
   // --- fluid
+  /// Adds a nozzle.
   Status add_emitter(const DiscEmitter& emitter);
+  /// Adds a box to fill.
   Status add_emitter(const BoxEmitter& emitter);
+  /// Adds a closed mesh to fill.
   Status add_emitter(const MeshEmitter& emitter);
+  /// Adds rain.
   Status add_emitter(const RainEmitter& emitter);
-  /// Adds particles by hand; those nearer than 2 δ to a surface are refused one by one and counted in
-  /// `blocked`.
+  /// Adds particles. Those closer than 2 δ to a surface are left out one by one and counted in `blocked`.
   Status add_particles(Span<const Vec3> positions, Span<const Vec3> velocities,
                        std::uint64_t* blocked = nullptr);
 
+  /// The number of particles.
   std::size_t particle_count() const;
-  /// [kg], ρ0 times the room that a particle takes in water at rest: 0.994 dx³ at H = 2 dx (pcisph, dfsph)
+  /// [kg]: ρ0 times the volume of a particle in water at rest, 0.994 dx³ at H = 2 dx (pcisph, dfsph).
   double particle_mass() const;
-  Span<const std::uint64_t> ids() const;  ///< in storage order, which may change every step
-  Span<const Vec3> positions() const;     ///< [m]
-  Span<const Vec3> velocities() const;    ///< [m/s]
-  Span<const double> densities() const;   ///< [kg/m³], of the start of the last step
-  Span<const double> pressures() const;   ///< [Pa]
-  /// Changes velocities from outside, e.g. a gust: v += dv, one value per particle in storage order.
+  /// In storage order, which may change in every step.
+  Span<const std::uint64_t> ids() const;
+  /// [m]
+  Span<const Vec3> positions() const;
+  /// [m/s]
+  Span<const Vec3> velocities() const;
+  /// [kg/m³], at the start of the last step.
+  Span<const double> densities() const;
+  /// [Pa]
+  Span<const double> pressures() const;
+  /// Changes velocities, for example by wind: v += dv, one value per particle in storage order.
   Status add_velocities(Span<const Vec3> dv);
 
   // --- the step
-  /// One coupled step of dt [s], 1e-12 … 1e6. On refusal (another dt, bad settings) nothing happens and
-  /// report.status says why. Where something would go farther than fluid.cfl spacings, the step is cut into
-  /// up to fluid.max_substeps intervals, each with its own certificate; surfaces go straight through them to
-  /// where their hosts want them at the end of the step.
+  /// One coupled step of dt [s], 1e-12 … 1e6. A refusal (another dt, settings out of range) changes nothing,
+  /// and report.status says why. If a displacement exceeds fluid.cfl spacings, the step is cut into up to
+  /// fluid.max_substeps intervals, each with its own certificate; surfaces move on straight lines through
+  /// them to the positions that their hosts propose for the end of the step.
   const StepReport& step(double dt);
-  /// The longest next step that is accurate, 0 < dt ≤ largest [s]; nothing crosses at longer ones either. The
-  /// least of (F.45), (F.46)
-  ///   fluid.cfl spacings × max_substeps on the way of whatever is fastest: particles, starts that fall due
-  ///   (gravity added), surfaces that touch the fluid's box, as fast as in the last step;
-  ///   0.25 √(H/a) × max_substeps, a the largest acceleration by pressure, viscosity and gravity in the last
-  ///   interval;
-  ///   0.035 H²/ν (F.12) (of the lattice: [Morris1997] has 0.125); and with mcg03 0.4 H/(√k + v).
+  /// The longest accurate next step, 0 < dt ≤ `largest` [s] (F.45); longer steps have no crossing either. It
+  /// is the minimum of
+  ///   - fluid.cfl spacings × max_substeps over the largest speed: of particles and due starts (gravity
+  ///   added), and
+  ///     of surfaces that touch the fluid's box, as in the last step;
+  ///   - 0.25 √(H/a) × max_substeps, with the largest acceleration a by pressure, viscosity and gravity in
+  ///   the last
+  ///     interval;
+  ///   - 0.035 H²/ν (of the lattice; [Morris1997] has 0.125), and with mcg03 0.4 H/(√k + v).
   double suggested_dt(double largest) const;
+  /// The report of the last step.
   const StepReport& report() const;
-  double time() const;  ///< [s]
+  /// Simulated time [s].
+  double time() const;
+  /// The number of steps.
   std::uint64_t step_count() const;
-  /// Contacts of the last step, of its last sub-step where it was cut.
+  /// The contacts of the last step; if it was cut, of its last sub-step.
   const std::vector<Contact>& contacts() const;
 
-  /// 64 bits over id, position and velocity bits of every particle in order of id, then node positions and
-  /// velocities of every surface in order of attachment. Equal for any number of threads.
+  /// 64 bits over the id, position and velocity bits of every particle in the order of ids, then the node
+  /// positions and velocities of every surface in the order of attachment. Equal for any number of threads.
   std::uint64_t state_hash() const;
 
   // --- save and restore, between steps
-  /// Writes everything that decides how this world goes on: settings, particles in their order, emitters with
-  /// their phases and waiting starts, surfaces as contact left them, what the pressure solver and the
-  /// boundary terms remember. Hosts are their owner's to save. `out` is replaced.
+  /// Writes all that decides how this world continues: settings, particles in their order, emitters with
+  /// their phases and waiting starts, surfaces as contact left them, the memory of the pressure solver and of
+  /// the boundary terms. Hosts are saved by their owners. `out` is replaced.
   Status save(std::vector<std::uint8_t>* out) const;
-  /// Makes this world the saved one: it goes on bit for bit as that one would have, in the same build, if its
-  /// hosts are restored, too.
+  /// Makes this world the saved one. In the same build, and with its hosts restored, it continues bit for bit
+  /// as the saved one would have.
   ///
   /// Before the call the hosts of the saved world must be attached here, in the same order and with the same
-  /// meshes (numbers of nodes, triangles, precision of positions); their SurfaceIds stay those of this world.
-  /// Where a host's nodes stand at the next step counts as their motion from where the saved world left them.
-  /// Settings become the saved ones, but for WorldSettings::threads. report() and contacts() are empty until
+  /// meshes (numbers of nodes, triangles, storage); their SurfaceIds remain those of this world. The
+  /// positions of a host's nodes at the next step are a motion from where the saved world left them. All
+  /// settings become the saved ones, except WorldSettings::threads. report() and contacts() are empty until
   /// the next step; spans that were taken before are invalid.
   ///
   /// Bytes that are damaged, cut off, of another version or byte order, and surfaces that do not match are
-  /// refused; the world then stays as it was.
+  /// refused; the world is then unchanged.
   Status restore(Span<const std::uint8_t> saved);
 
-  void set_observer(IntervalObserver* observer);  ///< not owned; null = none
+  /// Is called in every interval; not owned; null = none.
+  void set_observer(IntervalObserver* observer);
 
  private:
   struct Impl;

@@ -264,8 +264,9 @@ float FieldBlock::value_of(int node) const {
     const float slope = 0.8127f * p_.kernel_radius;  // of w at a flat surface, turned over
     return (0.5f - w * p_.share) * slope;
   }
-  const float dx = row.x[i] / w - static_cast<float>(i), dy = row.y[i] / w - static_cast<float>(r % side),
-              dz = row.z[i] / w - static_cast<float>(r / side);
+  const int j = r % side, k = r / side;
+  const float dx = row.x[i] / w - static_cast<float>(i), dy = row.y[i] / w - static_cast<float>(j),
+              dz = row.z[i] / w - static_cast<float>(k);
   const float away = std::sqrt(dx * dx + dy * dy + dz * dz);
   float radius = p_.particle_radius;
   if (p_.kind == ReconstructionField::density_decay) radius *= density_decay(w * p_.share);
@@ -286,7 +287,8 @@ void FieldBlock::evaluate(const NearParticles& near, const BlockSight* sight, fl
 
 namespace {
 
-constexpr float half = side / 2;
+constexpr int half_side = side / 2;
+constexpr float half = half_side;
 
 int octant_of(const std::array<float, 3>& x) {
   return (x[0] >= half) | (x[1] >= half) << 1 | (x[2] >= half) << 2;

@@ -36,7 +36,7 @@ std::vector<Polygon> polygons_of(int mask) {
   for (std::size_t start = 0; start < 12; ++start) {
     if (next[start] < 0 || done[start]) continue;
     Polygon polygon;
-    for (std::size_t e = start; !done[e]; e = std::size_t(next[e])) {
+    for (std::size_t e = start; !done[e]; e = static_cast<std::uint8_t>(next[e])) {
       OILSKIN_ASSERT(next[e] >= 0);
       done[e] = true;
       polygon.push_back(static_cast<std::uint8_t>(e));

@@ -68,7 +68,7 @@ struct Local {
   double size;
 
   Local(const Corners& triangle, const Corners& other) {
-    const Vec3 o = triangle[0];
+    const Vec3& o = triangle[0];
     size = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       t[k] = triangle[k] - o;

@@ -18,13 +18,13 @@
 #include <string>
 #include <vector>
 
-#include "../demos/ccd_command.h"
 #include "audit/motion_trace.h"
 #include "audit/pair_filter.h"
 #include "ccd/coplanarity_cubic.h"
 #include "ccd/filter.h"
 #include "ccd/point_triangle.h"
 #include "ccd/queries.h"
+#include "ccd_command.h"
 
 // Last, for it defines global names that others use for parameters.
 #include <BulletSoftBody/btSoftBodyInternals.h>

@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "runner.h"
-#include "simulation.h"
-#include "totals.h"
+#include "checks/totals.h"
+#include "hosts/bullet_simulation.h"
+#include "scene/scene_library.h"
 
 using namespace oilskin;
 using namespace oilskin::demo;

@@ -10,9 +10,9 @@
 #include <exception>
 #include <stdexcept>
 
-#include "runner.h"
-#include "simulation.h"
-#include "totals.h"
+#include "checks/totals.h"
+#include "hosts/bullet_simulation.h"
+#include "scene/scene_library.h"
 
 using namespace oilskin;
 using namespace oilskin::demo;

@@ -13,10 +13,10 @@
 #include <functional>
 #include <stdexcept>
 
-#include "runner.h"
-#include "simulation.h"
-#include "step_plan.h"
-#include "totals.h"
+#include "checks/totals.h"
+#include "hosts/bullet_simulation.h"
+#include "hosts/step_plan.h"
+#include "scene/scene_library.h"
 
 using namespace oilskin;
 using namespace oilskin::demo;

@@ -1,5 +1,5 @@
 // `oilskin ccd`: output, exit codes, malformed input.
-#include "../demos/ccd_command.h"
+#include "ccd_command.h"
 
 #include <gtest/gtest.h>
 

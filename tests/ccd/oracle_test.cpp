@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "../demos/ccd_command.h"
 #include "ccd/queries.h"
+#include "ccd_command.h"
 #include "support/exact.h"
 
 namespace oilskin::test {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "../demos/ccd_command.h"
 #include "ccd/exact_query.h"
 #include "ccd/queries.h"
+#include "ccd_command.h"
 
 namespace oilskin::test {
 namespace {

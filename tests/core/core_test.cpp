@@ -9,6 +9,7 @@
 #include "core/parallel.h"
 #include "oilskin/settings.h"
 #include "oilskin/surface_motion.h"
+#include "oilskin/version.h"
 #include "support/random.h"
 
 namespace oilskin {
@@ -128,6 +129,14 @@ TEST(Settings, validate_names_field_value_and_range) {
   expect_refused<WorldSettings>([&](auto& s) { s.gravity.x() = nan; }, "gravity is");
   expect_refused<WorldSettings>([](auto& s) { s.kill_box.max.y() = -200; }, "kill_box");
   expect_refused<WorldSettings>([](auto& s) { s.threads = -1; }, "threads is -1");
+}
+
+TEST(Version, library_and_headers_agree_in_numbers_and_text) {
+  EXPECT_EQ(version(), header_version);
+  EXPECT_NE(version(), (Version{header_version.major, header_version.minor, header_version.patch + 1}));
+  const std::string text = std::to_string(header_version.major) + "." + std::to_string(header_version.minor) +
+                           "." + std::to_string(header_version.patch);
+  EXPECT_EQ(text, OILSKIN_VERSION_STRING);
 }
 
 int asserts_seen = 0;

@@ -1,9 +1,9 @@
 # Nothing passes, the cloth carries what fell on it, and no fluid was linked.
-if(NOT output MATCHES "300 particles, ([0-9]+) carried by the cloth, 0 removed")
-  message(FATAL_ERROR "particles are missing")
+if(NOT output MATCHES "300 stones, ([0-9]+) on the cloth, 0 removed")
+  message(FATAL_ERROR "stones are missing")
 endif()
 if(CMAKE_MATCH_1 LESS 290)
-  message(FATAL_ERROR "the cloth carries only ${CMAKE_MATCH_1} of 300 particles")
+  message(FATAL_ERROR "only ${CMAKE_MATCH_1} of 300 stones are on the cloth")
 endif()
 if(NOT output MATCHES "([0-9]+) contacts" OR CMAKE_MATCH_1 LESS 1000)
   message(FATAL_ERROR "hardly any contacts")

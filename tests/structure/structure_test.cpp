@@ -32,13 +32,35 @@ const std::map<std::string, std::set<std::string>> may_see = {
 const std::set<std::string> rooms = {"core",    "fluid",          "proximity", "ccd",
                                      "contact", "reconstruction", "world"};
 
+/// Which folders of demos/app each folder may include, besides itself. The files of demos/app itself (main
+/// and the commands) may include all, and no folder may include them.
+const std::map<std::string, std::set<std::string>> app_may_see = {
+    {"scene", {}},
+    {"geometry", {}},
+    {"hosts", {"scene"}},
+    {"output", {"scene"}},
+    {"checks", {"scene", "geometry", "hosts", "output"}},
+    {"render", {"scene", "geometry", "output"}},
+    {"run", {"scene", "hosts", "output", "checks", "render"}},
+};
+
+/// The internal headers of src that demos may include, each with its only user: what they offer is not part
+/// of the public interface.
+const std::map<std::string, std::string> internal_headers_of_demos = {
+    {"ccd/point_triangle.h", "demos/app/ccd_command.h"},
+    {"core/closest_point.h", "demos/app/geometry/nearest_surface.h"},
+};
+
 /// Libraries and the only places that may include them.
 const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> fenced = {
-    {{"bullet/", "Bullet", "btBullet", "LinearMath/"},
-     {"bullet_adapter/", "demos/bullet_simulation.cpp", "demos/bullet_ccd_compare.cpp"}},
+    {{"bullet/", "Bullet", "btBullet", "LinearMath/", "oilskin/bullet.h"},
+     {"bullet_adapter/", "demos/app/hosts/bullet_simulation.cpp", "demos/examples/",
+      "demos/tools/bullet_ccd_compare.cpp"}},
     {{"fcl/"}, {"src/proximity/surface_tree.cpp"}},
     {{"tbb/", "oneapi/"}, {"src/core/parallel.cpp"}},
-    {{"nlohmann/", "CLI/", "vtk"}, {"demos/"}},
+    {{"nlohmann/"}, {"demos/app/scene/fields.h"}},
+    {{"CLI/"}, {"demos/app/main.cpp"}},
+    {{"vtk"}, {"demos/app/render/"}},
 };
 
 bool begins(const std::string& text, const std::string& with) {
@@ -69,6 +91,40 @@ std::string fault_of_room(const std::string& file, const std::string& target) {
   return "";
 }
 
+/// The first folder of a path; empty where there is none.
+std::string first_folder(const std::string& path) {
+  const std::size_t slash = path.find('/');
+  return slash == std::string::npos ? "" : path.substr(0, slash);
+}
+
+bool is_quoted(const std::string& line) {
+  return line.find('"') < line.find('<');
+}
+
+/// Demos use what everybody may use, but for the headers named above.
+std::string fault_of_internal_header(const std::string& file, const std::string& target) {
+  if (!begins(file, "demos/") || rooms.count(first_folder(target)) == 0) return "";
+  const auto found = internal_headers_of_demos.find(target);
+  if (found != internal_headers_of_demos.end() && found->second == file) return "";
+  return file + " includes \"" + target + "\": demos may include public headers of src only";
+}
+
+std::string fault_of_app_folder(const std::string& file, const std::string& line, const std::string& target) {
+  const std::string app = "demos/app/";
+  if (!begins(file, app) || !is_quoted(line) || begins(target, "oilskin/")) return "";
+  const std::string own = first_folder(file.substr(app.size())), other = first_folder(target);
+  if (own.empty() || own == other) return "";
+  const auto seen = app_may_see.find(own);
+  if (seen == app_may_see.end()) return file + " lies in a folder that this test does not know";
+  if (seen->second.count(other) > 0 || internal_headers_of_demos.count(target) > 0) return "";
+  return file + " includes \"" + target + "\": " + own + " may not see it";
+}
+
+std::string fault_of_example(const std::string& file, const std::string& line, const std::string& target) {
+  if (!begins(file, "demos/examples/") || !is_quoted(line) || begins(target, "oilskin/")) return "";
+  return file + " includes \"" + target + "\": examples include public headers and Bullet's only";
+}
+
 std::string fault_of_library(const std::string& file, const std::string& target) {
   for (const auto& [prefixes, places] : fenced) {
     const bool named =
@@ -93,8 +149,12 @@ std::vector<std::string> faults(const fs::path& root) {
       std::ifstream in(entry.path());
       for (std::string line; std::getline(in, line);) {
         const std::string target = included(line);
-        for (const std::string& fault : {fault_of_room(file, target), fault_of_library(file, target)})
-          if (!target.empty() && !fault.empty()) found.push_back(fault);
+        if (target.empty()) continue;
+        for (const std::string& fault :
+             {fault_of_room(file, target), fault_of_library(file, target),
+              fault_of_internal_header(file, target), fault_of_app_folder(file, line, target),
+              fault_of_example(file, line, target)})
+          if (!fault.empty()) found.push_back(fault);
       }
     }
   }
@@ -126,7 +186,27 @@ TEST(Structure, theTestItselfCatchesBackEdges) {
   EXPECT_EQ(faults_with("src/contact/a.cpp", "#include <fcl/fcl.h>"), 1u);
   EXPECT_EQ(faults_with("src/fluid/a.cpp", "#include <tbb/parallel_for.h>"), 1u);
   EXPECT_EQ(faults_with("bullet_adapter/a.cpp", "#include <nlohmann/json.hpp>"), 1u);
-  EXPECT_EQ(faults_with("demos/a.cpp", "#include <btBulletDynamicsCommon.h>"), 1u);
+}
+
+TEST(Structure, theTestItselfCatchesBackEdgesInDemos) {
+  EXPECT_EQ(faults_with("demos/app/scene/a.h", "#include \"run/runner.h\""), 1u);
+  EXPECT_EQ(faults_with("demos/app/scene/a.cpp", "#include \"output/water_mesh.h\""), 1u);
+  EXPECT_EQ(faults_with("demos/app/render/a.cpp", "#include \"mesh_command.h\""), 1u);
+  EXPECT_EQ(faults_with("demos/app/geometry/a.h", "#include \"scene/scene.h\""), 1u);
+  EXPECT_EQ(faults_with("demos/app/hosts/a.cpp", "#include \"simulation.h\""), 1u) << "names no folder";
+  EXPECT_EQ(faults_with("demos/app/other/a.cpp", "#include \"scene/scene.h\""), 1u);
+  EXPECT_EQ(faults_with("demos/app/checks/a.cpp", "#include \"fluid/kernels.h\""), 2u)
+      << "no folder, internal";
+  EXPECT_EQ(faults_with("demos/app/a.cpp", "#include \"core/closest_point.h\""), 1u);
+  EXPECT_EQ(faults_with("demos/app/a.cpp", "#include <btBulletDynamicsCommon.h>"), 1u);
+  EXPECT_EQ(faults_with("demos/app/checks/a.cpp", "#include \"oilskin/bullet.h\""), 1u);
+  EXPECT_EQ(faults_with("demos/app/output/a.cpp", "#include <vtkActor.h>"), 1u);
+  EXPECT_EQ(faults_with("demos/app/scene/a.cpp", "#include <nlohmann/json.hpp>"), 1u);
+  EXPECT_EQ(faults_with("demos/app/run/a.cpp", "#include <CLI/CLI.hpp>"), 1u);
+  EXPECT_EQ(faults_with("demos/examples/a.cpp", "#include \"scene/scene.h\""), 1u);
+  EXPECT_EQ(faults_with("demos/examples/a.cpp", "#include \"../app/scene/scene.h\""), 1u);
+  EXPECT_EQ(faults_with("demos/examples/a.cpp", "#include <core/hash.h>"), 1u);
+  EXPECT_EQ(faults_with("demos/examples/a.cpp", "#include <nlohmann/json.hpp>"), 1u);
 }
 
 TEST(Structure, theTestItselfLetsForwardEdgesPass) {
@@ -134,6 +214,14 @@ TEST(Structure, theTestItselfLetsForwardEdgesPass) {
   EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"ccd/point_triangle.h\""), 0u);
   EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"contact/contacts.h\""), 0u);
   EXPECT_EQ(faults_with("src/world/a.cpp", "#include \"contact/contacts.h\""), 0u);
+  EXPECT_EQ(faults_with("demos/app/scene/a.cpp", "#include \"scene/scene.h\""), 0u);
+  EXPECT_EQ(faults_with("demos/app/run/a.cpp", "#include \"checks/totals.h\""), 0u);
+  EXPECT_EQ(faults_with("demos/app/main.cpp", "#include \"run/runner.h\""), 0u);
+  EXPECT_EQ(faults_with("demos/app/ccd_command.h", "#include \"ccd/point_triangle.h\""), 0u);
+  EXPECT_EQ(faults_with("demos/app/render/a.cpp", "#include <vtkActor.h>"), 0u);
+  EXPECT_EQ(faults_with("demos/app/hosts/bullet_simulation.cpp", "#include \"oilskin/bullet.h\""), 0u);
+  EXPECT_EQ(faults_with("demos/examples/a.cpp", "#include \"oilskin/bullet.h\""), 0u);
+  EXPECT_EQ(faults_with("demos/examples/a.cpp", "#include <BulletSoftBody/btSoftBody.h>"), 0u);
   EXPECT_EQ(faults_with("src/core/a.cpp", "// #include \"fluid/particles.h\""), 0u);
 }
 

@@ -1,0 +1,39 @@
+#include "checks/totals.h"
+
+#include <algorithm>
+
+namespace oilskin::demo {
+
+void Totals::add(const StepReport& r) {
+  ++steps;
+  substeps += static_cast<std::uint64_t>(r.substeps);
+  simulated = r.time;
+  seconds += r.seconds;
+  contact.add(r.contact);
+  emitted += r.emitted;
+  removed += r.removed;
+  removed_invalid += r.removed_invalid;
+  blocked_starts += r.blocked_starts;
+  mass_emitted += r.mass_emitted;
+  mass_removed += r.mass_removed;
+  density_error_sum += r.fluid.density_error_mean;
+  density_error_max = std::max(density_error_max, r.fluid.density_error_max);
+  pressure_iterations += static_cast<std::uint64_t>(r.fluid.iterations);
+  momentum_emitted += r.momentum_emitted;
+  momentum_removed += r.momentum_removed;
+  momentum_gravity += r.momentum_gravity;
+  momentum_residual += r.momentum_residual();
+  momentum_scale += r.momentum_emitted.norm() + r.momentum_removed.norm() + r.momentum_gravity.norm() +
+                    r.contact.impulse_on_free_nodes.norm() + r.contact.impulse_on_prescribed.norm();
+  flags |= r.flags;
+  for (const std::string& message : r.messages)
+    if (std::find(messages.begin(), messages.end(), message) == messages.end()) messages.push_back(message);
+}
+
+Vec3 fluid_momentum(const World& world) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& v : world.velocities()) sum += v;
+  return sum * world.particle_mass();
+}
+
+}  // namespace oilskin::demo

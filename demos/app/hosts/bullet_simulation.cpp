@@ -1,0 +1,283 @@
+#include "hosts/bullet_simulation.h"
+
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "hosts/mock_simulation.h"
+#include "oilskin/bullet.h"
+#include "scene/fields.h"
+
+namespace oilskin::demo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double cloth_margin = 0.005;  // [m]; Bullet's default of 0.25 m is made for furniture
+
+btVector3 to_bullet(const Vec3& v) {
+  return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())};
+}
+
+btQuaternion to_bullet(const std::array<double, 4>& q) {
+  return {btScalar(q[0]), btScalar(q[1]), btScalar(q[2]), btScalar(q[3])};
+}
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Keeps the time of the coupling apart from Bullet's own.
+class TimedSolver : public bullet::btFluidSoftBodySolver {
+ public:
+  void updateSoftBodies() override {
+    const Clock::time_point start = Clock::now();
+    bullet::btFluidSoftBodySolver::updateSoftBodies();
+    if (getReport().step == last_step_) return;  // no coupling: nothing but Bullet's normals
+    last_step_ = getReport().step;
+    seconds_ += seconds_since(start);
+  }
+  double seconds() const { return seconds_; }
+
+ private:
+  std::uint64_t last_step_ = 0;
+  double seconds_ = 0;
+};
+
+/// Owner of a Bullet body and its shape.
+struct BulletBody {
+  std::unique_ptr<btTriangleMesh> mesh;
+  std::unique_ptr<btCollisionShape> shape;
+  std::unique_ptr<btRigidBody> body;
+  Vec3 origin = Vec3::Zero();
+  btQuaternion turned{0, 0, 0, 1};
+};
+
+BulletBody make_shape(const Body& body) {
+  BulletBody made;
+  if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
+    made.shape = std::make_unique<btBoxShape>(to_bullet(box->half_extents));
+    made.origin = box->center;
+    made.turned = to_bullet(box->rotate);
+  } else if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) {
+    made.shape = std::make_unique<btSphereShape>(btScalar(sphere->radius));
+    made.origin = sphere->center;
+  } else if (const auto* plane = std::get_if<PlaneShape>(&body.shape)) {
+    const Vec3 n = plane->normal.normalized();
+    made.shape = std::make_unique<btStaticPlaneShape>(to_bullet(n), btScalar(n.dot(plane->point)));
+  } else {
+    const Mesh& mesh = std::get<PlacedMesh>(body.shape).mesh;
+    made.mesh = std::make_unique<btTriangleMesh>(true, false);
+    for (const Triangle& t : mesh.triangles)
+      made.mesh->addTriangle(to_bullet(mesh.vertices[t[0]]), to_bullet(mesh.vertices[t[1]]),
+                             to_bullet(mesh.vertices[t[2]]));
+    made.shape = std::make_unique<btBvhTriangleMeshShape>(made.mesh.get(), true);
+  }
+  return made;
+}
+
+class BulletSimulation : public Simulation {
+ public:
+  BulletSimulation(const Scene& scene, const SimulationOptions& options)
+      : scene_(scene),
+        fluid_(scene.fluid, world_settings(scene, options), scene.contact),
+        dispatcher_(&configuration_),
+        bullet_(&dispatcher_, &broadphase_, &constraints_, &configuration_, &solver_),
+        substeps_(scene.cloth.empty() ? 1 : scene.cloth[0].substeps) {
+    require(fluid_.getWorld().status(), "scene");
+    // Bullet takes a step that short for none, and would never move.
+    const StepPlan plan(scene);
+    if (plan.shortest() / substeps_ <= static_cast<double>(SIMD_EPSILON))
+      throw SceneError((plan.adaptive() ? "min_dt: a step may take " : "dt: is ") +
+                       std::to_string(plan.shortest() * 1e9) + " ns in " + std::to_string(substeps_) +
+                       " sub-steps; Bullet makes no sub-step below " +
+                       std::to_string(static_cast<double>(SIMD_EPSILON) * 1e9) + " ns in this precision");
+    set_up_world();
+    require(solver_.addFluid(&fluid_), "fluid");
+    solver_.setCouplingInterval(substeps_);
+    for (std::size_t i = 0; i < scene.cloth.size(); ++i) add_cloth(i);
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) add_body(i);
+    if (options.emitters) add_emitters(scene, fluid_.getWorld());
+  }
+
+  ~BulletSimulation() override {
+    for (auto& cloth : cloths_) {
+      solver_.removeCloth(cloth.get());
+      bullet_.removeSoftBody(cloth.get());
+    }
+    for (BulletBody& body : bodies_) {
+      solver_.removeCollisionObject(body.body.get());
+      bullet_.removeRigidBody(body.body.get());
+    }
+    solver_.removeFluid(&fluid_);
+  }
+
+  const StepReport& step(double dt) override {
+    const Clock::time_point start = Clock::now();
+    const double coupled_before = solver_.seconds();
+    const double begin = time_.value(), sub_dt = dt / substeps_;
+    for (int s = 0; s < substeps_; ++s) {
+      const double t = begin + sub_dt * (s + 1);
+      for (std::size_t i = 0; i < cloths_.size(); ++i) prescribe(i, t);
+      for (std::size_t i = 0; i < bodies_.size(); ++i) prescribe_body(i, t);
+      // 0: exactly one sub-step, whatever is left over in Bullet's clock.
+      bullet_.stepSimulation(btScalar(sub_dt), 0);
+    }
+    time_.add(dt);
+    host_seconds_ += seconds_since(start) - (solver_.seconds() - coupled_before);
+    return solver_.getReport();
+  }
+
+  World& world() override { return fluid_.getWorld(); }
+  const SurfaceMotion* cloth(std::size_t i) const override { return coupling().getSurface(cloths_[i].get()); }
+  const SurfaceMotion* body(std::size_t i) const override {
+    return coupling().getSurface(bodies_[i].body.get());
+  }
+  double host_seconds() const override { return host_seconds_; }
+  const char* precision() const override { return sizeof(btScalar) == 4 ? "float32" : "float64"; }
+
+ private:
+  const bullet::btFluidCoupling& coupling() const { return solver_.getCoupling(); }
+
+  void set_up_world() {
+    const btVector3 gravity = to_bullet(scene_.world.gravity);
+    bullet_.setGravity(gravity);
+    btSoftBodyWorldInfo& info = bullet_.getWorldInfo();
+    info.m_gravity = gravity;  // setGravity() does not reach soft bodies
+    info.air_density = 0;
+    // Before the first contact. Bullet's cells of 25 cm are made for furniture: in them a ball of 10 cm is a
+    // much smaller octahedron. The size is taken over by Reset() only.
+    info.m_sparsesdf.setDefaultVoxelsz(btScalar(0.01));
+    info.m_sparsesdf.Reset();
+  }
+
+  void add_cloth(std::size_t i) {
+    const Cloth& settings = scene_.cloth[i];
+    const std::string key = "cloth." + std::to_string(i);
+    models_.push_back(build_cloth(settings, key));
+    const ClothModel& model = models_.back();
+    std::vector<btVector3> x;
+    std::vector<btScalar> m;
+    for (std::size_t k = 0; k < model.rest.size(); ++k) {
+      x.push_back(to_bullet(model.rest[k]));
+      m.push_back(btScalar(model.pinned_at_start(k) ? 0 : model.mass[k]));
+    }
+    auto cloth = std::make_unique<btSoftBody>(&bullet_.getWorldInfo(), int(x.size()), x.data(), m.data());
+    for (const auto& link : model.links) cloth->appendLink(int(link[0]), int(link[1]));
+    for (const Triangle& t : model.triangles) cloth->appendFace(int(t[0]), int(t[1]), int(t[2]));
+    cloth->m_materials[0]->m_kLST = 1;
+    cloth->m_cfg.kDP = 0;  // it would take momentum out of the world
+    cloth->m_cfg.piterations = settings.iterations;
+    cloth->m_cfg.viterations = 0;
+    cloth->m_cfg.diterations = 0;
+    cloth->getCollisionShape()->setMargin(btScalar(cloth_margin));
+    bullet_.addSoftBody(cloth.get());
+    require(solver_.addCloth(cloth.get(), settings.surface), key);
+    cloths_.push_back(std::move(cloth));
+    held_.emplace_back(model.groups.size(), false);
+    released_.emplace_back(model.groups.size(), false);
+  }
+
+  void add_body(std::size_t i) {
+    const Body& settings = scene_.bodies[i];
+    BulletBody made = make_shape(settings);
+    made.shape->setMargin(btScalar(std::min(cloth_margin, settings.surface.thickness)));
+    btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, made.shape.get());
+    info.m_startWorldTransform = btTransform(made.turned, to_bullet(made.origin));
+    made.body = std::make_unique<btRigidBody>(info);
+    if (settings.motion.moves()) {
+      made.body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+      made.body->setActivationState(DISABLE_DEACTIVATION);
+    }
+    bullet_.addRigidBody(made.body.get());
+    require(solver_.addCollisionObject(made.body.get(), settings.surface), "bodies." + std::to_string(i));
+    bodies_.push_back(std::move(made));
+  }
+
+  /// Pins the nodes of a group where they are now.
+  void hold(std::size_t i, std::size_t g) {
+    ClothModel& model = models_[i];
+    for (std::size_t k = 0; k < model.rest.size(); ++k) {
+      if (model.pin_group[k] != int(g)) continue;
+      btSoftBody::Node& node = cloths_[i]->m_nodes[int(k)];
+      node.m_im = 0;
+      node.m_v = node.m_vn = btVector3(0, 0, 0);
+      model.anchor[k] = Vec3(node.m_x.x(), node.m_x.y(), node.m_x.z());
+    }
+    cloths_[i]->updateLinkConstants();
+    held_[i][g] = true;
+  }
+
+  /// Puts the pins of a cloth where they belong at time t, takes hold of those and lets go of those whose
+  /// time has come.
+  void prescribe(std::size_t i, double t) {
+    const ClothModel& model = models_[i];
+    btSoftBody& cloth = *cloths_[i];
+    for (std::size_t g = 0; g < model.groups.size(); ++g) {
+      const PinBox& group = model.groups[g];
+      if (t < group.hold) continue;
+      if (group.hold > 0 && !held_[i][g]) hold(i, g);
+      const bool releases = t > group.release && !released_[i][g];
+      if (released_[i][g] || (!releases && !group.motion.moves())) continue;
+      for (std::size_t k = 0; k < model.rest.size(); ++k) {
+        if (model.pin_group[k] != int(g)) continue;
+        btSoftBody::Node& node = cloth.m_nodes[int(k)];
+        if (releases) {
+          // Not setMass(): it makes the stretched shape the rest shape.
+          node.m_im = btScalar(1 / model.mass[k]);
+          node.m_v = node.m_vn = to_bullet(velocity_at(group.motion, model.anchor[k], group.release));
+        } else {
+          node.m_x = to_bullet(moved(group.motion, model.anchor[k], t));
+          node.m_v = btVector3(0, 0, 0);  // Bullet would carry a pinned node on
+        }
+      }
+      if (releases) {
+        cloth.updateLinkConstants();
+        released_[i][g] = true;
+      }
+    }
+  }
+
+  void prescribe_body(std::size_t i, double t) {
+    const Motion& motion = scene_.bodies[i].motion;
+    if (!motion.moves()) return;
+    const BulletBody& body = bodies_[i];
+    const btQuaternion turn(to_bullet(motion.spin_axis.normalized()),
+                            btScalar(motion.spin_rate * motion_time(motion, t)));
+    body.body->setWorldTransform(btTransform(turn * body.turned, to_bullet(moved(motion, body.origin, t))));
+    body.body->setLinearVelocity(to_bullet(velocity_at(motion, body.origin, t)));
+  }
+
+  const Scene scene_;
+  bullet::btFluid fluid_;
+  btSoftBodyRigidBodyCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_;
+  btDbvtBroadphase broadphase_;
+  btSequentialImpulseConstraintSolver constraints_;
+  TimedSolver solver_;
+  btSoftRigidDynamicsWorld bullet_;
+  std::vector<std::unique_ptr<btSoftBody>> cloths_;
+  std::vector<std::vector<bool>> held_, released_;  ///< per cloth and group of pins
+  std::vector<BulletBody> bodies_;
+  int substeps_;
+  double host_seconds_ = 0;
+};
+
+}  // namespace
+
+HostKind built_in_host() {
+  return sizeof(btScalar) == 4 ? HostKind::bullet : HostKind::bullet64;
+}
+
+std::unique_ptr<Simulation> make_bullet_simulation(const Scene& scene, const SimulationOptions& options) {
+  return std::make_unique<BulletSimulation>(scene, options);
+}
+
+std::unique_ptr<Simulation> make_simulation(const Scene& scene, const SimulationOptions& options) {
+  if (scene.host == HostKind::mock) return make_mock_simulation(scene, options);
+  return make_bullet_simulation(scene, options);
+}
+
+}  // namespace oilskin::demo

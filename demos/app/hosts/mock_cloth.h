@@ -1,0 +1,54 @@
+/// Surfaces without an engine: cloth by position-based dynamics, and meshes that move as prescribed.
+#pragma once
+
+#include "oilskin/surface_motion.h"
+#include "scene/cloth_model.h"
+#include "scene/scene.h"
+
+namespace oilskin::demo {
+
+/// Masses and links in double precision; each sub-step predicts, projects the links in order, and takes
+/// velocities from positions, as Bullet does [Mueller2007].
+class MockCloth : public SurfaceHost {
+ public:
+  MockCloth(const Cloth& settings, ClothModel model);
+
+  /// From t to t + dt [s].
+  void advance(double t, double dt, const Vec3& gravity);
+
+  Gathered gather(double dt, SurfaceMotion& motion) override;
+  void scatter(SurfaceMotion& motion) override;
+
+ private:
+  void prescribe(double t);
+  void project_links();
+
+  ClothModel model_;
+  int substeps_, iterations_;
+  std::vector<Vec3> x_, v_;
+  std::vector<double> inverse_mass_, rest_length_;
+  std::vector<bool> held_, released_;  ///< per group of pins
+  bool fresh_ = true;
+};
+
+/// A mesh that stands still or follows a Motion.
+class MockBody : public SurfaceHost {
+ public:
+  explicit MockBody(const Body& body, const Box& kill_box);
+
+  void advance(double t);
+
+  Gathered gather(double dt, SurfaceMotion& motion) override;
+  void scatter(SurfaceMotion& motion) override;
+
+ private:
+  Mesh mesh_;
+  Motion prescribed_;
+  std::vector<Vec3> x_, v_;
+  bool fresh_ = true;
+};
+
+/// The surface of a body as triangles; a plane ends where the kill box does.
+Mesh tessellate(const Body& body, const Box& kill_box);
+
+}  // namespace oilskin::demo

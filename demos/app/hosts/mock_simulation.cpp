@@ -1,0 +1,62 @@
+#include "hosts/mock_simulation.h"
+
+#include <chrono>
+
+#include "hosts/mock_cloth.h"
+#include "scene/fields.h"
+
+namespace oilskin::demo {
+namespace {
+
+class MockSimulation : public Simulation {
+ public:
+  MockSimulation(const Scene& scene, const SimulationOptions& options)
+      : scene_(scene), world_(world_settings(scene, options), scene.fluid, scene.contact) {
+    require(world_.status(), "scene");
+    for (std::size_t i = 0; i < scene.cloth.size(); ++i) {
+      const std::string key = "cloth." + std::to_string(i);
+      models_.push_back(build_cloth(scene.cloth[i], key));
+      cloths_.push_back(std::make_unique<MockCloth>(scene.cloth[i], models_.back()));
+      require(world_.attach(*cloths_.back(), scene.cloth[i].surface, &cloth_ids_.emplace_back()), key);
+    }
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+      bodies_.push_back(std::make_unique<MockBody>(scene.bodies[i], scene.world.kill_box));
+      require(world_.attach(*bodies_.back(), scene.bodies[i].surface, &body_ids_.emplace_back()),
+              "bodies." + std::to_string(i));
+    }
+    if (options.emitters) add_emitters(scene, world_);
+  }
+
+  const StepReport& step(double dt) override {
+    const auto start = std::chrono::steady_clock::now();
+    const double t = time_.value();
+    for (auto& cloth : cloths_) cloth->advance(t, dt, scene_.world.gravity);
+    for (auto& body : bodies_) body->advance(t + dt);
+    time_.add(dt);
+    host_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return world_.step(dt);
+  }
+
+  World& world() override { return world_; }
+  const SurfaceMotion* cloth(std::size_t i) const override { return world_.surface(cloth_ids_[i]); }
+  const SurfaceMotion* body(std::size_t i) const override { return world_.surface(body_ids_[i]); }
+  double host_seconds() const override { return host_seconds_; }
+  const char* precision() const override { return "float64"; }
+
+ private:
+  const Scene scene_;
+  // Hosts must outlive the world that they are attached to.
+  std::vector<std::unique_ptr<MockCloth>> cloths_;
+  std::vector<std::unique_ptr<MockBody>> bodies_;
+  World world_;
+  std::vector<SurfaceId> cloth_ids_, body_ids_;
+  double host_seconds_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Simulation> make_mock_simulation(const Scene& scene, const SimulationOptions& options) {
+  return std::make_unique<MockSimulation>(scene, options);
+}
+
+}  // namespace oilskin::demo

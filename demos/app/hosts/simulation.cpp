@@ -1,0 +1,46 @@
+#include "hosts/simulation.h"
+
+#include "scene/fields.h"
+
+namespace oilskin::demo {
+namespace {
+
+struct AddEmitter {
+  World& world;
+  std::uint64_t seed;
+
+  Status operator()(const DiscEmitter& e) const { return world.add_emitter(e); }
+  Status operator()(const BoxEmitter& e) const { return world.add_emitter(e); }
+  Status operator()(const PlacedMeshEmitter& e) const {
+    MeshEmitter emitter;
+    emitter.vertices = e.mesh.mesh.vertices;
+    emitter.triangles = e.mesh.mesh.triangles;
+    emitter.velocity = e.velocity;
+    emitter.start = e.start;
+    return world.add_emitter(emitter);
+  }
+  Status operator()(RainEmitter e) const {
+    e.seed = seed;
+    return world.add_emitter(e);
+  }
+};
+
+}  // namespace
+
+void require(const Status& status, const std::string& key) {
+  if (!status.ok()) throw SceneError(key + ": " + status.message);
+}
+
+WorldSettings world_settings(const Scene& scene, const SimulationOptions& options) {
+  WorldSettings settings = scene.world;
+  settings.threads = options.threads;
+  return settings;
+}
+
+void add_emitters(const Scene& scene, World& world) {
+  for (std::size_t i = 0; i < scene.emitters.size(); ++i)
+    require(std::visit(AddEmitter{world, scene.seed + i}, scene.emitters[i]),
+            "emitters." + std::to_string(i));
+}
+
+}  // namespace oilskin::demo

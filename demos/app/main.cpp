@@ -1,0 +1,163 @@
+/// The program `oilskin`: list, run, ccd, mesh.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <new>
+
+#include "ccd_command.h"
+#include "hosts/bullet_simulation.h"
+#include "mesh_command.h"
+#include "oilskin/version.h"
+#include "output/output_error.h"
+#include "run/runner.h"
+#include "scene/fields.h"
+#include "scene/options.h"
+#include "scene/scene_library.h"
+#include "scene/scene_reader.h"
+
+namespace oilskin::demo {
+namespace {
+
+void list_scenes() {
+  for (const std::string& name : shipped_scenes()) {
+    const Json json = read_json_file(scenes_directory() + "/" + name + ".json");
+    std::printf("%-12s %s\n", name.c_str(), json.value("description", std::string()).c_str());
+  }
+}
+
+/// Bullet's single and double precision cannot live in one process: the program beside this one has the
+/// other.
+void become_the_other_precision(HostKind wanted, char** argv) {
+  const char* name = wanted == HostKind::bullet64 ? "oilskin-f64" : "oilskin";
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::string other = (self.parent_path() / name).string();
+  execv(other.c_str(), argv);
+  throw SceneError(std::string("host: needs the program ") + name + " beside this one, which is not there");
+}
+
+int run(RunOptions& options, char** argv) {
+  const Scene scene = load_scene(options);
+  if (scene.host != HostKind::mock && scene.host != built_in_host())
+    become_the_other_precision(scene.host, argv);
+  return run_scene(scene, options, make_simulation);
+}
+
+StepRange parse_steps(const std::string& text) {
+  StepRange range;
+  char end = 0;
+  unsigned long long first = 0, last = 0;
+  if (std::sscanf(text.c_str(), "%llu:%llu%c", &first, &last, &end) != 2 || first > last || text[0] == '-')
+    throw SceneError("--trace-steps " + text + ": must be A:B, two steps with A <= B, counted from 0");
+  range.first = first;
+  range.last = last;
+  return range;
+}
+
+struct CommandLine {
+  CLI::App app{"Leak-free water for Bullet's cloth", "oilskin"};
+  CLI::App *list = nullptr, *run = nullptr, *ccd = nullptr, *mesh = nullptr;
+  RunOptions options;
+  MeshOptions mesh_options;
+  std::string trace_steps;
+  bool render = false;
+  std::vector<std::string> ccd_files;
+
+  CommandLine();
+  void add_mesh();
+};
+
+CommandLine::CommandLine() {
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "oilskin " OILSKIN_VERSION_STRING);
+  list = app.add_subcommand("list", "the scenes that come with it");
+  ccd = app.add_subcommand("ccd",
+                           "answers every vertex-face query of the files and compares with their labels");
+  ccd->add_option("FILE", ccd_files, "CSV files")->required();
+  run = app.add_subcommand("run", "runs a scene");
+  run->add_option("SCENE", options.scene, "a name from `oilskin list`, or a path to a scene file")
+      ->required();
+  run->add_option("--out", options.out, "folder for what the run writes (default out/NAME)");
+  run->add_option("--duration", options.duration, "simulated time [s]");
+  run->add_option("--dt", options.dt, "step of fluid and contact [s]");
+  run->add_option("--threads", options.threads, "0 = all hardware threads")->check(CLI::Range(0, 1024));
+  run->add_option("--frames-per-second", options.frames_per_second,
+                  "of simulated time; 0 = none (default: the scene's, 30)")
+      ->check(CLI::Range(0.0, 1e6));
+  run->add_flag("--render,!--no-render", render, "draw pictures (default: if the program can)");
+  run->add_flag("--view", options.view, "show a window");
+  run->add_option("--trace", options.trace, "motion trace to FILE; - = standard output");
+  run->add_option("--trace-steps", trace_steps, "A:B, only these steps, both included, counted from 0");
+  run->add_option("--set", options.set, "KEY=VALUE, one key of the scene by its dotted path; may be repeated")
+      ->expected(1)
+      ->take_all();
+  run->add_flag("--quiet", options.quiet, "print nothing but errors");
+  run->add_option("--seed", options.seed, "of everything random");
+  add_mesh();
+}
+
+void CommandLine::add_mesh() {
+  MeshOptions& m = mesh_options;
+  mesh = app.add_subcommand("mesh", "the water's surface of the frames that a run stored in DIR");
+  mesh->add_option("DIR", m.directory,
+                   "with particles_NNNN.vtp, and cloth_K_NNNN.ply and body_K_NNNN.ply beside")
+      ->required();
+  mesh->add_option("--frames", m.frames, "A:B, only these frames, both included (default: all)");
+  mesh->add_option("--cell", m.cell, "edge of a grid cell [m] (default: the run's, or half a spacing)");
+  mesh->add_option("--gap", m.gap, "between water and obstacles [m] (default: the run's, or 0)");
+  mesh->add_option("--mode", m.mode,
+                   "at obstacles: gap, touch, overlap, reset or none (default: the run's, or gap)");
+  mesh->add_option("--smoothing", m.smoothing, "iterations (default: the run's, or 10)");
+  mesh->add_option("--spacing", m.spacing, "of the particles [m] (default: as DIR/report.json says)");
+  mesh->add_option("--out", m.out, "folder for surface_NNNN.ply (default: DIR)");
+  mesh->add_option("--threads", m.threads, "0 = all hardware threads")->check(CLI::Range(0, 1024));
+  mesh->add_flag("--overwrite", m.overwrite, "make surfaces that are there already again");
+  mesh->add_flag("--quiet", m.quiet, "print nothing but errors");
+}
+
+int dispatch(CommandLine& line, char** argv) {
+  if (*line.list) {
+    list_scenes();
+    return 0;
+  }
+  if (*line.ccd) return ccd_command(line.ccd_files, std::cout, std::cerr);
+  if (*line.mesh) return mesh_command(line.mesh_options);
+  if (line.run->count("--render") > 0) line.options.render = line.render;
+  if (!line.trace_steps.empty()) line.options.trace_steps = parse_steps(line.trace_steps);
+  return run(line.options, argv);
+}
+
+int fail(ExitCode code, const std::string& message) {
+  std::fprintf(stderr, "oilskin: %s\n", message.c_str());
+  return static_cast<int>(code);
+}
+
+int run_program(int argc, char** argv) {
+  CommandLine line;
+  try {
+    line.app.parse(argc, argv);
+    return dispatch(line, argv);
+  } catch (const CLI::ParseError& e) {
+    return line.app.exit(e) == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
+  } catch (const SceneError& e) {
+    return fail(ExitCode::bad_input, e.what());
+  } catch (const OutputError& e) {
+    return fail(ExitCode::out_of_resources, e.what());
+  } catch (const std::filesystem::filesystem_error& e) {
+    return fail(ExitCode::bad_input, e.what());
+  } catch (const std::bad_alloc&) {
+    return fail(ExitCode::out_of_resources,
+                "out of memory; fewer particles (a larger fluid.spacing) need less");
+  }
+}
+
+}  // namespace
+}  // namespace oilskin::demo
+
+// NOLINTNEXTLINE(bugprone-exception-escape): std::terminate prints the message of an unexpected exception
+int main(int argc, char** argv) {
+  return oilskin::demo::run_program(argc, argv);
+}

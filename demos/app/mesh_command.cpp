@@ -1,0 +1,164 @@
+#include "mesh_command.h"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "output/frame_path.h"
+#include "output/mesh_file.h"
+#include "output/water_mesh.h"
+#include "render/stored_frames.h"
+#include "scene/fields.h"
+#include "scene/mesh_options.h"
+#include "scene/options.h"
+#include "scene/scene_format.h"
+#include "scene/scene_reader.h"
+
+namespace oilskin::demo {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Plan {
+  WaterMeshSettings mesh;
+  double spacing = 0;  // [m]
+};
+
+void read_report(const std::string& report, Plan& plan) {
+  try {
+    const Json settings = read_json_file(report).at("settings");
+    plan.spacing = settings.at("fluid").at("spacing").get<double>();
+    if (!settings.contains("surface")) return;
+    if (!settings["surface"].is_object()) throw SceneError("settings.surface: must be an object");
+    Fields fields = Fields::reader(settings["surface"], "settings.surface");
+    describe(fields, plan.mesh);
+    fields.finish();
+  } catch (const Json::exception& e) {
+    throw SceneError(report + ": is no report of a run (" + e.what() +
+                     "); --spacing and a folder without it do, too");
+  } catch (const SceneError& e) {
+    throw SceneError(report + ": " + e.what());
+  }
+}
+
+/// Settings of the command line, and those of the run's report where it gives none.
+Plan make_plan(const MeshOptions& options) {
+  Plan plan;
+  const std::string report = options.directory + "/report.json";
+  if (fs::exists(report)) read_report(report, plan);
+  if (options.spacing && !(*options.spacing > 0))
+    throw SceneError("--spacing: is " + std::to_string(*options.spacing) + ", must be > 0 m");
+  if (options.spacing) plan.spacing = *options.spacing;
+  if (!(plan.spacing > 0))
+    throw SceneError("--spacing: is needed, in metres, where " + report +
+                     " does not tell the particles' spacing");
+  Json given = Json::object();
+  if (options.cell) given["cell"] = *options.cell;
+  if (options.gap) given["gap"] = *options.gap;
+  if (!options.mode.empty()) given["mode"] = options.mode;
+  if (options.smoothing) given["smoothing"] = *options.smoothing;
+  Fields fields = Fields::reader(given, "");
+  describe(fields, plan.mesh);
+  return plan;
+}
+
+std::vector<int> wanted_frames(const MeshOptions& options, const std::vector<int>& all) {
+  if (options.frames.empty()) return all;
+  long long first = 0, last = 0;
+  char end = 0;
+  if (std::sscanf(options.frames.c_str(), "%lld:%lld%c", &first, &last, &end) != 2 || first < 0 ||
+      first > last)
+    throw SceneError("--frames " + options.frames + ": must be A:B, two frames with A <= B");
+  std::vector<int> chosen;
+  for (const int n : all)
+    if (n >= first && n <= last) chosen.push_back(n);
+  if (chosen.empty())
+    throw SceneError("--frames " + options.frames + ": there are frames " + std::to_string(all.front()) +
+                     " to " + std::to_string(all.back()));
+  return chosen;
+}
+
+/// Frames that have no mesh yet. One that was made with other options would not fit the others.
+std::vector<int> missing_frames(const MeshOptions& options, const std::vector<int>& frames,
+                                const std::string& out, const std::string& made) {
+  std::vector<int> missing;
+  for (const int number : frames) {
+    const std::string path = frame_path(out, "surface", number, "ply");
+    if (options.overwrite || !fs::exists(path)) {
+      missing.push_back(number);
+      continue;
+    }
+    const std::string there = mesh_made_with(path);
+    if (there != made)
+      throw SceneError(path + ": is there already and was made with " +
+                       (there.empty() ? "options that it does not tell" : there) + ", which are not " + made +
+                       ". --overwrite makes it again, --out takes another folder");
+  }
+  return missing;
+}
+
+/// A frame whose particles are as far apart as the plan says.
+StoredFrame read_frame(const StoredFrames& stored, int number, const Plan& plan, const MeshOptions& options) {
+  StoredFrame frame = stored.read(number);
+  const std::string name =
+      options.spacing ? "--spacing" : options.directory + "/report.json: settings.fluid.spacing";
+  if (const Status s = check_spacing(frame.position, plan.spacing, name); !s.ok())
+    throw SceneError(s.message);
+  return frame;
+}
+
+ReconstructionInput input_of(const StoredFrame& frame) {
+  ReconstructionInput input;
+  input.positions = frame.position;
+  input.velocities = frame.velocity;
+  for (const StoredMesh& mesh : frame.obstacles) input.obstacles.push_back({mesh.vertices, mesh.triangles});
+  return input;
+}
+
+void print_frame(int number, const MadeMesh& made) {
+  const MeshCheck& c = made.check;
+  std::printf(
+      "frame %04d: %zu triangles, %.3f s, %zu intersecting pairs, %zu nearer than the gap, %zu submerged, "
+      "%zu open edges, least distance %g m, volume %g m3\n",
+      number, made.mesh.triangles.size(), made.seconds, c.intersecting_pairs, c.near_pairs,
+      c.submerged_components, c.open_edges, c.min_distance, c.volume);
+  if (made.report.particles_skipped > 0)
+    std::printf("  %zu particles were left out: not finite, or farther away than 2^20 cells\n",
+                made.report.particles_skipped);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int mesh_command(const MeshOptions& options) {
+  const StoredFrames stored(options.directory);
+  const std::vector<int> frames = wanted_frames(options, stored.numbers());
+  const Plan plan = make_plan(options);
+  const ReconstructionOptions wanted = reconstruction_options(plan.mesh, plan.spacing, options.threads);
+  if (const Status s = check_mesh_settings(plan.mesh, plan.spacing); !s.ok())
+    throw SceneError("surface: " + s.message);
+  const std::string out = options.out.empty() ? options.directory : options.out;
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) throw SceneError("--out " + out + ": " + error.message());
+  const std::string made_so = made_with(plan.mesh, plan.spacing);
+  const std::vector<int> missing = missing_frames(options, frames, out, made_so);
+  // The last one: the first frame may hold no water, and its spacing could not be checked.
+  if (!missing.empty()) read_frame(stored, missing.back(), plan, options);
+  bool good = true;
+  for (const int number : missing) {
+    const std::string path = frame_path(out, "surface", number, "ply");
+    // Another process may have made it meanwhile.
+    if (!options.overwrite && fs::exists(path)) continue;
+    const StoredFrame frame = read_frame(stored, number, plan, options);
+    const MadeMesh made = make_mesh(input_of(frame), wanted);
+    write_water_mesh(path, made.mesh, made_so);
+    good &= made.as_promised(wanted.contact);
+    if (!options.quiet) print_frame(number, made);
+  }
+  if (missing.size() < frames.size() && !options.quiet)
+    std::printf("%zu frames were there already; --overwrite makes them again\n",
+                frames.size() - missing.size());
+  return static_cast<int>(good ? ExitCode::done : ExitCode::check_failed);
+}
+
+}  // namespace oilskin::demo

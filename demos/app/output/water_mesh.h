@@ -1,0 +1,36 @@
+/// The mesh of the water's surface at one moment, as the scene asks for, and its check.
+#pragma once
+
+#include "oilskin/reconstruction.h"
+#include "scene/scene.h"
+
+namespace oilskin::demo {
+
+struct MadeMesh {
+  WaterMesh mesh;
+  ReconstructionReport report;
+  MeshCheck check;
+  double seconds = 0;  ///< of the reconstruction, the check not counted
+
+  /// The mesh keeps away from obstacles, as asked; always true for modes that do not promise it.
+  bool as_promised(ObstacleMode mode) const;
+};
+
+/// Refuses a spacing that cannot be that of these particles; one in other units, say. `which` begins the
+/// message.
+Status check_spacing(Span<const Vec3> positions, double spacing, const std::string& which);
+
+/// Throws SceneError where the options or the input are refused.
+MadeMesh make_mesh(const ReconstructionInput& input, const ReconstructionOptions& options);
+
+/// Sums over all meshes of a run.
+struct MeshTotals {
+  std::uint64_t frames = 0, triangles = 0;  ///< triangles of the last frame
+  std::uint64_t intersecting_pairs = 0, near_pairs = 0, submerged = 0, flaws = 0;  ///< flaws: edges, vertices
+  double min_distance = std::numeric_limits<double>::infinity();                   ///< [m]
+  double seconds = 0;
+
+  void add(const MadeMesh& made);
+};
+
+}  // namespace oilskin::demo

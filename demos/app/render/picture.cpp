@@ -1,0 +1,340 @@
+#include "render/picture.h"
+
+#include <vtkCamera.h>
+#include <vtkImageAppend.h>
+#include <vtkImageData.h>
+#include <vtkImageResize.h>
+#include <vtkInteractorStyleTrackballCamera.h>
+#include <vtkLight.h>
+#include <vtkPNGWriter.h>
+#include <vtkProperty.h>
+#include <vtkRenderStepsPass.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderWindowInteractor.h>
+#include <vtkRenderer.h>
+#include <vtkSSAOPass.h>
+#include <vtkWindowToImageFilter.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "output/output_error.h"
+#include "render/picture_parts.h"
+#include "render/picture_water.h"
+
+namespace oilskin::demo {
+namespace {
+
+constexpr int height = 800;       // of a picture [pixels]; two views are 1600 wide
+constexpr int supersampling = 2;  // balls are drawn per pixel, so multisampling would not smooth their rims
+
+constexpr int view_width = height;
+
+Box extents(const Scene& scene) {
+  Box box;
+  for (const Cloth& c : scene.cloth) {
+    if (c.mesh) {
+      for (const Vec3& x : c.mesh->mesh.vertices) box.add(x);
+    } else {
+      const double reach = 0.5 * std::max(c.size[0], c.size[1]);
+      box.add(Vec3(c.center - Vec3::Constant(reach)));
+      box.add(Vec3(c.center + Vec3::Constant(reach)));
+    }
+  }
+  for (const Body& b : scene.bodies)
+    if (const auto* mesh = std::get_if<PlacedMesh>(&b.shape))
+      for (const Vec3& x : mesh->mesh.vertices) box.add(x);
+  if (!(box.min.array() <= box.max.array()).all()) box = {Vec3::Constant(-0.3), Vec3::Constant(0.3)};
+  return box;
+}
+
+/// From above and from below, around everything that the scene fixes.
+std::vector<View> views_of(const Scene& scene) {
+  if (!scene.pictures.views.empty()) return scene.pictures.views;
+  const Box box = extents(scene);
+  const Vec3 middle = 0.5 * (box.min + box.max);
+  const double size = (box.max - box.min).norm();
+  const Vec3 up = scene.world.gravity.norm() > 0 ? Vec3(-scene.world.gravity.normalized()) : Vec3(0, 1, 0);
+  const Vec3 side = (up.unitOrthogonal() + 0.6 * up.cross(up.unitOrthogonal())).normalized();
+  View above, below;
+  above.title = "from above";
+  below.title = "from below";
+  for (View* v : {&above, &below}) {
+    v->target = middle;
+    v->up = up;
+  }
+  above.eye = middle + size * (1.2 * side + 0.85 * up);
+  below.eye = middle + size * (1.2 * side - 0.7 * up);
+  return {above, below};
+}
+
+/// From below, or nearly.
+bool looks_up(const View& view) {
+  return (view.target - view.eye).dot(view.up) > 0;
+}
+
+/// The end of the colour scale: what the fastest nozzle gives, and a little for the fall.
+double colour_end(const Scene& scene) {
+  if (scene.pictures.max_speed > 0) return scene.pictures.max_speed;
+  double fastest = 1;
+  for (const Emitter& e : scene.emitters) {
+    if (const auto* disc = std::get_if<DiscEmitter>(&e)) fastest = std::max(fastest, disc->speed);
+    if (const auto* rain = std::get_if<RainEmitter>(&e)) fastest = std::max(fastest, rain->velocity.norm());
+    if (const auto* box = std::get_if<BoxEmitter>(&e)) fastest = std::max(fastest, box->velocity.norm());
+  }
+  return 1.25 * fastest;
+}
+
+/// A colour scale and the title of its legend.
+struct Scale {
+  vtkSmartPointer<vtkColorTransferFunction> colours;
+  const char* title;
+};
+
+/// In order of WaterColour.
+std::vector<Scale> scales_of(const Scene& scene) {
+  const double density = scene.fluid.rest_density;
+  return {{water_colours(0, colour_end(scene)), "speed [m/s]"},
+          {water_colours(0, scene.pictures.max_pressure), "pressure [Pa]"},
+          {water_colours(0.9 * density, 1.1 * density), "density [kg/m\u00b3]"}};
+}
+
+void add_light(vtkRenderer* renderer, const Vec3& from, double intensity, double r, double g, double b) {
+  vtkNew<vtkLight> light;
+  light->SetLightTypeToSceneLight();
+  light->PositionalOff();
+  light->SetPosition(from.x(), from.y(), from.z());
+  light->SetFocalPoint(0, 0, 0);
+  light->SetIntensity(intensity);
+  light->SetColor(r, g, b);
+  renderer->AddLight(light);
+}
+
+/// A key light from the left of the eye, a fill from the right, and a faint one from the eye itself: light
+/// that comes from the side is what makes folds visible.
+void add_lights(vtkRenderer* renderer, const View& view) {
+  renderer->AutomaticLightCreationOff();
+  const Vec3 sight = (view.eye - view.target).normalized();
+  const Vec3 right = view.up.cross(sight).normalized();
+  const Vec3 over =
+      sight.cross(right) * (sight.dot(view.up) >= 0 ? 1 : -1);  // the side of the sheet that is seen
+  add_light(renderer, 0.9 * sight - 0.9 * right + 0.45 * over, 0.80, 1.0, 0.98, 0.94);
+  add_light(renderer, 0.8 * sight + 1.1 * right - 0.1 * over, 0.35, 0.85, 0.92, 1.0);
+  add_light(renderer, sight, 0.25, 1, 1, 1);
+}
+
+void look_from(vtkRenderer* renderer, const View& view) {
+  vtkCamera* camera = renderer->GetActiveCamera();
+  camera->SetPosition(view.eye.data());
+  camera->SetFocalPoint(view.target.data());
+  camera->SetViewUp(view.up.data());
+  camera->SetViewAngle(view.angle);
+  camera->SetParallelProjection(view.orthographic > 0);
+  if (view.orthographic > 0) camera->SetParallelScale(0.5 * view.orthographic);
+  renderer->RemoveAllLights();
+  add_lights(renderer, view);
+}
+
+/// Shaded by how much of the sky each point sees, which shows depth between balls and in folds.
+vtkSmartPointer<vtkSSAOPass> occlusion_of(double size) {
+  vtkNew<vtkRenderStepsPass> steps;
+  auto occlusion = vtkSmartPointer<vtkSSAOPass>::New();
+  occlusion->SetRadius(0.06 * size);
+  occlusion->SetBias(0.002 * size);
+  occlusion->SetKernelSize(96);
+  occlusion->BlurOn();
+  occlusion->SetDelegatePass(steps);
+  return occlusion;
+}
+
+}  // namespace
+
+/// One renderer that takes the views in turn: VTK's occlusion pass knows whole windows only.
+struct Picture::Impl {
+  std::vector<View> views;
+  double gravity;             // [m/s²]
+  std::vector<Scale> scales;  // per colour
+  double spacing;             // of the particles [m]
+  DrawnWater water;
+  DrawnWaterMesh water_mesh;
+  bool has_water_mesh;
+  std::vector<std::unique_ptr<DrawnSurface>> cloth, bodies;
+  vtkNew<vtkRenderer> renderer;
+  vtkSmartPointer<vtkSSAOPass> occlusion;
+  vtkNew<vtkRenderWindow> window;
+  vtkSmartPointer<vtkRenderWindowInteractor> interactor;
+  vtkSmartPointer<vtkTextActor> status, title;
+  vtkSmartPointer<vtkScalarBarActor> legend;
+  std::string name;
+  bool interactive;
+
+  Impl(const Scene& scene, bool is_window);
+  void add_props(int scale);
+  void set_up(const View& view);
+  Vec3 in_front(const View& view) const;
+  WaterLook look_of(const View& view) const;
+  void open_window();
+  bool ends_colours(std::size_t view) const;
+  vtkSmartPointer<vtkImageData> draw(std::size_t view);
+};
+
+Picture::Impl::Impl(const Scene& scene, bool is_window)
+    : views(views_of(scene)),
+      scales(scales_of(scene)),
+      spacing(scene.fluid.spacing),
+      water(scene.fluid.spacing),
+      has_water_mesh(scene.water_mesh.has_value()),
+      name(scene.name),
+      interactive(is_window) {
+  for (std::size_t i = 0; i < scene.cloth.size(); ++i) cloth.push_back(std::make_unique<DrawnSurface>(true));
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    bodies.push_back(std::make_unique<DrawnSurface>(false));
+  const Box box = extents(scene);
+  renderer->GradientBackgroundOn();
+  renderer->SetBackground(0.84, 0.87, 0.90);
+  renderer->SetBackground2(0.98, 0.985, 0.99);
+  renderer->AutomaticLightCreationOff();
+  occlusion = occlusion_of((box.max - box.min).norm());
+  const int scale = interactive ? 1 : supersampling;
+  add_props(scale);
+  if (has_water_mesh) {
+    add_sky(renderer, views.front().up);
+    renderer->UseDepthPeelingOn();  // clear water behind clear water
+    renderer->SetMaximumNumberOfPeels(8);
+  }
+  window->AddRenderer(renderer);
+  window->SetSize(view_width * scale, height * scale);
+  window->SetMultiSamples(0);
+  window->SetAlphaBitPlanes(1);
+  window->SetWindowName(("oilskin: " + name).c_str());
+  look_from(renderer, views.front());
+  interactive ? open_window() : window->OffScreenRenderingOn();
+}
+
+void Picture::Impl::add_props(int scale) {
+  renderer->AddActor(water.balls());
+  renderer->AddActor(water.film());
+  renderer->AddActor(water_mesh.actor());
+  renderer->AddActor(water_mesh.cut());
+  for (auto& c : cloth) {
+    renderer->AddActor(c->actor());
+    renderer->AddActor(c->outline());
+    renderer->AddActor(c->pins());
+    renderer->AddActor(c->cut());
+  }
+  for (auto& b : bodies) {
+    renderer->AddActor(b->actor());
+    renderer->AddActor(b->cut());
+  }
+  status = label(0.03, 0.965, 20 * scale, true);
+  title = label(0.03, 0.915, 17 * scale, false);
+  legend = water_legend(scale);
+  renderer->AddViewProp(status);
+  renderer->AddViewProp(title);
+  renderer->AddViewProp(legend);
+}
+
+void Picture::Impl::open_window() {
+  interactor = vtkSmartPointer<vtkRenderWindowInteractor>::New();
+  interactor->SetRenderWindow(window);
+  vtkNew<vtkInteractorStyleTrackballCamera> style;
+  interactor->SetInteractorStyle(style);
+  window->Render();
+  interactor->Initialize();
+}
+
+/// From the middle of a cut to the eye's side of its water, which would hide the lines.
+Vec3 Picture::Impl::in_front(const View& view) const {
+  if (!view.slice) return Vec3::Zero();
+  const Vec3 n = view.slice->normal.normalized();
+  const double displacement = 0.5 * view.slice->thickness + spacing;
+  return n.dot(view.eye - view.slice->point) > 0 ? Vec3(displacement * n) : Vec3(-displacement * n);
+}
+
+WaterLook Picture::Impl::look_of(const View& view) const {
+  if (!has_water_mesh) return WaterLook::balls;
+  return view.water == WaterLook::automatic ? WaterLook::surface : view.water;
+}
+
+/// Shows the water and the surfaces as the view asks for.
+void Picture::Impl::set_up(const View& view) {
+  const Scale& scale = scales[static_cast<std::size_t>(view.colour)];
+  const WaterLook look = look_of(view);
+  look == WaterLook::balls ? water.show(view.slice, view.colour, scale.colours) : water.hide();
+  const Vec3 lift = in_front(view);
+  water_mesh.show(look, view.slice, lift);
+  for (auto& c : cloth) c->show(view.slice, lift);
+  for (auto& b : bodies) b->show(view.slice, lift);
+  // It would stain the lines of a cut, and knows nothing of what shines through.
+  renderer->SetPass(view.slice || look == WaterLook::clear ? nullptr : occlusion.Get());
+  legend->SetLookupTable(scale.colours);
+  legend->SetTitle(scale.title);
+}
+
+/// The next view shows no balls, or other colours of them.
+bool Picture::Impl::ends_colours(std::size_t view) const {
+  return view + 1 == views.size() || look_of(views[view + 1]) != WaterLook::balls ||
+         views[view + 1].colour != views[view].colour;
+}
+
+/// One view, smoothed. The first carries the numbers, the last of each run of equal colours their legend.
+vtkSmartPointer<vtkImageData> Picture::Impl::draw(std::size_t view) {
+  set_up(views[view]);
+  look_from(renderer, views[view]);
+  renderer->ResetCameraClippingRange();
+  title->SetInput(views[view].title.c_str());
+  // Seen from below a floor would hide everything: bodies let the view through there.
+  for (auto& b : bodies) b->actor()->GetProperty()->SetOpacity(looks_up(views[view]) ? 0.15 : 1);
+  status->SetVisibility(view == 0);
+  legend->SetVisibility(look_of(views[view]) == WaterLook::balls && ends_colours(view));
+  window->Render();
+  vtkNew<vtkWindowToImageFilter> grab;
+  grab->SetInput(window);
+  grab->SetInputBufferTypeToRGB();
+  grab->ReadFrontBufferOff();
+  grab->ShouldRerenderOff();
+  vtkNew<vtkImageResize> resize;
+  resize->SetInputConnection(grab->GetOutputPort());
+  resize->SetOutputDimensions(view_width, height, 1);
+  resize->InterpolateOn();
+  resize->Update();
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->DeepCopy(resize->GetOutput());
+  return image;
+}
+
+Picture::Picture(const Scene& scene, bool window) : impl_(std::make_unique<Impl>(scene, window)) {}
+Picture::~Picture() = default;
+
+void Picture::show(const FrameData& data) {
+  impl_->water.update(data);
+  impl_->water_mesh.update(data.water_mesh);
+  for (std::size_t i = 0; i < impl_->cloth.size(); ++i) impl_->cloth[i]->update(data.cloth[i]);
+  for (std::size_t i = 0; i < impl_->bodies.size(); ++i) impl_->bodies[i]->update(data.bodies[i]);
+  char text[160];
+  std::snprintf(text, sizeof text, "%s   t = %.3f s   %zu particles   %llu crossings", impl_->name.c_str(),
+                data.t, data.position.size(), static_cast<unsigned long long>(data.crossings));
+  impl_->status->SetInput(text);
+  if (!impl_->interactor) return;
+  impl_->set_up(impl_->views.front());
+  impl_->renderer->ResetCameraClippingRange();
+  impl_->window->Render();
+  impl_->interactor->ProcessEvents();
+}
+
+void Picture::save(const std::string& path) {
+  vtkNew<vtkImageAppend> side_by_side;
+  side_by_side->SetAppendAxis(0);
+  for (std::size_t i = 0; i < impl_->views.size(); ++i) side_by_side->AddInputData(impl_->draw(i));
+  vtkNew<vtkPNGWriter> writer;
+  writer->SetFileName(path.c_str());
+  writer->SetInputConnection(side_by_side->GetOutputPort());
+  writer->Write();
+  if (writer->GetErrorCode() != 0) throw OutputError(path + ": cannot be written; is the disk full?");
+}
+
+bool Picture::window_open() const {
+  return !impl_->interactor || !impl_->interactor->GetDone();
+}
+
+}  // namespace oilskin::demo

@@ -1,0 +1,307 @@
+#include "render/picture_parts.h"
+
+#include <vtkFloatArray.h>
+#include <vtkGlyph3DMapper.h>
+#include <vtkOpenGLSphereMapper.h>
+#include <vtkPointData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkPolyDataNormals.h>
+#include <vtkProperty.h>
+#include <vtkSphereSource.h>
+#include <vtkTextProperty.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "geometry/nearest_surface.h"
+#include "render/picture_cut.h"
+#include "render/vtk_convert.h"
+
+namespace oilskin::demo {
+namespace {
+
+constexpr double ink[3] = {0.13, 0.15, 0.19};
+
+/// Edges of one triangle only.
+vtkSmartPointer<vtkCellArray> border_edges(const std::vector<Triangle>& triangles) {
+  std::map<std::array<std::uint32_t, 2>, int> count;
+  for (const Triangle& t : triangles)
+    for (int k = 0; k < 3; ++k) ++count[{std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])}];
+  auto cells = vtkSmartPointer<vtkCellArray>::New();
+  for (const auto& [edge, times] : count)
+    if (times == 1) cells->InsertNextCell({vtkIdType(edge[0]), vtkIdType(edge[1])});
+  return cells;
+}
+
+void colour_surface(vtkActor* actor, bool is_cloth) {
+  vtkProperty* front = actor->GetProperty();
+  if (is_cloth) {
+    front->SetColor(0.93, 0.76, 0.62);
+  } else {
+    front->SetColor(0.86, 0.87, 0.89);
+  }
+  front->SetInterpolationToPhong();
+  front->SetAmbient(0.18);
+  front->SetDiffuse(0.85);
+  front->SetSpecular(0.12);
+  front->SetSpecularPower(18);
+  vtkNew<vtkProperty> back;
+  back->DeepCopy(front);
+  if (is_cloth) back->SetColor(0.86, 0.52, 0.40);
+  actor->SetBackfaceProperty(back);
+}
+
+}  // namespace
+
+vtkSmartPointer<vtkColorTransferFunction> water_colours(double from, double to) {
+  auto colours = vtkSmartPointer<vtkColorTransferFunction>::New();
+  colours->SetColorSpaceToLab();
+  const double stops[6][3] = {{0.06, 0.13, 0.34}, {0.08, 0.30, 0.58}, {0.13, 0.49, 0.74},
+                              {0.30, 0.68, 0.83}, {0.58, 0.84, 0.88}, {0.90, 0.97, 0.95}};
+  for (int i = 0; i < 6; ++i)
+    colours->AddRGBPoint(from + (to - from) * i / 5, stops[i][0], stops[i][1], stops[i][2]);
+  return colours;
+}
+
+namespace {
+
+void colour_by_value(vtkMapper* mapper) {
+  mapper->SetScalarModeToUsePointFieldData();
+  mapper->SelectColorArray("value");
+  mapper->UseLookupTableScalarRangeOn();
+}
+
+double value_of(const FrameData& frame, WaterColour colour, std::size_t i) {
+  switch (colour) {
+    case WaterColour::pressure:
+      return frame.pressure[i];
+    case WaterColour::density:
+      return frame.density[i];
+    case WaterColour::speed:
+      break;
+  }
+  return frame.velocity[i].norm();
+}
+
+void shine(vtkActor* actor) {
+  actor->GetProperty()->SetAmbient(0.25);
+  actor->GetProperty()->SetDiffuse(0.8);
+  actor->GetProperty()->SetSpecular(0.35);
+  actor->GetProperty()->SetSpecularPower(30);
+}
+
+vtkSmartPointer<vtkGlyph3DMapper> drop_mapper(vtkPolyData* data) {
+  vtkNew<vtkSphereSource> drop;
+  drop->SetRadius(1);
+  drop->SetThetaResolution(14);
+  drop->SetPhiResolution(9);
+  auto mapper = vtkSmartPointer<vtkGlyph3DMapper>::New();
+  mapper->SetInputData(data);
+  mapper->SetSourceConnection(drop->GetOutputPort());
+  mapper->SetScaleArray("half_axes");
+  mapper->SetScaleModeToScaleByVectorComponents();
+  mapper->SetOrientationArray("normal");
+  mapper->SetOrientationModeToDirection();
+  return mapper;
+}
+
+}  // namespace
+
+struct DrawnWater::Points {
+  std::vector<Vec3> position;
+  vtkNew<vtkFloatArray> value, shape, normal;
+
+  Points(const char* shape_name, int components) {
+    value->SetName("value");
+    shape->SetName(shape_name);
+    shape->SetNumberOfComponents(components);
+    normal->SetName("normal");
+    normal->SetNumberOfComponents(3);
+  }
+};
+
+DrawnWater::DrawnWater(double spacing) : spacing_(spacing) {
+  vtkNew<vtkOpenGLSphereMapper> balls;
+  balls->SetInputData(balls_.data);
+  balls->SetScaleArray("radius");
+  colour_by_value(balls);
+  balls_.actor->SetMapper(balls);
+  const auto drops = drop_mapper(film_.data);
+  colour_by_value(drops);
+  film_.actor->SetMapper(drops);
+  shine(balls_.actor);
+  shine(film_.actor);
+}
+
+void DrawnWater::fill(Part& part, const Points& points, vtkColorTransferFunction* colours) {
+  part.data->SetPoints(to_vtk(points.position, VTK_FLOAT));
+  part.data->SetVerts(vertex_cells(points.position.size()));
+  part.data->GetPointData()->AddArray(points.value);
+  part.data->GetPointData()->AddArray(points.shape);
+  part.data->GetPointData()->AddArray(points.normal);
+  part.data->Modified();
+  part.actor->GetMapper()->SetLookupTable(colours);
+  part.actor->SetVisibility(!points.position.empty());
+}
+
+namespace {
+
+/// How far a flat drop may spread before it comes through a fold or the rim of a sheet.
+double spread(const NearestSurface& nearest, const Vec3& p, const Vec3& n, double height, double maximum) {
+  double r = maximum;
+  while (r > height && !nearest.is_clear(p, n, height, r)) r *= 0.8;
+  return std::max(r, std::min(maximum, height));
+}
+
+}  // namespace
+
+void DrawnWater::update(const FrameData& frame) {
+  const double radius = 0.5 * spacing_;
+  NearestSurface nearest(radius);
+  for (const SurfaceMotion* cloth : frame.cloth)
+    if (cloth != nullptr) nearest.add(*cloth, 0);
+  for (const SurfaceMotion* body : frame.bodies)
+    if (body != nullptr) nearest.add(*body, 1);
+  frame_ = frame;
+  shapes_.assign(frame.position.size(), Shape());
+  for (std::size_t i = 0; i < frame.position.size(); ++i) {
+    NearestSurface::Hit hit;
+    if (!nearest.find(frame.position[i], &hit) || hit.point.distance == 0) continue;
+    const Vec3 n = hit.point.offset / hit.point.distance;
+    const double height = 0.8 * hit.point.distance;  // touching would shine through
+    shapes_[i] = {false, n, height, spread(nearest, frame.position[i], n, height, radius)};
+  }
+}
+
+void DrawnWater::hide() {
+  balls_.actor->VisibilityOff();
+  film_.actor->VisibilityOff();
+}
+
+void DrawnWater::show(const std::optional<Slice>& slice, WaterColour colour,
+                      vtkColorTransferFunction* colours) {
+  Points balls("radius", 1), film("half_axes", 3);
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    const Vec3& x = frame_.position[i];
+    if (slice && std::abs(height_over(*slice, x)) > 0.5 * slice->thickness) continue;
+    const Shape& shape = shapes_[i];
+    Points& points = shape.ball ? balls : film;
+    points.position.push_back(x);
+    points.value->InsertNextValue(static_cast<float>(value_of(frame_, colour, i)));
+    if (shape.ball) {
+      balls.shape->InsertNextValue(static_cast<float>(0.5 * spacing_));
+      balls.normal->InsertNextTuple3(0, 1, 0);
+    } else {
+      film.shape->InsertNextTuple3(shape.height, shape.radius, shape.radius);
+      film.normal->InsertNextTuple3(shape.normal.x(), shape.normal.y(), shape.normal.z());
+    }
+  }
+  fill(balls_, balls, colours);
+  fill(film_, film, colours);
+}
+
+DrawnSurface::DrawnSurface(bool is_cloth) : is_cloth_(is_cloth) {
+  vtkNew<vtkPolyDataNormals> normals;
+  normals->SetInputData(data_);
+  normals->SplittingOff();
+  normals->ConsistencyOff();
+  if (!is_cloth) {
+    normals->SplittingOn();
+    normals->SetFeatureAngle(40);
+  }
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputConnection(normals->GetOutputPort());
+  mapper->ScalarVisibilityOff();
+  actor_->SetMapper(mapper);
+  colour_surface(actor_, is_cloth);
+
+  vtkNew<vtkPolyDataMapper> lines;
+  lines->SetInputData(border_);
+  outline_->SetMapper(lines);
+  outline_->GetProperty()->SetColor(ink[0], ink[1], ink[2]);
+  outline_->GetProperty()->SetLineWidth(3);
+  outline_->GetProperty()->LightingOff();
+
+  vtkNew<vtkPolyDataMapper> dots;
+  dots->SetInputData(pinned_);
+  pins_->SetMapper(dots);
+  pins_->GetProperty()->SetColor(ink[0], ink[1], ink[2]);
+  pins_->GetProperty()->SetPointSize(8);
+  pins_->GetProperty()->RenderPointsAsSpheresOn();
+
+  vtkNew<vtkPolyDataMapper> cuts;
+  cuts->SetInputData(cut_lines_);
+  cut_->SetMapper(cuts);
+  cut_->GetProperty()->SetColor(is_cloth ? 0.78 : 0.45, is_cloth ? 0.30 : 0.46, is_cloth ? 0.16 : 0.50);
+  cut_->GetProperty()->SetLineWidth(5);
+  cut_->GetProperty()->SetPointSize(5);
+  cut_->GetProperty()->LightingOff();
+}
+
+void DrawnSurface::show(const std::optional<Slice>& slice, const Vec3& lift) {
+  const bool there = motion_ != nullptr;
+  actor_->SetVisibility(there && !slice);
+  outline_->SetVisibility(there && !slice && is_cloth_);
+  pins_->SetVisibility(there && !slice && is_cloth_);
+  cut_->SetVisibility(there && slice.has_value());
+  if (!there || !slice) return;
+  draw_cut(*slice, motion_->x_t1, motion_->triangles, lift, cut_lines_);
+}
+
+void DrawnSurface::update(const SurfaceMotion* motion) {
+  motion_ = motion;
+  if (motion == nullptr) return;
+  const auto points = to_vtk(motion->x_t1, VTK_FLOAT);
+  data_->SetPoints(points);
+  border_->SetPoints(points);
+  pinned_->SetPoints(points);
+  if (!built_) {
+    data_->SetPolys(to_vtk(motion->triangles));
+    if (is_cloth_) border_->SetLines(border_edges(motion->triangles));
+    built_ = true;
+  }
+  auto pins = vtkSmartPointer<vtkCellArray>::New();
+  for (std::size_t i = 0; i < motion->inverse_mass.size(); ++i)
+    if (motion->inverse_mass[i] == 0) pins->InsertNextCell({vtkIdType(i)});
+  pinned_->SetVerts(pins);
+  data_->Modified();
+}
+
+vtkSmartPointer<vtkScalarBarActor> water_legend(double text_scale) {
+  auto bar = vtkSmartPointer<vtkScalarBarActor>::New();
+  bar->SetNumberOfLabels(5);
+  bar->SetLabelFormat("%.4g");
+  bar->UnconstrainedFontSizeOn();
+  for (vtkTextProperty* text : {bar->GetTitleTextProperty(), bar->GetLabelTextProperty()}) {
+    text->SetColor(ink[0], ink[1], ink[2]);
+    text->SetFontFamilyToArial();
+    text->SetFontSize(static_cast<int>(15 * text_scale));
+    text->ItalicOff();
+    text->BoldOff();
+    text->ShadowOff();
+  }
+  bar->SetOrientationToHorizontal();
+  bar->SetPosition(0.60, 0.025);
+  bar->SetWidth(0.36);
+  bar->SetHeight(0.10);
+  bar->SetBarRatio(0.22);
+  return bar;
+}
+
+vtkSmartPointer<vtkTextActor> label(double x, double y, int size, bool bold) {
+  auto text = vtkSmartPointer<vtkTextActor>::New();
+  text->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
+  text->SetPosition(x, y);
+  text->GetTextProperty()->SetFontSize(size);
+  text->GetTextProperty()->SetFontFamilyToArial();
+  text->GetTextProperty()->SetBold(bold);
+  text->GetTextProperty()->SetColor(ink[0], ink[1], ink[2]);
+  text->GetTextProperty()->SetVerticalJustificationToTop();
+  text->GetTextProperty()->SetBackgroundColor(0.97, 0.98, 1.0);  // legible in front of spray
+  text->GetTextProperty()->SetBackgroundOpacity(0.75);
+  return text;
+}
+
+}  // namespace oilskin::demo

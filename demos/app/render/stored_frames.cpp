@@ -1,0 +1,122 @@
+#include "render/stored_frames.h"
+
+#include <vtkDataArray.h>
+#include <vtkLogger.h>
+#include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkOutputWindow.h>
+#include <vtkPointData.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+#include <vtkXMLPolyDataReader.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <regex>
+
+#include "output/frame_path.h"
+#include "scene/fields.h"
+
+namespace oilskin::demo {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<Vec3> points_of(vtkPolyData* data) {
+  std::vector<Vec3> x(static_cast<std::size_t>(data->GetNumberOfPoints()));
+  for (std::size_t i = 0; i < x.size(); ++i) data->GetPoint(static_cast<vtkIdType>(i), x[i].data());
+  return x;
+}
+
+/// Messages of VTK while this lives are noted, not shown: the program writes its own.
+class Listener : public vtkOutputWindow {
+ public:
+  static Listener* New() { VTK_STANDARD_NEW_BODY(Listener); }
+  void DisplayText(const char*) override { heard_ = true; }
+  bool heard() const { return heard_; }
+
+ private:
+  bool heard_ = false;
+};
+
+class Listening {
+ public:
+  Listening() {
+    vtkOutputWindow::SetInstance(listener_);
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+  }
+  ~Listening() {
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_INFO);  // as it is at the start
+    vtkOutputWindow::SetInstance(before_);
+  }
+  Listening(const Listening&) = delete;
+  Listening& operator=(const Listening&) = delete;
+  bool heard() const { return listener_->heard(); }
+
+ private:
+  vtkSmartPointer<vtkOutputWindow> before_ = vtkOutputWindow::GetInstance();
+  vtkNew<Listener> listener_;
+};
+
+}  // namespace
+
+StoredFrames::StoredFrames(const std::string& directory) : directory_(directory) {
+  static const std::regex particles("particles_([0-9]{4,9})\\.vtp"),
+      mesh("(cloth|body)_([0-9]{1,6})_([0-9]{4,9})\\.ply");
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(directory, error)) {
+    std::smatch match;
+    const std::string file = entry.path().filename().string();
+    // Of numbers written with other digits than ours, files could not be found again.
+    const auto is_ours = [&](const std::string& name, int number, const char* suffix) {
+      return frame_path(".", name, number, suffix) == "./" + file;
+    };
+    if (std::regex_match(file, match, particles)) {
+      const int number = std::stoi(match[1]);
+      if (is_ours("particles", number, "vtp")) numbers_.push_back(number);
+    } else if (std::regex_match(file, match, mesh)) {
+      const int k = std::stoi(match[2]), number = std::stoi(match[3]);
+      if (!is_ours(std::string(match[1]) + "_" + std::to_string(k), number, "ply")) continue;
+      (match[1] == "cloth" ? meshes_[number].cloth : meshes_[number].bodies).push_back(k);
+    }
+  }
+  if (error) throw SceneError(directory + ": " + error.message());
+  if (numbers_.empty())
+    throw SceneError(directory + ": there is no particles_NNNN.vtp; `oilskin run` writes them");
+  std::sort(numbers_.begin(), numbers_.end());
+  for (auto& [number, meshes] : meshes_)
+    for (std::vector<int>* kind : {&meshes.cloth, &meshes.bodies}) std::sort(kind->begin(), kind->end());
+}
+
+StoredFrame StoredFrames::read(int number) const {
+  const std::string path = frame_path(directory_, "particles", number, "vtp");
+  if (!fs::exists(path)) throw SceneError(path + ": is not there");
+  const Listening listening;
+  vtkNew<vtkXMLPolyDataReader> reader;
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  vtkPolyData* data = reader->GetOutput();
+  if (listening.heard() || reader->GetErrorCode() != 0 || data == nullptr || data->GetPoints() == nullptr)
+    throw SceneError(path + ": cannot be read as a VTK file of points; it is damaged or cut short");
+  StoredFrame frame;
+  frame.position = points_of(data);
+  vtkDataArray* velocity = data->GetPointData()->GetArray("velocity");
+  if (velocity != nullptr && velocity->GetNumberOfComponents() == 3 &&
+      velocity->GetNumberOfTuples() == data->GetNumberOfPoints()) {
+    frame.velocity.resize(frame.position.size());
+    for (std::size_t i = 0; i < frame.velocity.size(); ++i)
+      velocity->GetTuple(static_cast<vtkIdType>(i), frame.velocity[i].data());
+  }
+  const auto found = meshes_.find(number);
+  if (found == meshes_.end()) return frame;
+  const auto add = [&](const std::string& kind, const std::vector<int>& all) {
+    for (const int k : all)
+      frame.obstacles.push_back(
+          read_ply(frame_path(directory_, kind + "_" + std::to_string(k), number, "ply")));
+  };
+  add("cloth", found->second.cloth);
+  add("body", found->second.bodies);
+  return frame;
+}
+
+}  // namespace oilskin::demo

@@ -1,0 +1,204 @@
+#include "run/run_report.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "output/output_error.h"
+#include "scene/scene_reader.h"
+
+namespace oilskin::demo {
+namespace {
+
+Json vec(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+const char* instruction_set() {
+#if defined(__AVX512F__)
+  return "x86-64 AVX-512";
+#elif defined(__AVX2__)
+  return "x86-64 AVX2";
+#elif defined(__x86_64__)
+  return "x86-64 SSE2";
+#elif defined(__aarch64__)
+  return "AArch64";
+#else
+  return "generic";
+#endif
+}
+
+const char* compiler() {
+#if defined(__clang__)
+  return "clang " __clang_version__;
+#elif defined(__GNUC__)
+  return "gcc " __VERSION__;
+#else
+  return "unknown";
+#endif
+}
+
+Json machine(const RunSummary& s) {
+  const int cores = static_cast<int>(std::thread::hardware_concurrency());
+  return {{"cores", cores},
+          {"threads", s.threads > 0 ? s.threads : cores},
+          {"compiler", compiler()},
+          {"instruction_set", instruction_set()},
+          {"precision", s.simulation.precision()}};
+}
+
+/// Reading and writing the host's surfaces is booked as cloth.
+Json seconds(const RunSummary& s) {
+  const StageSeconds& t = s.totals.seconds;
+  return {{"cloth", s.simulation.host_seconds() + t.gather},
+          {"neighbours", t.neighbours},
+          {"occlusion", t.occlusion},
+          {"boundary", t.boundary},
+          {"pressure", t.pressure},
+          {"other_fluid", t.other_fluid},
+          {"proximity", t.proximity},
+          {"impulses", t.impulses},
+          {"ccd", t.ccd},
+          {"zones", t.zones},
+          {"effects", t.effects},
+          {"surface", s.meshes.seconds},
+          {"output", s.output_seconds},
+          {"verify", t.verify}};
+}
+
+/// The smallest δ of all surfaces: the limit of min_distance.
+double min_delta(const RunSummary& s) {
+  double minimum = std::numeric_limits<double>::infinity();
+  auto look = [&](const SurfaceMotion* motion) {
+    if (motion != nullptr) minimum = std::min(minimum, motion->delta);
+  };
+  for (std::size_t i = 0; i < s.scene.cloth.size(); ++i) look(s.simulation.cloth(i));
+  for (std::size_t i = 0; i < s.scene.bodies.size(); ++i) look(s.simulation.body(i));
+  return minimum;
+}
+
+Json contact(const RunSummary& s) {
+  const ContactReport& c = s.totals.contact;
+  return {{"candidates", c.candidates},
+          {"contacts", c.contacts},
+          {"meetings", c.impacts},
+          {"zone_rounds", c.zone_rounds},
+          {"held", c.held},
+          {"nudged", c.separated},
+          {"stalled", c.stalled},
+          {"removed", c.removed},
+          {"allowed", c.allowed},
+          {"delta", min_delta(s)},
+          {"least_distance", c.min_distance},
+          {"crossings_found_by_verify", c.crossings_found_by_verify},
+          {"followed", c.carried_along},
+          {"reseeded", c.relocated},
+          {"verified_pairs", c.verified_pairs}};
+}
+
+Json surface(const MeshTotals& s) {
+  return {{"frames", s.frames},
+          {"triangles", s.triangles},
+          {"intersecting_pairs", s.intersecting_pairs},
+          {"nearer_than_gap", s.near_pairs},
+          {"submerged", s.submerged},
+          {"flaws", s.flaws},
+          {"least_distance", s.min_distance},
+          {"seconds", s.seconds}};
+}
+
+Json momentum(const RunSummary& s) {
+  const Totals& t = s.totals;
+  return {{"emitted", vec(t.momentum_emitted)},
+          {"removed", vec(t.momentum_removed)},
+          {"gravity", vec(t.momentum_gravity)},
+          {"to_free_nodes", vec(t.contact.impulse_on_free_nodes)},
+          {"to_prescribed_nodes", vec(t.contact.impulse_on_prescribed)},
+          {"fluid", vec(fluid_momentum(s.simulation.world()))},
+          {"residual", vec(t.momentum_residual)},
+          {"scale", t.momentum_scale}};
+}
+
+Json mass(const RunSummary& s) {
+  const World& world = s.simulation.world();
+  const double alive = world.particle_mass() * static_cast<double>(world.particle_count());
+  return {{"particle", world.particle_mass()},
+          {"emitted", s.totals.mass_emitted},
+          {"alive", alive},
+          {"removed", s.totals.mass_removed},
+          {"absorbed", 0.0},
+          {"residual", s.totals.mass_emitted - s.totals.mass_removed - alive}};
+}
+
+std::uint64_t peak_memory_bytes() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+Json acceptance(const RunSummary& s) {
+  Json checks = Json::array();
+  for (const CheckResult& c : s.checks)
+    checks.push_back({{"name", c.name}, {"value", c.value}, {"limit", c.limit}, {"ok", c.ok}});
+  return checks;
+}
+
+std::string hexadecimal(std::uint64_t value) {
+  char text[20];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
+}  // namespace
+
+Json make_report(const RunSummary& s) {
+  const Totals& t = s.totals;
+  const double steps = static_cast<double>(std::max<std::uint64_t>(1, t.steps));
+  Json report;
+  report["scene"] = s.scene.name;
+  report["settings"] = resolved_scene(s.scene, s.acceptance);
+  report["machine"] = machine(s);
+  report["steps"] = t.steps;
+  report["substeps"] = t.substeps;
+  report["simulated_seconds"] = t.simulated;
+  report["wall_seconds"] = s.wall_seconds;
+  report["seconds"] = seconds(s);
+  report["particles"] = {{"emitted", t.emitted},
+                         {"alive", s.simulation.world().particle_count()},
+                         {"removed", t.removed},
+                         {"absorbed", 0},
+                         {"blocked_starts", t.blocked_starts}};
+  report["contact"] = contact(s);
+  if (s.scene.water_mesh) report["surface"] = surface(s.meshes);
+  report["density_error"] = {{"mean", t.density_error_sum / steps}, {"max", t.density_error_max}};
+  report["pressure_iterations"] = static_cast<double>(t.pressure_iterations) / steps;
+  report["momentum"] = momentum(s);
+  report["mass"] = mass(s);
+  report["state_hash"] = hexadecimal(s.simulation.world().state_hash());
+  report["peak_memory_bytes"] = peak_memory_bytes();
+  report["resident_memory_bytes"] = {{"after_a_fifth", s.memory.after_a_fifth()},
+                                     {"at_end", s.memory.at_end()}};
+  report["acceptance"] = acceptance(s);
+  report["flags"] = flag_texts(t.flags);
+  report["messages"] = t.messages;
+  if (s.signal != 0) report["stopped_by_signal"] = s.signal;
+  return report;
+}
+
+void write_report(const Json& report, const std::string& directory) {
+  const std::string path = directory + "/report.json";
+  {
+    std::ofstream out(path + ".part", std::ios::trunc);
+    out << report.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    if (!out.flush()) throw OutputError(path + ": cannot be written; is the disk full?");
+  }
+  std::error_code error;
+  std::filesystem::rename(path + ".part", path, error);
+  if (error) throw OutputError(path + ": cannot be written: " + error.message());
+}
+
+}  // namespace oilskin::demo

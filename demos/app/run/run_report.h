@@ -1,0 +1,31 @@
+/// DIR/report.json (docs/manual/commands_and_formats.md).
+#pragma once
+
+#include <string>
+
+#include "checks/acceptance.h"
+#include "output/water_mesh.h"
+#include "scene/fields.h"
+
+namespace oilskin::demo {
+
+struct RunSummary {
+  const Scene& scene;
+  const Totals& totals;
+  const ResidentMemory& memory;
+  const Acceptance& acceptance;
+  const std::vector<CheckResult>& checks;
+  Simulation& simulation;
+  const MeshTotals& meshes;
+  int threads = 0;
+  double wall_seconds = 0;
+  double output_seconds = 0;
+  int signal = 0;  ///< that stopped the run, or 0
+};
+
+Json make_report(const RunSummary& summary);
+
+/// Written under a temporary name and renamed. Throws OutputError.
+void write_report(const Json& report, const std::string& directory);
+
+}  // namespace oilskin::demo

@@ -1,0 +1,165 @@
+/// A scene as plain data: what a scene file says, with every default in place (docs/manual/scene_file.md).
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "oilskin/emitter.h"
+#include "oilskin/reconstruction.h"
+#include "oilskin/settings.h"
+#include "scene/fields.h"
+
+namespace oilskin::demo {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+enum class HostKind { bullet, bullet64, mock };
+
+struct Mesh {
+  std::vector<Vec3> vertices;  ///< [m]
+  std::vector<Triangle> triangles;
+};
+
+/// A mesh file and where it stands: x → rotate(scale x) + translate.
+struct PlacedMesh {
+  std::string file;                             ///< relative to the scene file
+  Vec3 translate = Vec3::Zero();                ///< [m]
+  std::array<double, 4> rotate = {0, 0, 0, 1};  ///< quaternion x, y, z, w
+  double scale = 1;
+  Mesh mesh;  ///< as placed
+};
+
+/// Prescribed motion of pins and bodies between `start` and `stop`: rotation about a fixed axis, then
+/// translation.
+struct Motion {
+  Vec3 velocity = Vec3::Zero();  ///< [m/s]
+  Vec3 spin_center = Vec3::Zero();
+  Vec3 spin_axis = Vec3(0, 1, 0);
+  double spin_rate = 0;            ///< [rad/s]
+  double start = 0, stop = never;  ///< [s]
+
+  bool moves() const { return spin_rate != 0 || !velocity.isZero(0); }
+};
+
+/// Pinned nodes inside a box of the start positions.
+struct PinBox {
+  Box within;
+  double hold = 0;         ///< [s]; from then on they are pinned, where they are then
+  double release = never;  ///< [s]
+  Motion motion;
+};
+
+enum class PinKind { none, corners, border, nodes, boxes };
+
+struct Pins {
+  PinKind kind = PinKind::none;
+  std::vector<int> nodes;
+  std::vector<PinBox> boxes;
+};
+
+struct Cloth {
+  std::optional<PlacedMesh> mesh;  ///< absent: the grid below
+  std::array<int, 2> grid = {57, 57};
+  std::array<double, 2> size = {0.5, 0.5};  ///< [m]
+  Vec3 center = Vec3::Zero(), normal = Vec3(0, 1, 0), u_axis = Vec3(1, 0, 0);
+  double bowl_depth = 0;       ///< [m], against the normal: the rest shape is a bowl
+  double areal_density = 0.2;  ///< [kg/m²]
+  Pins pins;
+  int substeps = 8;  ///< of Bullet per dt; the same for every cloth of a scene
+  int iterations = 4;
+  bool bend_links = false;  ///< links across edges as well
+  SurfaceSettings surface;
+};
+
+struct SphereShape {
+  Vec3 center = Vec3::Zero();
+  double radius = 0.1;
+};
+struct PlaneShape {
+  Vec3 point = Vec3::Zero(), normal = Vec3(0, 1, 0);
+};
+struct BoxShape {
+  Vec3 center = Vec3::Zero(), half_extents = Vec3::Constant(0.1);
+  std::array<double, 4> rotate = {0, 0, 0, 1};
+};
+
+struct Body {
+  std::variant<BoxShape, SphereShape, PlaneShape, PlacedMesh> shape;
+  Motion motion;
+  SurfaceSettings surface;
+};
+
+struct PlacedMeshEmitter {
+  PlacedMesh mesh;
+  Vec3 velocity = Vec3::Zero();
+  double start = 0;
+};
+
+using Emitter = std::variant<DiscEmitter, BoxEmitter, PlacedMeshEmitter, RainEmitter>;
+
+/// The water's surface as triangles, for every frame (oilskin/reconstruction.h).
+struct WaterMeshSettings {
+  double cell = 0;  ///< edge of a grid cell [m]; 0 = half a spacing
+  double gap = 0;   ///< to cloth and bodies [m]
+  ObstacleMode mode = ObstacleMode::gap;
+  ReconstructionField field = ReconstructionField::density_decay;
+  double touch_range = 1;    ///< in spacings
+  double overlap_depth = 0;  ///< [m]
+  int smoothing = 10;        ///< iterations
+  double min_blob = 0;       ///< in spacings³
+};
+
+/// A cut through the scene: only water within the slab is shown, and of surfaces their lines in its middle
+/// plane.
+struct Slice {
+  Vec3 point = Vec3::Zero(), normal = Vec3(0, 0, 1);
+  double thickness = 0.01;  ///< [m]
+};
+
+/// The quantity that colours the water.
+enum class WaterColour { speed, pressure, density };
+
+/// How the water is drawn; automatic: its surface where the scene has one, else balls.
+enum class WaterLook { automatic, balls, surface, clear };
+
+struct View {
+  Vec3 eye = Vec3(0.55, 0.45, 0.75), target = Vec3::Zero(), up = Vec3(0, 1, 0);
+  double angle = 30;        ///< of sight, vertical [degrees]
+  double orthographic = 0;  ///< height of what is seen without perspective [m]; 0 = with, by the angle
+  std::optional<Slice> slice;
+  WaterLook water = WaterLook::automatic;
+  WaterColour colour = WaterColour::speed;
+  std::string title;
+};
+
+struct Pictures {
+  double frames_per_second = 30;  ///< of simulated time; 0 = none
+  double max_speed = 0;           ///< end of the colour scale [m/s]; 0 = the fastest of the first frames
+  double max_pressure = 1000;     ///< end of the colour scale [Pa]
+  std::vector<View> views;        ///< side by side; empty: two views around the surfaces
+};
+
+struct Scene {
+  std::string name;
+  std::string description;
+  std::string directory;  ///< of the scene file; not part of it
+  HostKind host = HostKind::bullet;
+  double dt = 0.001, duration = 0.5;  ///< [s]
+  bool adaptive_dt = false;           ///< dt is the longest step
+  double min_dt = 1e-5;               ///< the shortest, where it adapts [s]
+  std::uint64_t seed = 1;
+  WorldSettings world;
+  FluidSettings fluid;
+  ContactSettings contact;
+  std::vector<Emitter> emitters;
+  std::vector<Cloth> cloth;
+  std::vector<Body> bodies;
+  std::optional<WaterMeshSettings> water_mesh;  ///< scene key "surface"
+  Json acceptance = Json::object();  ///< the checks of a run, as the file has them (checks/acceptance.h)
+  Pictures pictures;
+};
+
+}  // namespace oilskin::demo

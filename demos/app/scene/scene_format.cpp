@@ -1,0 +1,354 @@
+#include "scene/scene_format.h"
+
+#include "scene/mesh_options.h"
+
+namespace oilskin::demo {
+namespace {
+
+void describe(Fields& f, FluidSettings& s) {
+  f.number("spacing", s.spacing, positive());
+  f.number("rest_density", s.rest_density, positive());
+  f.number("support_ratio", s.support_ratio, between(1.5, 4));
+  f.choice("solver", s.solver,
+           {{"pcisph", PressureSolver::pcisph},
+            {"dfsph", PressureSolver::dfsph},
+            {"mcg03", PressureSolver::mcg03}});
+  f.number("tolerance", s.tolerance, not_negative());
+  f.number("divergence_tolerance", s.divergence_tolerance, not_negative());
+  f.integer("min_iterations", s.min_iterations, between(1, 100000));
+  f.integer("max_iterations", s.max_iterations, between(1, 100000));
+  f.number("stiffness", s.stiffness, positive());
+  f.number("viscosity", s.viscosity, not_negative());
+  f.number("xsph_rate", s.xsph_rate, not_negative());
+  f.boolean("contact_aware", s.contact_aware);
+  f.boolean("occlusion", s.occlusion);
+  f.choice("boundary", s.boundary,
+           {{"contact_only", BoundaryModel::contact_only}, {"mirrored", BoundaryModel::mirrored}});
+  f.number("cfl", s.cfl, positive());
+  f.integer("max_substeps", s.max_substeps, between(1, 1000));
+}
+
+void describe(Fields& f, SlipSettings& s) {
+  f.choice("model", s.model,
+           {{"free", SlipModel::free},
+            {"coulomb", SlipModel::coulomb},
+            {"strict_no_slip", SlipModel::sticking},
+            {"viscous_wall", SlipModel::viscous_wall},
+            {"no_slip", SlipModel::viscous_wall}});  // the last name of a value is the one that is written
+  f.number("friction", s.friction, not_negative());
+  f.number("slip_length", s.slip_length, not_negative());
+}
+
+void describe(Fields& f, SurfaceSettings& s) {
+  f.number("thickness", s.thickness, positive());
+  f.object("slip", [&](Fields& g) { describe(g, s.slip); });
+  f.optional_object("slip_back", s.slip_back, [](Fields& g, SlipSettings& back) { describe(g, back); });
+  f.mask("collision_group", s.collision_group);
+  f.mask("collision_mask", s.collision_mask);
+}
+
+void describe(Fields& f, PlacedMesh& m) {
+  f.text("mesh", m.file);
+  if (f.reading() && m.file.empty()) f.fail("mesh", "must name a mesh file (.obj)");
+  f.vec3("translate", m.translate);
+  f.quaternion("rotate", m.rotate);
+  f.number("scale", m.scale, positive());
+}
+
+void describe(Fields& f, Motion& m) {
+  f.vec3("velocity", m.velocity);
+  f.vec3("spin_center", m.spin_center);
+  f.direction("spin_axis", m.spin_axis);
+  f.number("spin_rate", m.spin_rate, any_number());
+  f.number("start", m.start, not_negative());
+  f.number("stop", m.stop, not_negative());
+}
+
+void describe(Fields& f, PinBox& p) {
+  f.box("within", p.within);
+  if (f.reading() && !f.has("within")) f.fail("within", "is missing: the box whose nodes are pinned");
+  f.number("hold", p.hold, not_negative());
+  f.number("release", p.release, not_negative());
+  if (f.reading() && p.release <= p.hold && p.hold > 0) f.fail("release", "must be after \"hold\"");
+  f.object("motion", [&](Fields& g) {
+    describe(g, p.motion);
+    if (g.reading() && p.motion.moves() && p.motion.start < p.hold)
+      g.fail("start", "is before \"hold\": nodes that are not held yet cannot be moved");
+  });
+}
+
+void write_pins(Fields& f, Pins& pins) {
+  Json& out = (*f.out())["pins"];
+  switch (pins.kind) {
+    case PinKind::none:
+      out = "none";
+      break;
+    case PinKind::corners:
+      out = "corners";
+      break;
+    case PinKind::border:
+      out = "border";
+      break;
+    case PinKind::nodes:
+      out = pins.nodes;
+      break;
+    case PinKind::boxes:
+      f.list("pins", pins.boxes, [](Fields& g, PinBox& p) { describe(g, p); });
+      break;
+  }
+}
+
+/// "none", "corners", "border", a list of node indices, or a list of boxes.
+void describe_pins(Fields& f, Pins& pins) {
+  if (!f.reading()) return write_pins(f, pins);
+  const Json* found = f.raw("pins");
+  if (found == nullptr) return;
+  if (found->is_string())
+    return f.choice("pins", pins.kind,
+                    {{"none", PinKind::none}, {"corners", PinKind::corners}, {"border", PinKind::border}});
+  if (!found->is_array())
+    f.fail("pins", "must be none, corners, border, a list of node indices or a list of boxes");
+  if (found->empty() || found->front().is_object()) {
+    pins.kind = PinKind::boxes;
+    return f.list("pins", pins.boxes, [](Fields& g, PinBox& p) { describe(g, p); });
+  }
+  pins.kind = PinKind::nodes;
+  for (std::size_t i = 0; i < found->size(); ++i) {
+    const Json& node = (*found)[i];
+    if (!node.is_number_integer() || node.get<std::int64_t>() < 0 || node.get<std::int64_t>() > 2147483647)
+      f.fail("pins." + std::to_string(i),
+             "is " + node.dump() + ", must be the index of a node, a whole number >= 0");
+    pins.nodes.push_back(node.get<int>());
+  }
+}
+
+void describe_grid(Fields& f, Cloth& c) {
+  f.pair("grid", c.grid, between(2, 2000));
+  f.pair("size", c.size, positive());
+  f.vec3("center", c.center);
+  f.direction("normal", c.normal);
+  f.direction("u_axis", c.u_axis);
+  f.number("bowl_depth", c.bowl_depth, any_number());
+  if (f.reading() && c.normal.normalized().cross(c.u_axis.normalized()).norm() < 1e-3)
+    f.fail("u_axis", "is parallel to the normal, must lie across it");
+}
+
+void describe(Fields& f, Cloth& c) {
+  if (f.has("mesh")) c.mesh.emplace();
+  if (c.mesh) {
+    describe(f, *c.mesh);
+  } else {
+    describe_grid(f, c);
+  }
+  f.number("areal_density", c.areal_density, {1e-6, 1e6});
+  describe_pins(f, c.pins);
+  f.integer("substeps", c.substeps, between(1, 10000));
+  f.integer("iterations", c.iterations, between(1, 10000));
+  f.boolean("bend_links", c.bend_links);
+  describe(f, c.surface);
+}
+
+enum class BodyShape { box, sphere, plane, mesh };
+
+void describe_shape(Fields& f, Body& b) {
+  auto shape = static_cast<BodyShape>(b.shape.index());
+  f.choice("shape", shape,
+           {{"box", BodyShape::box},
+            {"sphere", BodyShape::sphere},
+            {"plane", BodyShape::plane},
+            {"mesh", BodyShape::mesh}});
+  if (f.reading() && !f.has("shape")) f.fail("shape", "is missing: box, sphere, plane or mesh");
+  switch (shape) {
+    case BodyShape::box: {
+      if (f.reading()) b.shape = BoxShape();
+      auto& box = std::get<BoxShape>(b.shape);
+      f.vec3("center", box.center);
+      f.vec3("half_extents", box.half_extents);
+      f.quaternion("rotate", box.rotate);
+      if (f.reading() && !(box.half_extents.array() > 0).all()) f.fail("half_extents", "must be > 0 each");
+      break;
+    }
+    case BodyShape::sphere: {
+      if (f.reading()) b.shape = SphereShape();
+      auto& sphere = std::get<SphereShape>(b.shape);
+      f.vec3("center", sphere.center);
+      f.number("radius", sphere.radius, positive());
+      break;
+    }
+    case BodyShape::plane: {
+      if (f.reading()) b.shape = PlaneShape();
+      auto& plane = std::get<PlaneShape>(b.shape);
+      f.vec3("point", plane.point);
+      f.direction("normal", plane.normal);
+      break;
+    }
+    case BodyShape::mesh:
+      if (f.reading()) b.shape = PlacedMesh();
+      describe(f, std::get<PlacedMesh>(b.shape));
+      break;
+  }
+}
+
+void describe(Fields& f, Body& b) {
+  describe_shape(f, b);
+  f.object("motion", [&](Fields& g) { describe(g, b.motion); });
+  describe(f, b.surface);
+}
+
+void describe(Fields& f, DiscEmitter& e) {
+  f.vec3("center", e.center);
+  f.direction("direction", e.direction);
+  f.number("radius", e.radius, positive());
+  f.number("speed", e.speed, positive());
+  f.number("start", e.start, not_negative());
+  f.number("stop", e.stop, not_negative());
+}
+
+void describe(Fields& f, BoxEmitter& e) {
+  f.vec3("min", e.box.min);
+  f.vec3("max", e.box.max);
+  f.check_box(e.box);
+  f.vec3("velocity", e.velocity);
+  f.number("start", e.start, not_negative());
+}
+
+void describe(Fields& f, PlacedMeshEmitter& e) {
+  describe(f, e.mesh);
+  f.vec3("velocity", e.velocity);
+  f.number("start", e.start, not_negative());
+}
+
+void describe(Fields& f, RainEmitter& e) {
+  f.vec3("corner", e.corner);
+  f.direction("edge_u", e.edge_u);
+  f.direction("edge_v", e.edge_v);
+  f.number("drops_per_second", e.drops_per_second, positive());
+  f.number("drop_radius", e.drop_radius, not_negative());
+  f.vec3("velocity", e.velocity);
+  f.number("start", e.start, not_negative());
+  f.number("stop", e.stop, not_negative());
+}
+
+/// Keys of the format that this version has nothing behind. Ignoring them would pass for simulating them.
+void refuse_later_features(Fields& f) {
+  f.object("effects", [](Fields& g) {
+    for (const char* effect : {"wetting", "surface_tension", "adhesion"})
+      if (g.raw(effect) != nullptr) g.fail(effect, "is not simulated by this version; leave it out");
+  });
+}
+
+enum class EmitterShape { disc, box, mesh, rain };
+
+void describe_emitter(Fields& f, Emitter& e) {
+  auto shape = static_cast<EmitterShape>(e.index());
+  f.choice("shape", shape,
+           {{"disc", EmitterShape::disc},
+            {"box", EmitterShape::box},
+            {"mesh", EmitterShape::mesh},
+            {"rain", EmitterShape::rain}});
+  if (f.reading()) {
+    if (!f.has("shape")) f.fail("shape", "is missing: disc, box, mesh or rain");
+    if (shape == EmitterShape::disc) e = DiscEmitter();
+    if (shape == EmitterShape::box) e = BoxEmitter();
+    if (shape == EmitterShape::mesh) e = PlacedMeshEmitter();
+    if (shape == EmitterShape::rain) e = RainEmitter();
+  }
+  std::visit([&](auto& emitter) { describe(f, emitter); }, e);
+}
+
+void describe(Fields& f, ContactSettings& s) {
+  f.choice("repulsion", s.repulsion,
+           {{"split", Repulsion::split}, {"bridson", Repulsion::bridson}, {"none", Repulsion::none}});
+  f.number("stiffness", s.stiffness, not_negative());
+  f.boolean("ccd", s.ccd);
+  f.boolean("zones", s.zones);
+  f.integer("sweeps", s.solver_iterations, between(1, 1000));
+  f.integer("rounds", s.ccd_iterations, between(0, 100));
+  f.choice("infeasible", s.infeasible,
+           {{"stall", Infeasible::stall}, {"remove", Infeasible::remove}, {"allow", Infeasible::allow}});
+  f.boolean("verify", s.verify);
+}
+
+void describe(Fields& f, Slice& s) {
+  f.vec3("point", s.point);
+  f.direction("normal", s.normal);
+  f.number("thickness", s.thickness, positive());
+}
+
+void describe(Fields& f, View& v) {
+  f.vec3("eye", v.eye);
+  f.vec3("target", v.target);
+  f.direction("up", v.up);
+  f.number("angle", v.angle, between(1, 150));
+  f.number("orthographic", v.orthographic, not_negative());
+  f.optional_object("slice", v.slice, [](Fields& g, Slice& s) { describe(g, s); });
+  f.choice("water", v.water,
+           {{"auto", WaterLook::automatic},
+            {"balls", WaterLook::balls},
+            {"surface", WaterLook::surface},
+            {"clear", WaterLook::clear}});
+  f.choice("colour", v.colour,
+           {{"speed", WaterColour::speed},
+            {"pressure", WaterColour::pressure},
+            {"density", WaterColour::density}});
+  f.text("title", v.title);
+  if (f.reading() && (v.target - v.eye).cross(v.up).norm() < 1e-9)
+    f.fail("eye", "the line of sight is parallel to \"up\" or has no length");
+}
+
+void describe(Fields& f, Pictures& p) {
+  f.number("frames_per_second", p.frames_per_second, between(0, 1e6));
+  f.number("max_speed", p.max_speed, not_negative());
+  f.number("max_pressure", p.max_pressure, positive());
+  f.list("views", p.views, [](Fields& g, View& v) { describe(g, v); });
+}
+
+}  // namespace
+
+void describe(Fields& f, WaterMeshSettings& s) {
+  f.number("cell", s.cell, not_negative());
+  f.number("gap", s.gap, not_negative());
+  f.choice("mode", s.mode,
+           {{"none", ObstacleMode::none},
+            {"reset", ObstacleMode::reset},
+            {"gap", ObstacleMode::gap},
+            {"touch", ObstacleMode::touch},
+            {"overlap", ObstacleMode::overlap}});
+  f.choice("field", s.field,
+           {{"density_decay", ReconstructionField::density_decay},
+            {"eigenvalue_decay", ReconstructionField::eigenvalue_decay},
+            {"zhu_bridson", ReconstructionField::zhu_bridson},
+            {"density", ReconstructionField::density}});
+  f.number("touch_range", s.touch_range, between(0, 1.5));
+  f.number("overlap_depth", s.overlap_depth, not_negative());
+  f.integer("smoothing", s.smoothing, between(0, 1000));
+  f.number("min_blob", s.min_blob, not_negative());
+}
+
+void describe(Fields& f, Scene& s) {
+  f.text("name", s.name);
+  f.text("description", s.description);
+  f.choice("host", s.host,
+           {{"bullet", HostKind::bullet}, {"bullet64", HostKind::bullet64}, {"mock", HostKind::mock}});
+  f.number("dt", s.dt, {0, 1000, true});
+  f.boolean("adaptive_dt", s.adaptive_dt);
+  f.number("min_dt", s.min_dt, {0, 1000, true});
+  f.number("duration", s.duration, between(0, 1e6));
+  f.unsigned_integer("seed", s.seed);
+  f.vec3("gravity", s.world.gravity);
+  f.object("fluid", [&](Fields& g) { describe(g, s.fluid); });
+  f.list("emitters", s.emitters, [](Fields& g, Emitter& e) { describe_emitter(g, e); });
+  f.list("cloth", s.cloth, [](Fields& g, Cloth& c) { describe(g, c); });
+  f.list("bodies", s.bodies, [](Fields& g, Body& b) { describe(g, b); });
+  f.object("contact", [&](Fields& g) { describe(g, s.contact); });
+  f.box("kill_box", s.world.kill_box);
+  if (f.reading()) refuse_later_features(f);
+  f.optional_object("surface", s.water_mesh, [](Fields& g, WaterMeshSettings& w) { describe(g, w); });
+  if (f.reading() && s.water_mesh)
+    if (const Status status = check_mesh_settings(*s.water_mesh, s.fluid.spacing); !status.ok())
+      f.fail("surface", status.message);
+  f.json_object("acceptance", s.acceptance);
+  f.object("pictures", [&](Fields& g) { describe(g, s.pictures); });
+}
+
+}  // namespace oilskin::demo

@@ -1,0 +1,113 @@
+// `oilskin mesh`: frames of an earlier run, made once, and what is refused.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "app/program.h"
+
+namespace oilskin::test {
+namespace {
+
+const char* const pool = R"({"host": "mock", "dt": 0.002, "duration": 0.02, "fluid": {"spacing": 0.01},
+  "emitters": [{"shape": "box", "min": [-0.04, 0.02, -0.04], "max": [0.04, 0.06, 0.04]}],
+  "cloth": [{"grid": [9, 9], "size": [0.2, 0.2], "pins": "corners"}]})";
+
+/// A run with two frames or more; each test has its own.
+class Mesh : public testing::Test {
+ protected:
+  void SetUp() override {
+    const Outcome run = oilskin({"run", folder.write("pool.json", pool), "--out", folder.path("run"),
+                                 "--frames-per-second", "100", "--no-render", "--quiet"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    if (!exists("run/particles_0001.vtp")) GTEST_SKIP() << "built without VTK: a run stores no frames";
+  }
+  bool exists(const std::string& name) const { return std::filesystem::exists(folder.path(name)); }
+  Outcome mesh(std::vector<std::string> more = {}) const {
+    std::vector<std::string> arguments = {"mesh", folder.path("run")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return oilskin(arguments);
+  }
+  /// Refused, in one line of ours that holds all of `parts`.
+  void expect_refused(const std::vector<std::string>& more, const std::vector<std::string>& parts) const {
+    const Outcome outcome = mesh(more);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
+    EXPECT_EQ(outcome.err.compare(0, 9, "oilskin: "), 0) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    for (const std::string& part : parts)
+      EXPECT_NE(outcome.err.find(part), std::string::npos) << "no \"" << part << "\" in: " << outcome.err;
+  }
+
+  Folder folder;
+};
+
+TEST_F(Mesh, whatIsThereIsKeptUnlessItWasMadeInAnotherWay) {
+  EXPECT_EQ(mesh().exit_code, 0);
+  const std::string first = folder.read("run/surface_0001.ply");
+  EXPECT_NE(first.find("element face"), std::string::npos);
+  std::filesystem::remove(folder.path("run/surface_0000.ply"));
+  const Outcome again = mesh();
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.out.find("were there already"), std::string::npos) << again.out;
+  EXPECT_TRUE(exists("run/surface_0000.ply"));
+
+  expect_refused({"--cell", "0.004"}, {"surface_000", "\"cell\":0.005", "\"cell\":0.004", "--overwrite"});
+  EXPECT_EQ(folder.read("run/surface_0001.ply"), first);
+  // The same said in other words is the same.
+  EXPECT_EQ(mesh({"--cell", "0.005", "--spacing", "0.01"}).exit_code, 0);
+  EXPECT_EQ(mesh({"--cell", "0.004", "--out", folder.path("fine")}).exit_code, 0);
+  EXPECT_TRUE(exists("fine/surface_0001.ply"));
+  EXPECT_EQ(mesh({"--cell", "0.004", "--overwrite"}).exit_code, 0);
+  EXPECT_EQ(folder.read("run/surface_0001.ply"), folder.read("fine/surface_0001.ply"));
+  folder.write("run/surface_0001.ply", "of another program");
+  expect_refused({"--cell", "0.004"}, {"surface_0001.ply", "does not tell"});
+}
+
+TEST_F(Mesh, surfacesOfTheRunItselfAreOnesOfItsOptions) {
+  const Outcome run =
+      oilskin({"run", folder.path("pool.json"), "--out", folder.path("run"), "--frames-per-second", "100",
+               "--no-render", "--quiet", "--set", "surface.gap=0.0005", "--set", "surface.mode=touch"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(mesh().exit_code, 0);
+  const std::string first = folder.read("run/surface_0001.ply");
+  EXPECT_EQ(mesh({"--overwrite"}).exit_code, 0);
+  EXPECT_EQ(folder.read("run/surface_0001.ply"), first);
+  expect_refused({"--gap", "0.001"}, {"\"gap\":0.0005", "\"gap\":0.001"});
+}
+
+TEST_F(Mesh, aSpacingInOtherUnitsIsRefusedWithTheNumbers) {
+  expect_refused({"--spacing", "10"}, {"--spacing", "is 10 m", "256 particles", "within 0.0"});
+  expect_refused({"--spacing", "1e-05"}, {"--spacing", "is 1e-05 m", "within 0.0"});
+  expect_refused({"--spacing", "0"}, {"--spacing", "> 0"});
+  EXPECT_FALSE(exists("run/surface_0000.ply"));
+}
+
+TEST_F(Mesh, damagedParticlesAreRefusedInOneLine) {
+  const std::string whole = folder.read("run/particles_0001.vtp");
+  const auto with = [&](const std::string& what, const std::string& instead) {
+    std::string s = whole;
+    return s.replace(s.find(what), what.size(), instead);
+  };
+  for (const std::string& bad :
+       {std::string(), std::string("no file of VTK"), whole.substr(0, whole.size() / 20),
+        whole.substr(0, whole.size() / 2), whole.substr(0, whole.size() - 400), with("Points", "Poinds"),
+        with("NumberOfPoints=\"256\"", "NumberOfPoints=\"999999\""), with("<PolyData>", "<ImageData>")}) {
+    folder.write("run/particles_0001.vtp", bad);
+    expect_refused({"--overwrite"}, {"particles_0001.vtp"});
+    EXPECT_FALSE(exists("run/surface_0001.ply"));
+  }
+}
+
+TEST_F(Mesh, aReportThatIsDamagedOrNestedWithoutEndIsRefused) {
+  folder.write("run/report.json", "{\"settings\": 5}");
+  expect_refused({}, {"report.json"});
+  folder.write("run/report.json", std::string(200000, '['));
+  expect_refused({}, {"report.json", "levels deep"});
+  std::string deep = "{\"settings\": ";
+  for (int i = 0; i < 100000; ++i) deep += "{\"a\":";
+  folder.write("run/report.json", deep + "1" + std::string(100001, '}'));
+  expect_refused({}, {"report.json", "levels deep"});
+}
+
+}  // namespace
+}  // namespace oilskin::test

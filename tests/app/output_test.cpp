@@ -1,0 +1,130 @@
+// What a run writes, and how it ends.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+
+#include "app/program.h"
+
+namespace oilskin::test {
+namespace {
+
+const char* const small = R"({"host": "mock", "dt": 0.002, "duration": 0.02, "fluid": {"spacing": 0.01},
+  "emitters": [{"shape": "box", "min": [-0.02, 0.02, -0.02], "max": [0.02, 0.04, 0.02]}],
+  "cloth": [{"grid": [9, 9], "size": [0.2, 0.2], "pins": "corners"}], "contact": {"verify": true}})";
+
+TEST(Output, theReportHasEveryKeyOfTheFormat) {
+  const Folder folder;
+  const auto report = report_of(folder.write("small.json", small), "", {});
+  for (const char* key :
+       {"scene", "settings", "machine", "steps", "substeps", "simulated_seconds", "wall_seconds", "seconds",
+        "particles", "contact", "density_error", "pressure_iterations", "momentum", "mass", "state_hash",
+        "peak_memory_bytes", "acceptance"})
+    EXPECT_TRUE(report.contains(key)) << key;
+  for (const char* key : {"cloth", "neighbours", "occlusion", "boundary", "pressure", "other_fluid",
+                          "proximity", "impulses", "ccd", "zones", "effects", "surface", "output", "verify"})
+    EXPECT_TRUE(report["seconds"].contains(key)) << key;
+  for (const char* key : {"emitted", "alive", "removed", "absorbed", "blocked_starts"})
+    EXPECT_TRUE(report["particles"].contains(key)) << key;
+  for (const char* key : {"candidates", "contacts", "meetings", "zone_rounds", "held", "nudged", "stalled",
+                          "removed", "allowed", "delta", "least_distance", "crossings_found_by_verify"})
+    EXPECT_TRUE(report["contact"].contains(key)) << key;
+  for (const char* key : {"cores", "threads", "compiler", "instruction_set", "precision"})
+    EXPECT_TRUE(report["machine"].contains(key)) << key;
+  EXPECT_EQ(report["steps"], 10);
+  EXPECT_NEAR(report["simulated_seconds"].get<double>(), 0.02, 1e-9);
+  EXPECT_GT(report["particles"]["emitted"].get<int>(), 0);
+}
+
+TEST(Output, settingsInTheReportRunToTheSameState) {
+  const Folder folder;
+  const auto first = report_of(folder.write("a.json", small), "", {});
+  const auto again = report_of(folder.write("b.json", first["settings"].dump()), "", {});
+  EXPECT_EQ(first["state_hash"], again["state_hash"]);
+  EXPECT_EQ(first["settings"], again["settings"]);
+}
+
+TEST(Output, optionsReachTheSettings) {
+  const Folder folder;
+  const auto report = report_of(
+      folder.write("a.json", small), "0.01",
+      {"--dt", "0.001", "--seed", "7", "--set", "cloth.0.thickness=0.002", "--set", "fluid.viscosity=0"});
+  EXPECT_EQ(report["steps"], 10);
+  EXPECT_EQ(report["settings"]["seed"], 7);
+  EXPECT_EQ(report["settings"]["cloth"][0]["thickness"], 0.002);
+  EXPECT_EQ(report["settings"]["fluid"]["viscosity"], 0.0);
+}
+
+TEST(Output, adaptiveStepsAndSubstepsMeetTheDurationAndAreCounted) {
+  const Folder folder;
+  const std::string scene = folder.write("a.json", small);
+  const auto adaptive =
+      report_of(scene, "0.0205", {"--set", "adaptive_dt=true", "--set", "emitters.0.velocity=[0,-8,0]"});
+  EXPECT_NEAR(adaptive["simulated_seconds"].get<double>(), 0.0205, 1e-12);
+  EXPECT_GT(adaptive["steps"], 20) << "0.4 spacings at 8 m/s and more";
+  EXPECT_EQ(adaptive["substeps"], adaptive["steps"]);
+  EXPECT_EQ(adaptive["contact"]["crossings_found_by_verify"], 0);
+  const auto cut =
+      report_of(scene, "0.02", {"--set", "fluid.max_substeps=9", "--set", "emitters.0.velocity=[0,-8,0]"});
+  EXPECT_EQ(cut["steps"], 10);
+  EXPECT_GT(cut["substeps"], 20);
+  EXPECT_EQ(cut["contact"]["crossings_found_by_verify"], 0);
+}
+
+TEST(Output, quietPrintsNothing) {
+  const Folder folder;
+  const Outcome outcome = oilskin({"run", folder.write("a.json", small), "--quiet", "--out",
+                                   folder.path("out"), "--frames-per-second", "0"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.out + outcome.err, "");
+}
+
+TEST(Output, listNamesEveryScene) {
+  const Outcome outcome = oilskin({"list"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const char* scene :
+       {"jet", "slip", "vee", "rain", "bowl", "high_speed", "sweep", "dam_break", "two_sided"})
+    EXPECT_NE(outcome.out.find(scene), std::string::npos) << scene;
+}
+
+TEST(Output, aTraceToStandardOutputHoldsNothingElse) {
+  const Folder folder;
+  const std::string scene = folder.write("a.json", small);
+  const Outcome all =
+      oilskin({"run", scene, "--out", folder.path("out"), "--trace", "-", "--frames-per-second", "0"});
+  EXPECT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_EQ(all.out.compare(0, 8, "OILSTEP1"), 0);
+  const Outcome part = oilskin({"run", scene, "--out", folder.path("out"), "--trace", folder.path("trace"),
+                                "--trace-steps", "0:0", "--frames-per-second", "0"});
+  EXPECT_EQ(part.exit_code, 0) << part.err;
+  const std::string first = folder.read("trace");
+  EXPECT_GT(first.size(), 8u);
+  EXPECT_EQ(all.out.compare(0, first.size(), first), 0) << "one step is not the beginning of the whole trace";
+}
+
+TEST(Output, aFullDiskEndsWithThree) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full here";
+  const Folder folder;
+  const Outcome outcome = oilskin({"run", folder.write("a.json", small), "--out", folder.path("out"),
+                                   "--trace", "/dev/full", "--frames-per-second", "0"});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_NE(outcome.err.find("/dev/full"), std::string::npos) << outcome.err;
+}
+
+TEST(Output, aSignalEndsTheRunAfterItsStepAndTheReportIsWritten) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Folder folder;
+    const Outcome outcome = run_program_and_signal(OILSKIN_PROGRAM,
+                                                   {"run", folder.write("a.json", small), "--duration", "1e5",
+                                                    "--out", folder.path("out"), "--frames-per-second", "0"},
+                                                   signal);
+    EXPECT_EQ(outcome.exit_code, 128 + signal) << outcome.err;
+    const auto report = nlohmann::json::parse(folder.read("out/report.json"), nullptr, false);
+    ASSERT_FALSE(report.is_discarded());
+    EXPECT_GT(report["steps"].get<int>(), 0);
+    EXPECT_EQ(report["stopped_by_signal"], signal);
+  }
+}
+
+}  // namespace
+}  // namespace oilskin::test

@@ -1,0 +1,91 @@
+// Meshes that a run stored: read back as written, and whatever is damaged is refused by name.
+#include "output/ply_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "app/program.h"
+#include "output/mesh_file.h"
+#include "scene/fields.h"
+
+namespace oilskin::test {
+namespace {
+
+WaterMesh a_mesh() {
+  WaterMesh mesh;
+  mesh.positions = {{0, 0, 0}, {0.1f, 0, 0}, {0, 0.25f, 0}, {0, 0, -3}};
+  mesh.normals.assign(4, {0, 0, 1});
+  mesh.velocities.assign(4, {1, 2, 3});
+  mesh.triangles = {{0, 1, 2}, {0, 3, 1}};
+  return mesh;
+}
+
+std::string bytes_of_mesh(const Folder& folder) {
+  demo::write_water_mesh(folder.path("mesh.ply"), a_mesh(), R"({"cell":0.004})");
+  return folder.read("mesh.ply");
+}
+
+TEST(PlyReader, readsWhatWasWritten) {
+  const Folder folder;
+  bytes_of_mesh(folder);
+  const demo::StoredMesh read = demo::read_ply(folder.path("mesh.ply"));
+  ASSERT_EQ(read.vertices.size(), 4u);
+  EXPECT_EQ(read.vertices[1], Vec3(0.1f, 0, 0));
+  EXPECT_EQ(read.vertices[3], Vec3(0, 0, -3));
+  EXPECT_EQ(read.triangles, a_mesh().triangles);
+  EXPECT_EQ(demo::mesh_made_with(folder.path("mesh.ply")), R"({"cell":0.004})");
+  EXPECT_EQ(demo::mesh_made_with(folder.path("no.ply")), "");
+}
+
+TEST(PlyReader, everyTruncationIsRefusedByName) {
+  const Folder folder;
+  const std::string whole = bytes_of_mesh(folder);
+  for (std::size_t n = 0; n < whole.size(); ++n) {
+    const std::string path = folder.write("short.ply", whole.substr(0, n));
+    try {
+      demo::read_ply(path);
+      ADD_FAILURE() << n << " of " << whole.size() << " bytes were taken for a mesh";
+    } catch (const demo::SceneError& e) {
+      EXPECT_NE(std::string(e.what()).find("short.ply: "), std::string::npos) << e.what();
+    }
+  }
+}
+
+TEST(PlyReader, whatIsNoMeshIsRefused) {
+  const Folder folder;
+  const std::string whole = bytes_of_mesh(folder);
+  const auto refuses = [&](std::string changed, const char* why) {
+    try {
+      demo::read_ply(folder.write("bad.ply", changed));
+      ADD_FAILURE() << "should say: " << why;
+    } catch (const demo::SceneError& e) {
+      EXPECT_NE(std::string(e.what()).find(why), std::string::npos) << e.what();
+    }
+  };
+  const auto with = [&](const std::string& what, const std::string& instead) {
+    std::string s = whole;
+    return s.replace(s.find(what), what.size(), instead);
+  };
+  refuses("", "no PLY file");
+  refuses(with("little", "big"), "binary_little_endian");
+  refuses(with("vertex 4\n", "vertex -4\n"), "number");
+  refuses(with("vertex 4\n", "vertex 4000000000\n"), "cut short");
+  refuses(with("float z", "float w"), "without z");
+  refuses(with("element face", "element edge"), "edge");
+  std::string index = whole;
+  const std::uint32_t many = 2000000000;
+  std::memcpy(&index[index.size() - 4], &many, 4);
+  refuses(index, "face 1 names vertex 2000000000; there are 4");
+  std::string number = whole;
+  const float nan = std::nanf("");
+  std::memcpy(&number[number.find("end_header\n") + 11], &nan, 4);
+  refuses(number, "vertex 0 is not finite");
+  std::string flat = whole;
+  flat[flat.size() - 13] = 2;
+  refuses(flat, "no three corners");
+}
+
+}  // namespace
+}  // namespace oilskin::test

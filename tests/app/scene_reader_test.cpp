@@ -1,0 +1,206 @@
+// Scene files: what is read is what is written, every key is documented, --set reaches every place.
+#include "scene/scene_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "checks/acceptance.h"
+#include "checks/check_table.h"
+
+namespace oilskin::demo {
+namespace {
+
+std::string message_of(const std::string& json) {
+  try {
+    const Scene scene = read_scene(parse_json(json, "test"), ".");
+    Acceptance acceptance(scene);
+  } catch (const SceneError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+/// A scene that uses every shape and every optional part, so that writing it names every key.
+Scene everything() {
+  Scene scene;
+  scene.name = "everything";
+  DiscEmitter disc;
+  disc.stop = 1;
+  RainEmitter rain;
+  rain.stop = 2;
+  PlacedMeshEmitter mesh_emitter;
+  mesh_emitter.mesh.file = "vee.obj";
+  scene.emitters = {disc, BoxEmitter{{Vec3::Zero(), Vec3::Ones()}, Vec3::Zero(), 0}, mesh_emitter, rain};
+  Cloth grid, mesh;
+  PinBox pin;
+  pin.within = {Vec3::Constant(-1), Vec3::Constant(1)};
+  pin.hold = 0.5;
+  pin.release = 1;
+  pin.motion.start = 0.5;
+  pin.motion.stop = 2;
+  grid.pins.kind = PinKind::boxes;
+  grid.pins.boxes = {pin};
+  grid.surface.slip_back.emplace().model = SlipModel::viscous_wall;
+  mesh.mesh.emplace();
+  mesh.mesh->file = "vee.obj";
+  mesh.pins.kind = PinKind::nodes;
+  mesh.pins.nodes = {0, 1};
+  scene.cloth = {grid, mesh};
+  Body box, sphere, plane, body;
+  sphere.shape = SphereShape();
+  plane.shape = PlaneShape();
+  body.shape = *mesh.mesh;
+  box.motion.stop = 3;
+  scene.bodies = {box, sphere, plane, body};
+  scene.acceptance = Json::parse(R"({
+    "min_emitted": 1, "min_over_rim": 1, "vertical_momentum": 0.03, "sag_below_dry": 0.02, "max_stretch": 2,
+    "slip_ratio": {}, "pin_reaction": {}, "dry_shadow": {}, "pool_level": {}, "pool_calm": {},
+    "at_rest": [{"within": {"min": [0, 0, 0], "max": [1, 1, 1]}, "from": 0.5, "to": 1, "speed": 0.02}],
+    "dam_break": {"height": 0.05}, "inside_constant": {}, "enclosed_volume": {"at_most": 2},
+    "energy_decay": {}, "close_layers": {}, "memory_growth": 0.05})");
+  scene.pictures.views.emplace_back();
+  scene.pictures.views.back().slice.emplace();
+  scene.pictures.views.back().colour = WaterColour::density;
+  scene.pictures.views.back().orthographic = 0.3;
+  return scene;
+}
+
+/// The scene with every value as resolved.
+Json resolved(const Scene& scene) {
+  return resolved_scene(scene, Acceptance(scene));
+}
+
+void collect_keys(const Json& json, std::set<std::string>& keys) {
+  for (const auto& item : json.items()) {
+    if (json.is_object()) keys.insert(item.key());
+    if (item.value().is_structured()) collect_keys(item.value(), keys);
+  }
+}
+
+TEST(SceneReader, whatIsWrittenIsReadBack) {
+  const Json written = resolved(everything());
+  const Scene again = read_scene(written, OILSKIN_SCENES);
+  EXPECT_EQ(resolved(again), written);
+  EXPECT_EQ(resolved(again).dump(), written.dump()) << "the same order";
+}
+
+TEST(SceneReader, defaultsSurviveAnEmptyFile) {
+  const Scene scene = read_scene(Json::object(), ".");
+  EXPECT_EQ(write_scene(scene), write_scene(Scene()));
+  EXPECT_EQ(scene.fluid.spacing, FluidSettings().spacing);
+}
+
+TEST(SceneReader, everyShippedSceneReads) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(OILSKIN_SCENES)) {
+    if (entry.path().extension() != ".json") continue;
+    const Scene scene = read_scene(read_json_file(entry.path().string()), OILSKIN_SCENES);
+    EXPECT_EQ(scene.name, entry.path().stem().string());
+    EXPECT_FALSE(scene.description.empty()) << scene.name;
+    EXPECT_NO_THROW(Acceptance{scene}) << scene.name;
+    EXPECT_TRUE(scene.contact.verify) << scene.name << ": shipped scenes verify";
+    ++count;
+  }
+  EXPECT_GE(count, 11);
+}
+
+TEST(SceneReader, theTestsSceneAsksForEveryCheck) {
+  const Json asked = resolved(everything())["acceptance"];
+  for (const CheckEntry& entry : check_table())
+    EXPECT_TRUE(entry.key == nullptr || asked.contains(entry.key)) << (entry.key ? entry.key : "");
+}
+
+TEST(SceneReader, everyKeyIsDocumented) {
+  std::ifstream in(OILSKIN_SCENE_DOC);
+  std::stringstream text;
+  text << in.rdbuf();
+  std::set<std::string> keys;
+  collect_keys(resolved(everything()), keys);
+  EXPECT_GT(keys.size(), 80u);
+  for (const std::string& key : keys)
+    EXPECT_NE(text.str().find("`" + key + "`"), std::string::npos)
+        << key << " is not in docs/manual/scene_file.md";
+}
+
+TEST(SceneReader, messagesNameThePath) {
+  EXPECT_EQ(message_of(R"({"cloth": [{}, {"slip": {"modle": "free"}}]})"),
+            "cloth.1.slip.modle: this key is not known; the nearest known one is \"model\"");
+  EXPECT_EQ(message_of(R"({"fluid": {"spacing": -1}})"), "fluid.spacing: is -1, must be > 0");
+  EXPECT_NE(message_of(R"({"cloth": [{"normal": [1, 0, 0], "u_axis": [1, 0, 0]}]})").find("parallel"),
+            std::string::npos);
+}
+
+TEST(SceneReader, pinsMoveAfterTheyAreHeldAndAreLetGoAfterThat) {
+  const auto pins = [](const std::string& more) {
+    return R"({"cloth": [{"pins": [{"within": {"min": [-1, -1, -1], "max": [1, 1, 1]}, )" + more + "}]}]}";
+  };
+  EXPECT_EQ(message_of(pins(R"("hold": 0.5, "motion": {"spin_rate": 1})")),
+            "cloth.0.pins.0.motion.start: is before \"hold\": nodes that are not held yet cannot be moved");
+  EXPECT_EQ(message_of(pins(R"("hold": 0.5, "release": 0.5)")),
+            "cloth.0.pins.0.release: must be after \"hold\"");
+}
+
+TEST(SceneReader, keysOfChecksAreChecked) {
+  EXPECT_EQ(message_of(R"({"acceptance": 3})"), "acceptance: is 3, must be an object");
+  EXPECT_EQ(message_of(R"({"acceptance": {"dam_brake": {}}})"),
+            "acceptance.dam_brake: this key is not known; the nearest known one is \"dam_break\"");
+  EXPECT_EQ(message_of(R"({"acceptance": {"min_emitted": 1.5}})"),
+            "acceptance.min_emitted: is 1.5, must be a whole number, from 0 to 2e+09");
+  EXPECT_EQ(message_of(R"({"acceptance": {"dry_shadow": {"margine": 1}}})"),
+            "acceptance.dry_shadow.margine: this key is not known; the nearest known one is \"margin\"");
+}
+
+TEST(SceneReader, checksThatCouldNeverBeLookedAtAreRefused) {
+  EXPECT_EQ(message_of(R"({"acceptance": {"at_rest": [{}]}})"),
+            "acceptance.at_rest.0.within: is missing: the box whose water is to be at rest");
+  EXPECT_EQ(message_of(R"({"acceptance": {"at_rest": [{"within": {"min": [0, 0, 0], "max": [1, 1, 1]},
+                                                       "from": 1, "to": 0.5}]}})"),
+            "acceptance.at_rest.0.to: must be later than \"from\"");
+  EXPECT_EQ(message_of(R"({"acceptance": {"pool_level": {"cloth": 0}}})"),
+            "acceptance.pool_level.cloth: is 0, must be the index of a cloth, the scene has 0");
+  EXPECT_EQ(message_of(R"({"cloth": [{}], "acceptance": {"pool_calm": {"cloth": 1}}})"),
+            "acceptance.pool_calm.cloth: is 1, must be the index of a cloth, the scene has 1");
+  EXPECT_EQ(message_of(R"({"gravity": [0, 0, 0], "acceptance": {"dam_break": {}}})"),
+            "gravity: is zero; a pool or a dam break needs a weight");
+  EXPECT_EQ(message_of(R"({"acceptance": {"dam_break": {"along": [1, 1, 0]}}})"),
+            "acceptance.dam_break.along: must be square to gravity");
+}
+
+TEST(SceneReader, aCutNeedsASlabAndAKnownColour) {
+  EXPECT_NE(message_of(R"({"pictures": {"views": [{"slice": {"thickness": 0}}]}})").find("must be > 0"),
+            std::string::npos);
+  EXPECT_NE(message_of(R"({"pictures": {"views": [{"slice": {"normal": [0, 0, 0]}}]}})").find("normal"),
+            std::string::npos);
+  EXPECT_NE(message_of(R"({"pictures": {"views": [{"colour": "presure"}]}})").find("pressure"),
+            std::string::npos);
+}
+
+TEST(SceneReader, nearestNameIsByEditDistance) {
+  EXPECT_EQ(nearest_name("thicknes", {"spacing", "thickness", "substeps"}), "thickness");
+  EXPECT_EQ(nearest_name("x", {}), "");
+}
+
+TEST(Override, reachesKeysListsAndNewPlaces) {
+  Json scene = Json::parse(R"({"cloth": [{"grid": [5, 5]}]})");
+  apply_override(scene, "cloth.0.thickness=0.0005");
+  apply_override(scene, "cloth.0.grid.1=7");
+  apply_override(scene, "cloth.1.pins=corners");
+  apply_override(scene, "contact.ccd=false");
+  apply_override(scene, "emitters=[]");
+  EXPECT_EQ(scene, Json::parse(R"({"cloth": [{"grid": [5, 7], "thickness": 0.0005}, {"pins": "corners"}],
+                                   "contact": {"ccd": false}, "emitters": []})"));
+}
+
+TEST(Override, refusesWhatLeadsNowhere) {
+  Json scene = Json::parse(R"({"cloth": [{"grid": [5, 5]}], "dt": 1})");
+  for (const char* wrong : {"cloth.3.thickness=1", "cloth.x=1", "dt.a=1", "=1", "dt", "cloth..a=1"})
+    EXPECT_THROW(apply_override(scene, wrong), SceneError) << wrong;
+}
+
+}  // namespace
+}  // namespace oilskin::demo

@@ -1,0 +1,209 @@
+// The shipped scenes: shortened in the default suite, whole in the slow one.
+#include <gtest/gtest.h>
+
+#include <iomanip>
+#include <sstream>
+
+#include "app/program.h"
+
+namespace oilskin::test {
+namespace {
+
+struct Short {
+  const char* scene;
+  const char* duration;
+  const char* set = nullptr;  // a key to change, so that what the scene is about happens in time
+};
+
+const Short shortened[] = {{"jet", "0.1"},
+                           {"slip", "0.22"},
+                           {"vee", "0.14"},
+                           {"rain", "0.3"},
+                           {"bowl", "0.15"},
+                           {"high_speed", "0.003"},
+                           {"sweep", "0.02"},
+                           {"dam_break", "0.05"},
+                           {"two_sided", "0.15", "cloth.0.pins.1.release=0.02"},
+                           {"bag", "0.2", "fluid.spacing=0.012"},
+                           {"crumple", "0.2", "cloth.0.center=[0, 0.225, 0]"}};
+
+std::string name_of(const testing::TestParamInfo<Short>& info) {
+  return info.param.scene;
+}
+
+nlohmann::json short_report(const Short& run, std::vector<std::string> more) {
+  if (run.set != nullptr) more.insert(more.end(), {"--set", run.set});
+  return report_of(run.scene, run.duration, more);
+}
+
+class ShortRun : public testing::TestWithParam<Short> {};
+
+TEST_P(ShortRun, keepsThePromiseAndTheLedgers) {
+  const auto report = short_report(GetParam(), {});
+  EXPECT_EQ(report["contact"]["crossings_found_by_verify"], 0);
+  EXPECT_GT(report["contact"]["contacts"].get<int>(), 0) << "nothing touched anything: the run is too short";
+  EXPECT_EQ(report["acceptance"].size(), 5u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, ShortRun, testing::ValuesIn(shortened), name_of);
+
+class Threads : public testing::TestWithParam<Short> {};
+
+TEST_P(Threads, doNotChangeABit) {
+  const auto one = short_report(GetParam(), {"--threads", "1"});
+  const auto two = short_report(GetParam(), {"--threads", "2"});
+  EXPECT_EQ(one["state_hash"], two["state_hash"]);
+  EXPECT_EQ(one["momentum"]["to_free_nodes"], two["momentum"]["to_free_nodes"]);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Threads, testing::ValuesIn(shortened), name_of);
+
+TEST(ShortRunHosts, doublePrecisionAndTheMockKeepThePromiseToo) {
+  for (const char* host : {"bullet64", "mock"}) {
+    const auto report = report_of("jet", "0.1", {"--set", std::string("host=") + host});
+    EXPECT_EQ(report["machine"]["precision"], "float64") << host;
+    EXPECT_EQ(report["contact"]["crossings_found_by_verify"], 0) << host;
+    EXPECT_GT(report["contact"]["contacts"].get<int>(), 0) << host;
+  }
+}
+
+// [Huber2013] Fig. 4, left: repulsion alone lets water through, and verify sees it.
+TEST(Leak, withoutTheContinuousTestAndZonesCrossingsAreCounted) {
+  const Folder folder;
+  const Outcome outcome = oilskin({"run", "jet", "--quiet", "--no-render", "--frames-per-second", "0",
+                                   "--out", folder.path(), "--duration", "0.15", "--set", "contact.ccd=false",
+                                   "--set", "contact.zones=false", "--set", "acceptance={}"});
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  const auto report = nlohmann::json::parse(folder.read("report.json"), nullptr, false);
+  EXPECT_GT(report["contact"]["crossings_found_by_verify"].get<int>(), 0);
+}
+
+/// Whether a check of a run holds; null where there is no such check.
+nlohmann::json check_of(const std::string& scene, const std::vector<std::string>& settings,
+                        const std::string& name) {
+  const Folder folder;
+  std::vector<std::string> arguments = {"run", scene,   "--quiet",    "--no-render", "--frames-per-second",
+                                        "0",   "--out", folder.path()};
+  for (const std::string& setting : settings) arguments.insert(arguments.end(), {"--set", setting});
+  const Outcome outcome = oilskin(arguments);
+  bool all = true;
+  nlohmann::json found;
+  const auto report = nlohmann::json::parse(folder.read("report.json"), nullptr, false);
+  for (const auto& check : report["acceptance"]) {
+    all = all && check["ok"].get<bool>();
+    if (check["name"] == name) found = check["ok"];
+  }
+  EXPECT_EQ(outcome.exit_code, all ? 0 : 1) << outcome.err;
+  return found;
+}
+
+// A front that is not seen to follow the table must not pass for one that does.
+TEST(Checks, theDamBreakFailsWhenItEndsTooSoonOrIsAnother) {
+  const std::string coarse = "fluid.spacing=0.0057", many = "acceptance.min_emitted=1";
+  EXPECT_EQ(check_of("dam_break", {coarse, many, "duration=0.1"}, "dam_front"), false);
+  EXPECT_EQ(check_of("dam_break", {coarse, many, "acceptance.dam_break.width=0.04"}, "dam_front"), false);
+}
+
+// Water that floats, and water that moves.
+TEST(Checks, restIsSeenAndMotionIsSeen) {
+  const Folder folder;
+  const std::string scene = folder.write("float.json", R"({"host": "mock", "duration": 0.02,
+    "gravity": [0, 0, 0], "emitters": [{"shape": "box", "min": [0, 0, 0], "max": [0.03, 0.03, 0.03]}],
+    "acceptance": {"at_rest": [{"within": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "speed": 0.001}]}})");
+  const std::string check = "at_rest.0", moves = "emitters.0.velocity=[0, 0.1, 0]";
+  const std::string elsewhere = R"(acceptance.at_rest.0.within={"min": [2, 2, 2], "max": [3, 3, 3]})";
+  EXPECT_EQ(check_of(scene, {}, check), true);
+  EXPECT_EQ(check_of(scene, {moves}, check), false);
+  EXPECT_EQ(check_of(scene, {moves, "acceptance.at_rest.0.speed=0.11"}, check), true);
+  EXPECT_EQ(check_of(scene, {elsewhere}, check), false) << "no water was looked at";
+  EXPECT_EQ(check_of(scene, {"acceptance.at_rest.0.to=0.05"}, check), false) << "the run ends before";
+  EXPECT_EQ(check_of(scene, {"acceptance.at_rest.0.from=0.03"}, check), false) << "the run ends before";
+}
+
+// A block of water in a rigid bowl, before it has fallen.
+TEST(Checks, waterThatHangsOverItsPoolIsSeen) {
+  const Folder folder;
+  const std::string scene = folder.write("hang.json", R"({"host": "mock", "duration": 0.002,
+    "emitters": [{"shape": "box", "min": [-0.05, -0.14, -0.05], "max": [0.05, 0.0, 0.05]}],
+    "cloth": [{"bowl_depth": 0.15, "pins": [{"within": {"min": [-1, -1, -1], "max": [1, 1, 1]}}]}],
+    "acceptance": {"pool_level": {}, "pool_calm": {}}})");
+  EXPECT_EQ(check_of(scene, {}, "pool_level"), false) << "a heap does not lift the pool";
+  EXPECT_EQ(check_of(scene, {"acceptance.pool_level.above=20"}, "pool_level"), true);
+  EXPECT_EQ(check_of(scene, {"gravity=[0, -1, 0]"}, "pool_calm"), true) << "it has hardly begun to fall";
+  EXPECT_EQ(check_of(scene, {"emitters.0.velocity=[0, 0.5, 0]"}, "pool_calm"), false);
+  EXPECT_EQ(check_of(scene, {"cloth.0.bowl_depth=0"}, "pool_level"), false) << "a flat sheet is no basin";
+}
+
+// Cloth alone: it falls for good, or it swings from what takes hold of it and calms down.
+TEST(Checks, clothThatIsHeldOnItsWayCalmsDownAndFallingClothDoesNot) {
+  const Folder folder;
+  for (const std::string host : {"bullet", "mock"}) {
+    const std::string scene = folder.write("held.json", R"({"duration": 0.6,
+      "cloth": [{"grid": [15, 15], "size": [0.2, 0.2], "substeps": 2,
+                 "pins": [{"within": {"min": [-1, -1, -1], "max": [-0.08, 1, 1]}, "hold": 0.1},
+                          {"within": {"min": [0.08, -1, -1], "max": [1, 1, 1]}, "hold": 0.1}]}],
+      "acceptance": {"energy_decay": {"from": 0.05, "fraction": 0.5, "window": 0.05}}})");
+    const std::string check = "energy_decay", kind = "host=" + host;
+    EXPECT_EQ(check_of(scene, {kind}, check), true) << host;
+    EXPECT_EQ(check_of(scene, {kind, "cloth.0.pins=none"}, check), false) << host;
+    EXPECT_EQ(check_of(scene, {kind, "acceptance.energy_decay.from=0.55"}, check), false) << "never reached";
+  }
+}
+
+// A block of water in a box of cloth, half of it outside.
+TEST(Checks, whatIsNotEnclosedIsSeen) {
+  const Folder folder;
+  folder.write("box.obj",
+               "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv .1 .1 0\nv 0 0 .1\nv .1 0 .1\nv 0 .1 .1\nv .1 .1 .1\n"
+               "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
+  const std::string scene =
+      folder.write("box.json", R"({"host": "mock", "duration": 0.02, "gravity": [0, 0, 0],
+    "emitters": [{"shape": "box", "min": [0.02, 0.02, 0.02], "max": [0.08, 0.08, 0.08]}],
+    "cloth": [{"mesh": "box.obj", "pins": [{"within": {"min": [-1, -1, -1], "max": [1, 1, 1]}}]}],
+    "acceptance": {"inside_constant": {"every": 1}, "enclosed_volume": {"at_least": 4, "at_most": 5.5}}})");
+  const std::string away = R"(emitters.0={"shape": "box", "min": [0.22, 0, 0], "max": [0.28, 0.06, 0.06]})";
+  EXPECT_EQ(check_of(scene, {}, "inside"), true);
+  EXPECT_EQ(check_of(scene, {}, "inside_changed"), true);
+  EXPECT_EQ(check_of(scene, {"emitters.0.start=0.0015"}, "inside_changed"), false) << "it came later";
+  EXPECT_EQ(check_of(scene, {away}, "inside"), false);
+  EXPECT_EQ(check_of(scene, {}, "least_volume"), true);
+  EXPECT_EQ(check_of(scene, {"cloth.0.scale=0.9"}, "least_volume"), false);
+}
+
+#ifdef OILSKIN_AUDIT
+
+class Audit : public testing::TestWithParam<Short> {};
+
+TEST_P(Audit, findsNoCrossingInTheTrace) {
+  const Folder folder;
+  const auto report = short_report(GetParam(), {"--trace", folder.path("trace")});
+  // The auditor holds every surface to the δ that the run promised (the least of all surfaces).
+  std::ostringstream delta;
+  delta << std::setprecision(17) << report["contact"]["delta"].get<double>();
+  const Outcome outcome = run_program(OILSKIN_AUDIT, {"--delta", delta.str(), folder.path("trace")});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Audit, testing::ValuesIn(shortened), name_of);
+
+TEST(Audit, findsTheCrossingsOfARunThatLeaks) {
+  const Folder folder;
+  oilskin({"run", "jet", "--quiet", "--no-render", "--frames-per-second", "0", "--out", folder.path(),
+           "--duration", "0.12", "--trace", folder.path("trace"), "--set", "contact.ccd=false", "--set",
+           "contact.zones=false"});
+  EXPECT_EQ(run_program(OILSKIN_AUDIT, {folder.path("trace")}).exit_code, 1);
+}
+
+#endif
+
+class FullRun : public testing::TestWithParam<Short> {};
+
+TEST_P(FullRun, passesItsOwnAcceptance) {
+  const auto report = report_of(GetParam().scene, "", {});
+  for (const auto& check : report["acceptance"]) EXPECT_TRUE(check["ok"].get<bool>()) << check;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, FullRun, testing::ValuesIn(shortened), name_of);
+
+}  // namespace
+}  // namespace oilskin::test
