@@ -86,8 +86,8 @@ class ContactSolver {
   Status set_settings(const ContactSettings& settings);
 
   /// One interval of length dt [s] > 0. Refuses numbers that are not finite and arrays of different lengths,
-  /// with the name of the array and the index. `surfaces` need different ids, δ and thickness; x_t0 and x_t1 must be
-  /// stored numbers. The results are in `particles` and `surfaces`.
+  /// with the name of the array and the index. `surfaces` need different ids, δ and thickness; x_t0 and x_t1
+  /// must be stored numbers. The results are in `particles` and `surfaces`.
   Status resolve(double dt, ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
                  ContactReport& report, StageSeconds& seconds);
   /// The same without times.

@@ -127,6 +127,7 @@ namespace {
 std::vector<std::uint8_t> find_blocked_starts(const std::vector<fluid::Start>& starts, const Box& kill_box,
                                               const world::ActiveSurfaces& surfaces, const Workers& workers) {
   std::vector<Vec3> points;
+  points.reserve(starts.size());
   for (const fluid::Start& s : starts) points.push_back(s.position);
   std::vector<std::uint8_t> blocked = world::find_blocked_points(surfaces.at_start(), points, workers);
   for (std::size_t k = 0; k < points.size(); ++k)
@@ -206,12 +207,12 @@ void World::Impl::predict_contacts(IntervalContext& interval, contact::ContactPa
 }
 
 void World::Impl::propose_motion(IntervalContext& interval) {
-  StepReport& report = interval.step.report;
+  StepContext& step = interval.step;
   FluidReport found;
   fluid->propose(interval.dt, settings.gravity, state.particles, interval.prediction, interval.velocity,
-                 found, report.seconds);
-  report.fluid = interval.is_first ? found : worst_of(report.fluid, found);
-  contact::StageTimer timer(report.seconds.other_fluid);
+                 found, step.report.seconds);
+  step.report.fluid = interval.is_first ? found : worst_of(step.report.fluid, found);
+  contact::StageTimer timer(step.report.seconds.other_fluid);
   double change = 0;  // squared
   for (std::size_t i = 0; i < interval.velocity.size(); ++i) {
     const Vec3 &x_t0 = state.particles.position[i], &before = state.particles.velocity[i];
@@ -226,7 +227,7 @@ void World::Impl::propose_motion(IntervalContext& interval) {
     x_t1 = x_t0;
     if (!velocity.allFinite()) velocity = ballistic;  // the momentum that the ledger books as removed
     interval.removed[i] = 1;
-    ++report.removed_invalid;
+    ++step.report.removed_invalid;
   }
   OILSKIN_ASSERT(all_finite(interval.x_t1) && all_finite(interval.velocity));
   state.max_acceleration = std::sqrt(change) / interval.dt;
