@@ -7,10 +7,10 @@ namespace oilskin::bullet {
 
 namespace {
 
-/// Corners of a clipped plane are rounded to float; a hair inside the box they cannot leave it.
-Box a_hair_smaller(const Box& box) {
-  const Vec3 hair = 1e-6 * box.min.cwiseAbs().cwiseMax(box.max.cwiseAbs());
-  return {box.min + hair, box.max - hair};
+/// With this margin the corners of a clipped plane, rounded to float, stay inside the box.
+Box shrunk_by_rounding(const Box& box) {
+  const Vec3 margin = 1e-6 * box.min.cwiseAbs().cwiseMax(box.max.cwiseAbs());
+  return {box.min + margin, box.max - margin};
 }
 
 bool is_finite(const btTransform& t) {
@@ -22,10 +22,10 @@ bool is_finite(const btTransform& t) {
 }  // namespace
 
 CollisionObjectHost::CollisionObjectHost(const btCollisionObject* object, const Box& kill_box)
-    : object_(object), kill_box_(a_hair_smaller(kill_box)), transform_(btTransform::getIdentity()) {}
+    : object_(object), kill_box_(shrunk_by_rounding(kill_box)), transform_(btTransform::getIdentity()) {}
 
 void CollisionObjectHost::set_kill_box(const Box& kill_box) {
-  kill_box_ = a_hair_smaller(kill_box);
+  kill_box_ = shrunk_by_rounding(kill_box);
   world_.clear();
 }
 
@@ -41,8 +41,8 @@ Status CollisionObjectHost::read_if_changed() {
   return status;
 }
 
-/// World positions, and the triangles that go with them: a plane's polygon depends on where the object is.
-Status CollisionObjectHost::place(const btTransform& transform) {
+/// World positions and triangles: the polygon of a plane depends on the transform.
+Status CollisionObjectHost::update_positions(const btTransform& transform) {
   if (!world_.empty() && transform == transform_) return Status::accepted();
   if (!is_finite(transform)) return Status::refused("collision object has a transform that is not finite");
   transform_ = transform;
@@ -66,7 +66,7 @@ Status CollisionObjectHost::place(const btTransform& transform) {
 Gathered CollisionObjectHost::gather(double dt, SurfaceMotion& motion) {
   Gathered result;
   result.status = read_if_changed();
-  if (result.status.ok()) result.status = place(object_->getWorldTransform());
+  if (result.status.ok()) result.status = update_positions(object_->getWorldTransform());
   if (!result.status.ok()) {
     signature_.clear();
     return result;

@@ -8,17 +8,17 @@
 
 namespace oilskin::bullet {
 
-/// Every node is prescribed and not holdable: the object goes where its owner puts it, and takes no impulse.
-/// Positions are world positions in btScalar, computed with the object's transform as Bullet computes them.
+/// All nodes are prescribed and not holdable: the owner moves the object, and it receives no impulse.
+/// Positions are world positions in btScalar, transformed as Bullet does.
 class CollisionObjectHost : public SurfaceHost {
  public:
-  /// Static planes are cut to their part in `kill_box` [m].
+  /// Static planes are clipped to `kill_box` [m].
   CollisionObjectHost(const btCollisionObject* object, const Box& kill_box);
 
-  /// Reads transform and scaling anew. Refuses shapes without triangles, planes outside the kill box and
+  /// Reads transform and scaling again. Refuses shapes without triangles, planes outside the kill box and
   /// transforms that are not finite.
   Gathered gather(double dt, SurfaceMotion& motion) override;
-  /// The object does not answer; puts back where it is.
+  /// Does not change the object; sets x_t1 to its positions.
   void scatter(SurfaceMotion& motion) override;
 
   void set_kill_box(const Box& kill_box);
@@ -28,7 +28,7 @@ class CollisionObjectHost : public SurfaceHost {
 
  private:
   Status read_if_changed();
-  Status place(const btTransform& transform);
+  Status update_positions(const btTransform& transform);
 
   const btCollisionObject* object_;
   Box kill_box_;

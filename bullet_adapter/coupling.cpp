@@ -56,8 +56,8 @@ const SurfaceMotion* btFluidCoupling::Impl::surface(const btCollisionObject* obj
   return a && a->id ? world()->surface(a->id) : nullptr;
 }
 
-/// btSoftRigidDynamicsWorld::setGravity() does not reach soft bodies: what they fall with is their world
-/// info's.
+/// btSoftRigidDynamicsWorld::setGravity() does not affect soft bodies: their gravity is that of their world
+/// info.
 Status btFluidCoupling::Impl::follow_gravity() {
   if (!use_cloth_gravity) return Status::accepted();
   for (const Attachment& a : attachments) {
@@ -75,7 +75,7 @@ const StepReport& btFluidCoupling::Impl::refuse(std::string why) {
 }
 
 btFluidCoupling::btFluidCoupling(btFluid* fluid) : m_impl(std::make_unique<Impl>()) {
-  // A constructor cannot refuse; step() says what is wrong.
+  // A constructor cannot refuse; step() returns the reason.
   if (!fluid) return;
   const Status status = addFluid(fluid);
   if (!status.ok()) m_impl->refuse(status.message);

@@ -1,4 +1,4 @@
-/// What a btFluidCoupling keeps.
+/// Data of btFluidCoupling.
 #pragma once
 
 #include "collision_object_host.h"
@@ -7,14 +7,14 @@
 
 namespace oilskin::bullet {
 
-/// Something attached. Exactly one of the hosts is set.
+/// An attached object. Exactly one of the hosts is set.
 struct Attachment {
   const btCollisionObject* object = nullptr;
-  btSoftBody* cloth = nullptr;  ///< the object, when it is one
+  btSoftBody* cloth = nullptr;  ///< the object, if it is a cloth
   std::unique_ptr<SoftBodyHost> soft;
   std::unique_ptr<CollisionObjectHost> rigid;
   SurfaceSettings settings;
-  SurfaceId id;  ///< 0 while there is no fluid
+  SurfaceId id;  ///< 0 without a fluid
 
   SurfaceHost& host() { return soft ? static_cast<SurfaceHost&>(*soft) : *rigid; }
 };
@@ -23,7 +23,7 @@ struct btFluidCoupling::Impl {
   btFluid* fluid = nullptr;
   std::vector<Attachment> attachments;
   bool use_cloth_gravity = true;
-  StepReport refused;  // what step() returns where World::step was not reached
+  StepReport refused;  // returned by step() if World::step was not called
 
   World* world() const { return fluid ? &fluid->getWorld() : nullptr; }
   Attachment* find(const btCollisionObject* object);

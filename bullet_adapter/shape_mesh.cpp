@@ -18,9 +18,9 @@ namespace oilskin::bullet {
 
 namespace {
 
-constexpr int deepest_compound = 32;  // a compound that contains itself must not hang us
+constexpr int max_compound_depth = 32;  // ends the recursion for a compound that contains itself
 
-/// Collects the triangles of one shape and welds what coincides.
+/// Collects the triangles of one shape and welds coincident vertices.
 class Collector : public btTriangleCallback, public btInternalTriangleIndexCallback {
  public:
   Collector(const btTransform& to_body, ShapeMesh* mesh) : to_body_(to_body), mesh_(mesh) {}
@@ -82,13 +82,13 @@ btAlignedObjectArray<btVector3> support_points(const btConvexShape& shape) {
 
 void read_concave(const btCollisionShape& shape, Collector* collector) {
   const int type = shape.getShapeType();
-  const btScalar largest = btScalar(BT_LARGE_FLOAT);
-  const btVector3 lowest(-largest, -largest, -largest), highest(largest, largest, largest);
+  const btScalar large = btScalar(BT_LARGE_FLOAT);
+  const btVector3 box_min(-large, -large, -large), box_max(large, large, large);
   if (type == TRIANGLE_MESH_SHAPE_PROXYTYPE || type == MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE)
     static_cast<const btTriangleMeshShape&>(shape).getMeshInterface()->InternalProcessAllTriangles(
-        collector, lowest, highest);
+        collector, box_min, box_max);
   else
-    static_cast<const btConcaveShape&>(shape).processAllTriangles(collector, lowest, highest);
+    static_cast<const btConcaveShape&>(shape).processAllTriangles(collector, box_min, box_max);
 }
 
 Status read_convex(const btCollisionShape& shape, Collector* collector) {
@@ -118,7 +118,7 @@ void read_plane(const btStaticPlaneShape& shape, const btTransform& to_body, Sha
 Status read(const btCollisionShape& shape, const btTransform& to_body, int depth, ShapeMesh* mesh) {
   const int type = shape.getShapeType();
   if (type == COMPOUND_SHAPE_PROXYTYPE) {
-    if (depth >= deepest_compound) return unsupported(shape, "is nested too deeply");
+    if (depth >= max_compound_depth) return unsupported(shape, "is nested too deeply");
     const auto& compound = static_cast<const btCompoundShape&>(shape);
     for (int i = 0; i < compound.getNumChildShapes(); ++i) {
       const btTransform child = to_body * compound.getChildTransform(i);
@@ -148,7 +148,7 @@ void add_signature(const btCollisionShape& shape, int depth, std::vector<double>
   add(shape.getLocalScaling());
   if (shape.getShapeType() == CONVEX_HULL_SHAPE_PROXYTYPE)
     values->push_back(static_cast<const btConvexHullShape&>(shape).getNumPoints());
-  if (shape.getShapeType() != COMPOUND_SHAPE_PROXYTYPE || depth >= deepest_compound) return;
+  if (shape.getShapeType() != COMPOUND_SHAPE_PROXYTYPE || depth >= max_compound_depth) return;
   const auto& compound = static_cast<const btCompoundShape&>(shape);
   for (int i = 0; i < compound.getNumChildShapes(); ++i) {
     const btTransform& child = compound.getChildTransform(i);

@@ -8,27 +8,27 @@
 
 namespace oilskin::bullet {
 
-/// A shape in its body's frame: what moves with the body, and planes, whose part inside the kill box depends
-/// on where the body is.
+/// A shape in its body's frame: triangles, and planes, whose polygons in the kill box depend on the
+/// transform.
 struct ShapeMesh {
   struct Plane {
     btVector3 normal;
     btScalar constant;  ///< normal·x = constant
   };
-  std::vector<btVector3> vertices;  ///< coincident ones welded
+  std::vector<btVector3> vertices;  ///< coincident ones are welded
   std::vector<Triangle> triangles;
   std::vector<Plane> planes;
 };
 
-/// Triangle meshes (any concave shape that lists its triangles), convex hulls, boxes and tetrahedra exactly,
-/// without the collision margin where Bullet adds one outside; spheres circumscribed (tessellation.h); other
-/// convex shapes (capsule, cylinder, cone, …) as the hull of 642 of their surface points, inscribed, margin
-/// included; static planes; compounds of these. Scaling is the shape's. Refuses what has no triangles, naming
-/// the shape.
+/// Reads triangle meshes (any concave shape that lists its triangles), convex hulls, boxes and tetrahedra
+/// exactly, without the collision margin that Bullet adds outside; spheres circumscribed (tessellation.h);
+/// other convex shapes (capsule, cylinder, cone, …) as the hull of 642 of their surface points, inscribed,
+/// with the margin; static planes; compounds of these. Applies the shape's scaling. Refuses shapes without
+/// triangles by name.
 Status read_shape(const btCollisionShape& shape, ShapeMesh* mesh);
 
-/// Changes when the shape has to be read again: another shape, another scaling or margin, children added,
-/// removed or moved. Not when somebody writes into the vertex array of a triangle mesh.
+/// Differs if the shape must be read again: another shape, scaling or margin, children added, removed or
+/// moved. Does not detect changes of the vertex array of a triangle mesh.
 std::vector<double> shape_signature(const btCollisionShape& shape);
 
 }  // namespace oilskin::bullet

@@ -15,7 +15,7 @@ bool finite(const btVector3& v) {
   return to_vec3(v).allFinite();
 }
 
-/// A body whose simulation is switched off stays where its owner puts it, whatever its masses say.
+/// The owner moves a body whose simulation is disabled, whatever its masses are.
 bool is_simulated(const btSoftBody& body) {
   return body.getActivationState() != DISABLE_SIMULATION;
 }
@@ -45,7 +45,7 @@ Status SoftBodyHost::check() const {
   return Status::accepted();
 }
 
-/// True where faces or nodes are not those of the last call.
+/// True if faces or nodes differ from those of the last call.
 bool SoftBodyHost::read_faces() {
   std::vector<Triangle> faces(static_cast<std::size_t>(body_->m_faces.size()));
   const btSoftBody::Node* first = &body_->m_nodes[0];
@@ -65,10 +65,10 @@ bool SoftBodyHost::is_prescribed(std::size_t i) const {
 void SoftBodyHost::weld_all() {
   const auto n = static_cast<std::size_t>(body_->m_nodes.size());
   contact_node_.resize(n);
-  PointNumbers places;
+  PointNumbers points;
   for (std::size_t i = 0; i < n; ++i)
-    contact_node_[i] = options_.weld ? places.number_of(to_vec3(node(i).m_x)) : static_cast<std::uint32_t>(i);
-  contact_nodes_ = options_.weld ? places.size() : n;
+    contact_node_[i] = options_.weld ? points.number_of(to_vec3(node(i).m_x)) : static_cast<std::uint32_t>(i);
+  contact_nodes_ = options_.weld ? points.size() : n;
   count_copies();
 }
 
@@ -77,8 +77,8 @@ void SoftBodyHost::count_copies() {
   for (std::uint32_t c : contact_node_) ++copies_[c];
 }
 
-/// Pinned copies that somebody moves apart cannot be one node: all copies there become nodes of their own,
-/// for good. They start where the common node was at the start of the interval.
+/// Pinned copies that are moved apart cannot be one node: all their copies become separate contact nodes
+/// permanently. These start at the position of the common node at the start of the interval.
 bool SoftBodyHost::split_pins(SurfaceMotion& motion) {
   const std::size_t n = contact_node_.size();
   if (contact_nodes_ == n) return false;
@@ -109,7 +109,7 @@ bool SoftBodyHost::split_pins(SurfaceMotion& motion) {
   return true;
 }
 
-/// Where a contact node is: with a pinned copy if there is one, else at the centre of mass of its copies.
+/// A contact node is at its pinned copy if it has one, otherwise at the centre of mass of its copies.
 void SoftBodyHost::fill(double dt, SurfaceMotion& motion) {
   motion.x_t1.resize(contact_nodes_);
   motion.velocity.assign(contact_nodes_, Vec3::Zero());
@@ -121,7 +121,7 @@ void SoftBodyHost::fill(double dt, SurfaceMotion& motion) {
     std::uint32_t& first = first_copy_[contact_node_[i]];
     if (first == none || (is_prescribed(i) && !is_prescribed(first))) first = static_cast<std::uint32_t>(i);
   }
-  // Relative to the first copy, so that equal copies give exactly their value.
+  // Relative to the first copy, so that copies at equal positions give exactly that position.
   std::vector<double> mass(contact_nodes_, 0);
   std::vector<Vec3> moment(contact_nodes_, Vec3::Zero());
   for (std::size_t i = 0; i < contact_node_.size(); ++i) {
@@ -140,14 +140,14 @@ void SoftBodyHost::fill(double dt, SurfaceMotion& motion) {
       motion.holdable[c] = options_.may_hold_pins;
       continue;
     }
-    const bool sewn = copies_[c] > 1;
-    if (sewn) motion.x_t1[c] = stored(motion.x_t1[c] + moment[c] / mass[c], bt_storage);
+    const bool welded = copies_[c] > 1;
+    if (welded) motion.x_t1[c] = stored(motion.x_t1[c] + moment[c] / mass[c], bt_storage);
     motion.velocity[c] = velocity[c];
-    motion.inverse_mass[c] = sewn ? 1 / mass[c] : static_cast<double>(first.m_im);
+    motion.inverse_mass[c] = welded ? 1 / mass[c] : static_cast<double>(first.m_im);
   }
 }
 
-/// Of the free copies of each contact node, weighted by mass.
+/// Mean velocities of the free copies of each contact node, weighted by mass.
 std::vector<Vec3> SoftBodyHost::common_velocities() const {
   std::vector<Vec3> velocity(contact_nodes_);
   for (std::size_t c = 0; c < contact_nodes_; ++c) velocity[c] = to_vec3(node(first_copy_[c]).m_v);
@@ -178,7 +178,7 @@ Gathered SoftBodyHost::gather(double dt, SurfaceMotion& motion) {
     result.new_surface = split_pins(motion);
   }
   if (result.new_surface || motion.triangles.size() != faces_.size()) {
-    result.new_surface = true;  // a motion that has never been filled, too
+    result.new_surface = true;  // also for a motion that has never been filled
     motion.storage = bt_storage;
     motion.nodes_movable = false;  // Bullet's position solver turns moved nodes into velocity
     motion.triangles = faces_;
@@ -190,25 +190,25 @@ Gathered SoftBodyHost::gather(double dt, SurfaceMotion& motion) {
   return result;
 }
 
-/// Velocities by adding, positions only where contact moved them or copies are kept together. True where
+/// Adds impulses to velocities; sets positions only of nodes that contact moved and of copies. True if
 /// contact moved the node.
 bool SoftBodyHost::scatter_node(std::size_t i, const Vec3& velocity, const SurfaceMotion& motion) {
   btSoftBody::Node& n = node(i);
   const std::uint32_t c = contact_node_[i];
-  const bool moved = motion.moved[c] != 0, sewn = copies_[c] > 1;
+  const bool moved = motion.moved[c] != 0, welded = copies_[c] > 1;
   if (motion.inverse_mass[c] > 0) {
-    if (sewn || !motion.impulse[c].isZero(0))
+    if (welded || !motion.impulse[c].isZero(0))
       n.m_v = to_bt(velocity + motion.inverse_mass[c] * motion.impulse[c]);
   } else if (moved && motion.holdable[c]) {
-    // A velocity left on a pin would carry it off: Bullet integrates nodes of mass 0, too.
+    // Bullet integrates nodes of mass 0, too: a velocity would move the pin away.
     n.m_v = btVector3(0, 0, 0);
   } else if (!is_prescribed(i)) {
-    n.m_v = to_bt(motion.velocity[c]);  // sewn to a pin
+    n.m_v = to_bt(motion.velocity[c]);  // a free copy of a pin
   } else {
     return false;
   }
-  n.m_vn = n.m_v;  // the implicit deformable solver restarts from it
-  if (moved || sewn) n.m_x = to_bt(motion.x_t1[c]);
+  n.m_vn = n.m_v;  // the implicit deformable solver starts from it
+  if (moved || welded) n.m_x = to_bt(motion.x_t1[c]);
   return moved;
 }
 
@@ -217,16 +217,16 @@ void SoftBodyHost::scatter(SurfaceMotion& motion) {
   node_impulse_.assign(n, Vec3::Zero());
   if (static_cast<std::size_t>(body_->m_nodes.size()) != n || motion.impulse.size() != contact_nodes_ ||
       motion.moved.size() != contact_nodes_)
-    return;  // the body changed since gather: the next gather sees a new surface
+    return;  // the body changed since gather: the next gather reports a new surface
   const std::vector<Vec3> velocity = common_velocities();
   bool any_moved = false, any_impulse = false;
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t c = contact_node_[i];
     any_moved |= scatter_node(i, velocity[c], motion);
-    const double share = motion.inverse_mass[c] > 0 && copies_[c] > 1
-                             ? motion.inverse_mass[c] / static_cast<double>(node(i).m_im)
-                             : 1.0 / copies_[c];
-    node_impulse_[i] = share * motion.impulse[c];
+    const double fraction = motion.inverse_mass[c] > 0 && copies_[c] > 1
+                                ? motion.inverse_mass[c] / static_cast<double>(node(i).m_im)
+                                : 1.0 / copies_[c];
+    node_impulse_[i] = fraction * motion.impulse[c];
     any_impulse |= motion.inverse_mass[c] > 0 && !motion.impulse[c].isZero(0);
   }
   if (any_impulse && !body_->isActive()) body_->activate();

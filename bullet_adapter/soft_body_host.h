@@ -7,29 +7,31 @@
 
 namespace oilskin::bullet {
 
-/// Reads and writes a soft body at the end of a Bullet sub-step (or after stepSimulation). Its pointers are
-/// looked up at every call, never kept: soft bodies are cut, refined and re-ordered while they live.
+/// Reads and writes a soft body at the end of a Bullet sub-step (or after stepSimulation). Keeps no pointers
+/// into the body between calls, since soft bodies may be cut, refined and re-ordered.
 ///
 /// Nodes of mass 0 are prescribed: their velocity is their motion since the last coupling.
 class SoftBodyHost : public SurfaceHost {
  public:
   struct Options {
-    bool may_hold_pins = true;  ///< contact may stop a pin for an interval when it closes on a particle
-    /// Nodes at bit-equal positions at attach are one contact node of their common mass, and stay together:
-    /// Bullet does not hold copies together, so every scatter puts them where the contact node is, with their
-    /// common velocity (momentum is kept). Off: a seam that Bullet opens is a hole.
+    /// Contact may hold a pin for an interval if it closes on a particle.
+    bool may_hold_pins = true;
+    /// Nodes at bit-equal positions at attach are copies of one contact node with their common mass. Bullet
+    /// does not keep copies together, so each scatter sets them to the contact node's position and their
+    /// common velocity (momentum is kept). Off: copies that Bullet separates leave a hole.
     bool weld = true;
   };
 
   SoftBodyHost(btSoftBody* body, Options options) : body_(body), options_(options) {}
 
-  /// Refuses bodies without faces, faces with foreign nodes, non-finite nodes (naming the first one).
+  /// Refuses bodies without faces, faces with nodes of other bodies, and nodes that are not finite (names the
+  /// first).
   Gathered gather(double dt, SurfaceMotion& motion) override;
   void scatter(SurfaceMotion& motion) override;
 
   /// The motion up to the next gather is a teleport: pins get no velocity from it.
   void forget_motion() { forget_motion_ = true; }
-  /// Whether scatter renews the normals where it moved nodes. Off where Bullet does so right after us.
+  /// Should scatter update the normals if it moved nodes? Off if Bullet updates them directly afterwards.
   void set_update_normals(bool on) { update_normals_ = on; }
   /// Impulse of the last scatter on each node in Bullet's order [N s].
   const std::vector<Vec3>& node_impulses() const { return node_impulse_; }
@@ -50,11 +52,11 @@ class SoftBodyHost : public SurfaceHost {
   Options options_;
   bool forget_motion_ = true;
   bool update_normals_ = true;
-  std::vector<Triangle> faces_;              // in Bullet's node numbers, as last seen
-  std::vector<std::uint32_t> contact_node_;  // of each Bullet node
+  std::vector<Triangle> faces_;              // of the last gather, in Bullet's node numbers
+  std::vector<std::uint32_t> contact_node_;  // per Bullet node
   std::size_t contact_nodes_ = 0;
-  std::vector<std::uint32_t> copies_;      // of each contact node
-  std::vector<std::uint32_t> first_copy_;  // of each contact node, a pinned one if there is one
+  std::vector<std::uint32_t> copies_;      // number of copies per contact node
+  std::vector<std::uint32_t> first_copy_;  // per contact node; a pinned copy if there is one
   std::vector<Vec3> node_impulse_;
 };
 

@@ -16,15 +16,15 @@ const StepReport& btFluidSoftBodySolver::getReport() const {
   return m_coupling.getReport();
 }
 
-/// The only call that knows the length of a sub-step. Bullet hands it over as a float in any precision, and
-/// moves its soft bodies by that.
+/// The only call with the length of a sub-step. Bullet passes it as a float in both precisions, and advances
+/// its soft bodies by that.
 void btFluidSoftBodySolver::predictMotion(btScalar solverdt) {
   m_pendingTime += static_cast<double>(solverdt);
   btDefaultSoftBodySolver::predictMotion(solverdt);
 }
 
-/// The last call of a sub-step: links, contacts and self-collision are solved, normals are not yet renewed.
-/// What is written now stays (before this point Bullet would overwrite it).
+/// The last call of a sub-step: links, contacts and self-collision are solved, normals are not updated yet.
+/// Bullet does not overwrite what is written from here on.
 void btFluidSoftBodySolver::updateSoftBodies() {
   ++m_pending;
   if (m_pending >= m_interval && m_pendingTime > 0) {

@@ -18,15 +18,15 @@ PointMesh icosahedron() {
     for (double b : {-g, g})
       for (const Vec3& p : {Vec3(0, a, b), Vec3(a, b, 0), Vec3(b, 0, a)})
         mesh.points.push_back(p.normalized());
-  // Faces are the triples of mutual neighbours; an edge is the shortest distance that occurs.
-  const double edge = 2 / std::sqrt(1 + g * g), reach = 1.1 * edge;
-  auto near = [&](std::uint32_t i, std::uint32_t j) {
-    return (mesh.points[i] - mesh.points[j]).norm() < reach;
+  // Faces are the triples of neighbours; edges are the shortest distances.
+  const double edge = 2 / std::sqrt(1 + g * g), max_edge = 1.1 * edge;
+  auto adjacent = [&](std::uint32_t i, std::uint32_t j) {
+    return (mesh.points[i] - mesh.points[j]).norm() < max_edge;
   };
   for (std::uint32_t i = 0; i < 12; ++i)
     for (std::uint32_t j = i + 1; j < 12; ++j)
       for (std::uint32_t k = j + 1; k < 12; ++k) {
-        if (!near(i, j) || !near(j, k) || !near(i, k)) continue;
+        if (!adjacent(i, j) || !adjacent(j, k) || !adjacent(i, k)) continue;
         const Vec3 n = (mesh.points[j] - mesh.points[i]).cross(mesh.points[k] - mesh.points[i]);
         if (n.dot(mesh.points[i]) > 0)
           mesh.triangles.push_back({i, j, k});
@@ -36,7 +36,7 @@ PointMesh icosahedron() {
   return mesh;
 }
 
-PointMesh quartered(const PointMesh& coarse) {
+PointMesh subdivided(const PointMesh& coarse) {
   PointMesh fine;
   fine.points = coarse.points;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
@@ -56,7 +56,7 @@ PointMesh quartered(const PointMesh& coarse) {
   return fine;
 }
 
-/// Drops the points that no triangle uses.
+/// Removes the points that no triangle uses.
 void compact(PointMesh& mesh) {
   std::map<std::uint32_t, std::uint32_t> kept;
   std::vector<Vec3> points;
@@ -101,19 +101,19 @@ std::vector<Vec3> clip(const std::vector<Vec3>& polygon, int axis, double sign, 
 
 PointMesh icosphere(int levels) {
   PointMesh mesh = icosahedron();
-  for (int i = 0; i < levels; ++i) mesh = quartered(mesh);
+  for (int i = 0; i < levels; ++i) mesh = subdivided(mesh);
   return mesh;
 }
 
 PointMesh circumscribed_sphere(double radius) {
   PointMesh mesh = icosphere(3);
-  double inner = 1;  // least distance of a triangle's plane from the centre
+  double inradius = 1;  // smallest distance of a triangle's plane from the centre
   for (const Triangle& t : mesh.triangles) {
     const Vec3& a = mesh.points[t[0]];
     const Vec3 n = (mesh.points[t[1]] - a).cross(mesh.points[t[2]] - a).normalized();
-    inner = std::min(inner, n.dot(a));
+    inradius = std::min(inradius, n.dot(a));
   }
-  for (Vec3& p : mesh.points) p *= radius / inner;
+  for (Vec3& p : mesh.points) p *= radius / inradius;
   return mesh;
 }
 

@@ -1,4 +1,4 @@
-/// Triangles for shapes that have none.
+/// Triangle meshes for shapes that are not meshes.
 #pragma once
 
 #include <LinearMath/btAlignedObjectArray.h>
@@ -13,17 +13,15 @@ struct PointMesh {
   std::vector<Triangle> triangles;  ///< counter-clockwise from outside
 };
 
-/// Unit directions that cover the sphere evenly and the triangles between them: an icosahedron whose
-/// triangles were quartered `levels` times (10 · 4^levels + 2 points).
+/// Evenly distributed unit directions and their triangles: an icosahedron whose triangles are divided in four
+/// `levels` times (10 · 4^levels + 2 points).
 PointMesh icosphere(int levels);
 
-/// A sphere's mesh is circumscribed: its triangles touch the sphere from outside, so that no fluid enters the
-/// ball that is drawn. At the level used (3: 642 points, 1280 triangles) corners stand out by less than 1 %
-/// of r.
+/// The triangles touch the sphere from outside, so that no fluid enters the ball that is drawn. Level 3 (642
+/// points, 1280 triangles): corners are less than 1 % of r outside.
 PointMesh circumscribed_sphere(double radius);
 
-/// The hull of points; its corners are points of the input bit for bit. Flat or smaller input gives no
-/// triangles.
+/// The convex hull; its corners are points of the input bit for bit. No triangles for points in a plane.
 PointMesh convex_hull(const btAlignedObjectArray<btVector3>& points);
 
 /// The part of the plane n·x = c, |n| = 1, that lies in the box: a convex polygon as a fan, or nothing.

@@ -1,5 +1,5 @@
-/// Coincident points made one: unwelded meshes carry a copy of a vertex for every triangle that uses it, and
-/// an impulse on one of the copies would open the seam.
+/// Finds coincident points. Unwelded meshes have a copy of a vertex for each of its triangles, and an impulse
+/// on one copy would separate them.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace oilskin::bullet {
 
-/// Numbers distinct points in the order of their first appearance. +0 and −0 are the same place.
+/// Numbers distinct points in the order of their first appearance. +0 and −0 are equal.
 class PointNumbers {
  public:
   std::uint32_t number_of(const Vec3& p) {

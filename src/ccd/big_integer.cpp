@@ -31,12 +31,12 @@ Limb add(const BigInteger& larger, const BigInteger& smaller, Limb* out) {
   for (int i = 0; i < smaller.size; ++i) {
     carry += static_cast<WideLimb>(larger.limbs[i]) + smaller.limbs[i];
     out[i] = static_cast<Limb>(carry);
-    carry >>= kLimbBits;
+    carry >>= limb_bits;
   }
   for (int i = smaller.size; i < larger.size; ++i) {
     carry += larger.limbs[i];
     out[i] = static_cast<Limb>(carry);
-    carry >>= kLimbBits;
+    carry >>= limb_bits;
   }
   return static_cast<Limb>(carry);
 }
@@ -73,20 +73,21 @@ int compare_magnitudes(const BigInteger& a, const BigInteger& b) {
 
 Scaled approximation(const BigInteger& a) {
   if (a.sign == 0) return {};
-  // The leading limb may be as small as 1: 64 bits behind it leave out less than 2⁻⁶⁴ of the whole. Five
-  // roundings at most.
-  constexpr int kLimbs = 1 + 64 / kLimbBits;
-  constexpr double kBase = 2.0 * (Limb{1} << (kLimbBits - 1));
+  // The leading limb may be as small as 1: with 64 bits behind it the relative truncation error is below
+  // 2⁻⁶⁴. At most five roundings.
+  constexpr int leading_limbs = 1 + 64 / limb_bits;
+  constexpr double limb_base = 2.0 * (Limb{1} << (limb_bits - 1));
   double leading = 0;
-  for (int i = 1; i <= kLimbs; ++i) {
-    leading = leading * kBase + (i <= a.size ? static_cast<double>(a.limbs[a.size - i]) : 0.0);
+  for (int i = 1; i <= leading_limbs; ++i) {
+    leading = leading * limb_base + (i <= a.size ? static_cast<double>(a.limbs[a.size - i]) : 0.0);
   }
   const int exponent = exponent_of(leading);
-  return {a.sign * scaled(leading, -exponent), exponent + kLimbBits * (a.size - kLimbs)};
+  return {a.sign * scaled(leading, -exponent), exponent + limb_bits * (a.size - leading_limbs)};
 }
 
 Decomposed decompose(double x) {
-  static_assert(std::numeric_limits<double>::is_iec559 && sizeof(double) == 8, "doubles are taken apart");
+  static_assert(std::numeric_limits<double>::is_iec559 && sizeof(double) == 8,
+                "decompose reads the bits of IEEE doubles");
   std::uint64_t bits = 0;
   std::memcpy(&bits, &x, sizeof bits);
   const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
@@ -100,7 +101,7 @@ Decomposed decompose(double x) {
 
 Limb* Workspace::reserve(int size) {
   OILSKIN_ASSERT(size > 0);
-  if (exhausted_ || used_ + static_cast<std::size_t>(size) > kCapacity) {
+  if (exhausted_ || used_ + static_cast<std::size_t>(size) > capacity) {
     exhausted_ = true;
     return nullptr;
   }
@@ -127,17 +128,17 @@ BigInteger Workspace::from_double(double x, int exponent) {
   std::uint64_t bits = parts.mantissa;
   const int shift = parts.exponent - exponent;
   OILSKIN_ASSERT(shift >= 0);
-  const int whole_limbs = shift / kLimbBits, size = whole_limbs + 1 + 64 / kLimbBits;
+  const int zero_limbs = shift / limb_bits, size = zero_limbs + 1 + 64 / limb_bits;
   Limb* out = reserve(size);
   if (out == nullptr) return {};
   std::fill(out, out + size, Limb{0});
-  // Limb by limb, so that nothing is shifted by a limb's whole length.
+  // Limb by limb, since a shift by the full width of a type is undefined.
   WideLimb carry = 0;
-  for (int i = whole_limbs; i < size; ++i) {
-    carry += static_cast<WideLimb>(static_cast<Limb>(bits)) << (shift % kLimbBits);
+  for (int i = zero_limbs; i < size; ++i) {
+    carry += static_cast<WideLimb>(static_cast<Limb>(bits)) << (shift % limb_bits);
     out[i] = static_cast<Limb>(carry);
-    carry >>= kLimbBits;
-    bits = kLimbBits == 64 ? 0 : bits >> (kLimbBits % 64);
+    carry >>= limb_bits;
+    bits = limb_bits == 64 ? 0 : bits >> (limb_bits % 64);
   }
   return keep(out, size, x < 0 ? -1 : 1);
 }
@@ -183,17 +184,17 @@ BigInteger Workspace::product(const BigInteger& a, const BigInteger& b) {
   for (int j = 0; j < b.size; ++j) {
     carry += static_cast<WideLimb>(a.limbs[0]) * b.limbs[j];
     out[j] = static_cast<Limb>(carry);
-    carry >>= kLimbBits;
+    carry >>= limb_bits;
   }
   out[b.size] = static_cast<Limb>(carry);
   for (int i = 1; i < a.size; ++i) {
     const WideLimb factor = a.limbs[i];
     carry = 0;
-    if (factor != 0) {  // numbers of very different sizes leave long gaps
+    if (factor != 0) {  // numbers of very different magnitudes have many zero limbs
       for (int j = 0; j < b.size; ++j) {
         carry += factor * b.limbs[j] + out[i + j];
         out[i + j] = static_cast<Limb>(carry);
-        carry >>= kLimbBits;
+        carry >>= limb_bits;
       }
     }
     out[i + b.size] = static_cast<Limb>(carry);

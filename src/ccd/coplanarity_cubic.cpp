@@ -5,33 +5,16 @@
 
 #include "core/assert.h"
 
-// The error bound (T.6). Every computed number is a sum of products of exact ones, and u = 2⁻⁵³. A term that
-// went through n roundings is wrong by n u of its magnitude (and terms of second order), so n u times the sum
-// of the magnitudes of all terms bounds the error. Roundings per term, on top of the lines before:
-//
-//   E = b − a, F = c − a, W = p − a      the difference                                         1
-//   E×F                                  two inputs, the product, the difference                4
-//   Nm = E⁰×F¹ + E¹×F⁰                   one sum more                                           5
-//   Nm·W                                 5, W, the product, two sums                            9
-//   (N0·W1 + Nm·W0) · ⅓                  9, one sum, the rounded ⅓, its product                12
-//   a value, or a coefficient of a part  12, three levels of (1 − t) x + t y: the difference,
-//                                        the product, the sum                                  21
-//
-// The magnitudes: a coefficient is a mean of determinants whose rows are E, F and W at either end, so those
-// of its terms sum to at most the permanent P of the maxima over both ends, component by component; a value,
-// or a coefficient of a part, is a mean of coefficients with weights that sum to 1. So 21 u P bounds the
-// error. P is computed from rounded differences with five roundings: at most 9 u below, relatively; this and
-// the terms of second order are far below the u P by which 22 u P exceeds it.
-//
-// Underflow: a product of two differences is wrong by up to 2⁻¹⁰⁷⁵, and W multiplies six of them for each
-// coefficient; ten later products are wrong by as much. In all less than 2⁻¹⁰⁷¹ (1 + max|W|), which is below
-// u P / 1000 if P > 1e-280 (1 + max|W|). Overflow of any product makes a coefficient infinite or no number.
+// The error bound 22 u P, with u = 2⁻⁵³ and the permanent P of (T.5), is derived in
+// docs/theory/continuous_test.md, "Its error bound". Each term of a computed number goes through at most 21
+// roundings; a change of the operations below changes their number. Underflow adds less than u P / 1000 if
+// P > 1e-280 (1 + max |W|). An overflow makes a coefficient infinite or NaN.
 
 namespace oilskin::ccd::detail {
 namespace {
 
-constexpr double kErrorFactor = 22 * kUnitRoundoff;
-constexpr double kThird = 1.0 / 3.0;
+constexpr double error_factor = 22 * unit_roundoff;
+constexpr double third = 1.0 / 3.0;
 
 struct V {
   double x, y, z;
@@ -49,7 +32,7 @@ inline V sum(const V& a, const V& b) {
 inline double dot(const V& a, const V& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-inline V largest(const V& a, const V& b) {
+inline V max_magnitudes(const V& a, const V& b) {
   return {std::max(std::abs(a.x), std::abs(b.x)), std::max(std::abs(a.y), std::abs(b.y)),
           std::max(std::abs(a.z), std::abs(b.z))};
 }
@@ -68,12 +51,12 @@ CoplanarityCubic::CoplanarityCubic(const PointTriangleMotion& m, const RelativeM
   const V w0{-relative.t0[0][0], -relative.t0[0][1], -relative.t0[0][2]};
   const V w1{-relative.t1[0][0], -relative.t1[0][1], -relative.t1[0][2]};
   const V n0 = cross(e0, f0), n1 = cross(e1, f1), nm = sum(cross(e0, f1), cross(e1, f0));
-  whole_ = {
-      {dot(n0, w0), (dot(n0, w1) + dot(nm, w0)) * kThird, (dot(n1, w0) + dot(nm, w1)) * kThird, dot(n1, w1)}};
-  const V w = largest(w0, w1);
-  const double magnitude = permanent(largest(e0, e1), largest(f0, f1), w);
-  error_ = kErrorFactor * magnitude;
-  const double* k = whole_.k;
+  on_step_ = {
+      {dot(n0, w0), (dot(n0, w1) + dot(nm, w0)) * third, (dot(n1, w0) + dot(nm, w1)) * third, dot(n1, w1)}};
+  const V w = max_magnitudes(w0, w1);
+  const double magnitude = permanent(max_magnitudes(e0, e1), max_magnitudes(f0, f1), w);
+  error_ = error_factor * magnitude;
+  const double* k = on_step_.k;
   const double sum_of_magnitudes = std::abs(k[0]) + std::abs(k[1]) + std::abs(k[2]) + std::abs(k[3]);
   bounded_ =
       magnitude > 1e-280 * (1 + std::max({w.x, w.y, w.z})) && magnitude < 1e290 && sum_of_magnitudes < 1e291;
@@ -81,7 +64,7 @@ CoplanarityCubic::CoplanarityCubic(const PointTriangleMotion& m, const RelativeM
 
 Coefficients CoplanarityCubic::on(const TimeSpan& span) const {
   const double a = span.begin, b = span.end, s = 1 - a, r = 1 - b;
-  const double* k = whole_.k;
+  const double* k = on_step_.k;
   const double a0 = lerp(k[0], k[1], s, a), a1 = lerp(k[1], k[2], s, a), a2 = lerp(k[2], k[3], s, a);
   const double aa0 = lerp(a0, a1, s, a), aa1 = lerp(a1, a2, s, a);
   const double ab0 = lerp(a0, a1, r, b), ab1 = lerp(a1, a2, r, b);
@@ -92,7 +75,7 @@ Coefficients CoplanarityCubic::on(const TimeSpan& span) const {
 
 double CoplanarityCubic::value_and_slope(double t, double* slope) const {
   const double s = 1 - t;
-  const double* k = whole_.k;
+  const double* k = on_step_.k;
   const double a0 = lerp(k[0], k[1], s, t), a1 = lerp(k[1], k[2], s, t), a2 = lerp(k[2], k[3], s, t);
   const double b0 = lerp(a0, a1, s, t), b1 = lerp(a1, a2, s, t);
   *slope = 3 * (b1 - b0);
@@ -105,22 +88,22 @@ double CoplanarityCubic::value(double t) const {
 }
 
 TimeSpan narrow_crossing(const CoplanarityCubic& cubic, TimeSpan bracket) {
-  constexpr int kMaxIterations = 60;
+  constexpr int max_iterations = 60;
   const int sign_before = cubic.sign(cubic.value(bracket.begin));
   OILSKIN_ASSERT(sign_before != 0 && sign_before == -cubic.sign(cubic.value(bracket.end)));
   double t = bracket.middle(), slope = 0;
-  for (int i = 0; i < kMaxIterations; ++i) {
+  for (int i = 0; i < max_iterations; ++i) {
     const double value = cubic.value_and_slope(t, &slope);
     const int sign = cubic.sign(value);
     if (sign == 0) break;
     (sign == sign_before ? bracket.begin : bracket.end) = t;
     const double newton = t - value / slope;
     const bool inside = newton > bracket.begin && newton < bracket.end;
-    t = inside && i % 8 != 7 ? newton
-                             : bracket.middle();  // now and then a bisection, against slow convergence
+    // Every eighth iteration is a bisection, against slow convergence.
+    t = inside && i % 8 != 7 ? newton : bracket.middle();
   }
-  // t is a root as far as rounding can tell. Find certain signs close by; failing that the bracket stands.
-  double reach = 8 * kUnitRoundoff + 3 * cubic.error() / std::abs(slope);
+  // t is a root within rounding. Search for certain signs close to it; if there are none the bracket remains.
+  double reach = 8 * unit_roundoff + 3 * cubic.error() / std::abs(slope);
   for (int i = 0; i < 6 && reach < bracket.width(); ++i, reach *= 8) {
     const double before = t - reach, after = t + reach;
     if (before > bracket.begin && cubic.sign(cubic.value(before)) == sign_before) bracket.begin = before;

@@ -9,36 +9,36 @@
 namespace oilskin::ccd::detail {
 namespace {
 
-/// −1 or 1 as a² is certainly less or greater than b² D; 0 where leading bits do not tell.
+/// −1 or 1 if a² is certainly less or greater than b² D; 0 if the leading bits do not decide.
 int compare_leading_bits(const BigInteger& a, const BigInteger& b, const BigInteger& D) {
   const Scaled x = approximation(a), y = approximation(b), z = approximation(D);
   const int difference = 2 * x.exponent - 2 * y.exponent - z.exponent;
   if (difference > 4) return 1;
   if (difference < -6) return -1;
   // Five factors within 2⁻⁵⁰ and a few roundings.
-  constexpr double kMargin = 0x1p-46;
+  constexpr double margin = 0x1p-46;
   const double ratio = scaled(x.mantissa * x.mantissa / (y.mantissa * y.mantissa * z.mantissa), difference);
-  return ratio > 1 + kMargin ? 1 : (ratio < 1 - kMargin ? -1 : 0);
+  return ratio > 1 + margin ? 1 : (ratio < 1 - margin ? -1 : 0);
 }
 
 }  // namespace
 
 RoundedPolynomial::RoundedPolynomial(const Polynomial& f) {
   std::array<Scaled, 4> exact;
-  int largest = std::numeric_limits<int>::min();
+  int max_exponent = std::numeric_limits<int>::min();
   for (int i = 0; i <= f.degree; ++i) {
     exact[i] = approximation(f.c[i]);
-    if (exact[i].mantissa != 0) largest = std::max(largest, exact[i].exponent);
+    if (exact[i].mantissa != 0) max_exponent = std::max(max_exponent, exact[i].exponent);
   }
   for (int i = 0; i <= f.degree; ++i) {
-    if (exact[i].mantissa != 0) c_[i] = scaled(exact[i].mantissa, exact[i].exponent - largest);
+    if (exact[i].mantissa != 0) c_[i] = scaled(exact[i].mantissa, exact[i].exponent - max_exponent);
     sum_of_magnitudes_ += std::abs(c_[i]);
     max_slope_ += i * std::abs(c_[i]);
   }
 }
 
-/// With S the sum of the coefficients' magnitudes, the value computed for the middle is wrong by 2⁻⁴⁹ S from
-/// the coefficients, by |f′| 2⁻⁴⁷ ≤ 3 · 2⁻⁴⁷ S from the ends of the times, and by 6 · 2⁻⁵³ S from the three
+/// With S the sum of the coefficients' magnitudes, the error of the value computed for the middle is 2⁻⁴⁹ S
+/// from the coefficients, |f′| 2⁻⁴⁷ ≤ 3 · 2⁻⁴⁷ S from the approximate ends, and 6 · 2⁻⁵³ S from the three
 /// steps of Horner's rule; the rest of 2⁻⁴⁵ S covers the roundings of the middle and of the slope.
 int RoundedPolynomial::sign_between(double from, double to) const {
   const double value = at(0.5 * (from + to));
@@ -60,8 +60,8 @@ Polynomial Algebra::derivative(const Polynomial& f) {
 }
 
 /// Horner's rule in s.
-Polynomial Algebra::stretched(const Polynomial& f, const BigInteger& start, const BigInteger& width,
-                              const BigInteger& d) {
+Polynomial Algebra::reparametrised(const Polynomial& f, const BigInteger& start, const BigInteger& width,
+                                   const BigInteger& d) {
   if (f.degree < 0) return {};
   std::array<BigInteger, 4> c{f.c[f.degree]};
   BigInteger power = d;
@@ -77,7 +77,7 @@ Surd Algebra::fraction(const BigInteger& numerator, const BigInteger& denominato
   OILSKIN_ASSERT(denominator.sign != 0 || workspace_.exhausted());
   const bool flip = denominator.sign < 0;
   Surd t{flip ? negated(numerator) : numerator, flip ? negated(denominator) : denominator, {}, 1, 0};
-  t.near = estimate(t, {});
+  t.approximate = estimate(t, {});
   return t;
 }
 
@@ -97,13 +97,13 @@ SurdRoots Algebra::roots_of(const Polynomial& q) {
   roots.count = D.sign == 0 ? 1 : 2;
   for (int i = 0; i < 2; ++i) {
     root.side = i == 0 ? -1 : 1;
-    root.near = estimate(root, norm);
+    root.approximate = estimate(root, norm);
     roots.at[i] = root;
   }
   return roots;
 }
 
-/// Sign of a + b (± √D), the surd's root (T.15).
+/// Sign of a + b (± √D) with the square root of the surd (T.15).
 int Algebra::sign_of_sum(const BigInteger& a, const BigInteger& b, const Surd& s) {
   const int root_sign = s.D.sign * s.side * b.sign;
   if (root_sign == 0 || root_sign == a.sign) return a.sign;
@@ -114,8 +114,8 @@ int Algebra::sign_of_sum(const BigInteger& a, const BigInteger& b, const Surd& s
 }
 
 int Algebra::sign_at(const Function& f, const Surd& t) {
-  OILSKIN_ASSERT(t.near >= -0x1p-47 && t.near <= 1 + 0x1p-46);
-  const int sign = f.rounded.sign_between(t.near, t.near);
+  OILSKIN_ASSERT(t.approximate >= -0x1p-47 && t.approximate <= 1 + 0x1p-46);
+  const int sign = f.rounded.sign_between(t.approximate, t.approximate);
   return sign != 0 ? sign : exact_sign_at(f.exact, t);
 }
 
@@ -135,16 +135,16 @@ int Algebra::exact_sign_at(const Polynomial& f, const Surd& t) {
 
 int Algebra::compare_with_fraction(const Surd& s, const Surd& t) {
   OILSKIN_ASSERT(t.D.sign == 0);
-  const double margin = 0x1p-45 * (std::abs(s.near) + std::abs(t.near)) + 0x1p-1000;
-  if (s.near < t.near - margin) return -1;
-  if (s.near > t.near + margin) return 1;
+  const double margin = 0x1p-45 * (std::abs(s.approximate) + std::abs(t.approximate)) + 0x1p-1000;
+  if (s.approximate < t.approximate - margin) return -1;
+  if (s.approximate > t.approximate + margin) return 1;
   const Workspace::Scope scope(&workspace_);
   // (p ± √D) t.d − t.p d
   return sign_of_sum(difference(product(s.p, t.d), product(t.p, s.d)), t.d, s);
 }
 
-/// p, d, D, and norm = p² − D are known within 2⁻⁵⁰ relative, and nothing below cancels: the result is within
-/// 2⁻⁴⁸.
+/// p, d, D and norm = p² − D are accurate to 2⁻⁵⁰ relative, and nothing below cancels, so the result is
+/// accurate to 2⁻⁴⁸.
 double Algebra::estimate(const Surd& t, const BigInteger& norm) {
   const Scaled p = approximation(t.p), d = approximation(t.d), D = approximation(t.D);
   if (t.D.sign == 0) return scaled(p.mantissa / d.mantissa, p.exponent - d.exponent);
@@ -152,7 +152,7 @@ double Algebra::estimate(const Surd& t, const BigInteger& norm) {
   const double sum = scaled(p.mantissa, p.exponent - exponent);
   const double root = t.side * std::sqrt(scaled(D.mantissa, D.exponent - 2 * exponent));
   if (sum * root >= 0) return scaled((sum + root) / d.mantissa, exponent - d.exponent);
-  // Where the two would cancel: (p² − D) / (p ∓ √D).
+  // p ± √D would cancel: use (p² − D) / (p ∓ √D).
   const Scaled n = approximation(norm);
   return scaled(n.mantissa / (d.mantissa * (sum - root)), n.exponent - d.exponent - exponent);
 }

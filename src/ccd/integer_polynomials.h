@@ -1,5 +1,5 @@
-/// Polynomials in time with whole coefficients, and the roots of those of degree two: what the exact answer
-/// is made of. Internal to the room.
+/// Polynomials in time with integer coefficients, and the roots of those of degree two. Internal to the
+/// module.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ struct Polynomial {
   int degree = -1;
 
   Polynomial() = default;
-  /// Constant term first; what is zero at the end is no term.
+  /// Constant term first. Zeros at the end do not count for the degree.
   template <std::size_t Count>
   explicit Polynomial(const std::array<BigInteger, Count>& terms);
 
@@ -33,17 +33,17 @@ Polynomial::Polynomial(const std::array<BigInteger, Count>& terms) {
 /// The time (p ± √D) / d with d > 0 and D ≥ 0 (T.13).
 struct Surd {
   BigInteger p, d, D;
-  int side = 1;     ///< the sign before the root
-  double near = 0;  ///< the time within 2⁻⁴⁷ relative, or 2⁻¹⁰⁷⁴
+  int side = 1;            ///< the sign before the square root
+  double approximate = 0;  ///< the time within 2⁻⁴⁷ relative, or 2⁻¹⁰⁷⁴
 };
 
-/// Different real roots in ascending order.
+/// Distinct real roots in ascending order.
 struct SurdRoots {
   std::array<Surd, 2> at;
   int count = 0;
 };
 
-/// A polynomial by a common positive factor, with coefficients within 2⁻⁴⁹ relative (or 2⁻¹⁰⁷⁴ of the
+/// A polynomial scaled by a positive factor, with coefficients within 2⁻⁴⁹ relative (or 2⁻¹⁰⁷⁴ of the
 /// largest).
 class RoundedPolynomial {
  public:
@@ -51,8 +51,7 @@ class RoundedPolynomial {
   explicit RoundedPolynomial(const Polynomial& f);
 
   double at(double t) const { return ((c_[3] * t + c_[2]) * t + c_[1]) * t + c_[0]; }
-  /// The sign that the polynomial has for certain at all times within 2⁻⁴⁷ of [from, to], part of [0, 1];
-  /// else 0.
+  /// The sign of the polynomial if it is certain and constant within 2⁻⁴⁷ of [from, to] ⊂ [0, 1]; else 0.
   int sign_between(double from, double to) const;
 
  private:
@@ -60,7 +59,7 @@ class RoundedPolynomial {
   double sum_of_magnitudes_ = 0, max_slope_ = 0;
 };
 
-/// A polynomial of which signs will be asked.
+/// A polynomial prepared for the evaluation of signs.
 struct Function {
   Polynomial exact;
   RoundedPolynomial rounded;
@@ -77,15 +76,15 @@ class Algebra {
   Polynomial sum(const Polynomial& f, const Polynomial& g);
   Polynomial derivative(const Polynomial& f);
   /// d^degree f((start + width s) / d), a polynomial in s.
-  Polynomial stretched(const Polynomial& f, const BigInteger& start, const BigInteger& width,
-                       const BigInteger& d);
+  Polynomial reparametrised(const Polynomial& f, const BigInteger& start, const BigInteger& width,
+                            const BigInteger& d);
 
   Surd fraction(const BigInteger& numerator, const BigInteger& denominator);
-  /// Of a polynomial of degree one or two.
+  /// For degree one or two.
   SurdRoots roots_of(const Polynomial& q);
   /// For t in [0, 1].
   int sign_at(const Function& f, const Surd& t);
-  /// −1, 0, 1 as s is less than, equal to or greater than the fraction t.
+  /// −1, 0 or 1 if s is less than, equal to or greater than the fraction t.
   int compare_with_fraction(const Surd& s, const Surd& t);
 
  private:

@@ -1,5 +1,5 @@
-/// The motion of a triangle relative to a point as polynomials in time, over any kind of exact number:
-/// N has +, − and *. Internal to the room.
+/// The motion of a triangle relative to a point as polynomials in time, over any exact number type N with
+/// +, − and *. Internal to the module.
 #pragma once
 
 #include <array>
@@ -16,7 +16,8 @@ struct Linear {
 template <class N>
 using RelativeCorners = std::array<std::array<Linear<N>, 3>, 3>;
 
-/// Twice the area of the point and the edge opposite to a corner, as seen along an axis; constant term first.
+/// Twice the area of the point and the edge opposite to a corner, projected along an axis; constant term
+/// first.
 template <class N>
 auto area_of(const RelativeCorners<N>& corner, int opposite, int axis) {
   const auto &u = corner[(opposite + 1) % 3], &v = corner[(opposite + 2) % 3];
@@ -30,7 +31,7 @@ auto area_of(const RelativeCorners<N>& corner, int opposite, int axis) {
   };
 }
 
-/// Six times the volume of point and triangle: its roots are the times at which they are coplanar.
+/// Six times the volume of the tetrahedron of point and triangle: its roots are the times of coplanarity.
 template <class N, class Area>
 auto volume_of(const std::array<Linear<N>, 3>& corner, const std::array<Area, 3>& area) {
   using Product = decltype(corner[0].start * area[0][0]);

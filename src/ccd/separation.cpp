@@ -23,29 +23,29 @@ double dot(const Direction& a, const Direction& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// The motion is linear, so d·A is linear in time: bounds at the ends bound it in between.
+/// The motion is linear, so d·A is linear in time, and bounds at the ends bound it in between.
 struct LinearBound {
   double t0, t1;
 
   double at_time(double t) const { return (1 - t) * t0 + t * t1; }
 };
 
-/// Shrinks the side of `part` on which `bound` is not positive; `inner` is a time at which it is. The
-/// crossing is computed with rounding, so the new end is tested, and moved inwards until the test succeeds.
+/// The time closest to `outer` up to which `bound` is positive, starting from `inner`, where it is. The
+/// crossing is rounded, so it is tested, and moved inwards until the test succeeds.
 double last_positive(const LinearBound& bound, double inner, double outer) {
   if (bound.at_time(outer) > 0) return outer;
-  constexpr double kSteps[] = {0x1p-48, 0x1p-40, 0x1p-20, 0x1p-4};
+  constexpr double steps[] = {0x1p-48, 0x1p-40, 0x1p-20, 0x1p-4};
   const double crossing = bound.t0 / (bound.t0 - bound.t1);
   double t = std::max(std::min(crossing, std::max(inner, outer)), std::min(inner, outer));
-  for (const double step : kSteps) {
+  for (const double step : steps) {
     if (bound.at_time(t) > 0) return t;
     t += (inner - t) * step;
   }
   return bound.at_time(t) > 0 ? t : inner;
 }
 
-/// The part of `span` around `at` on which all corners are certainly on the side of the point to which d
-/// points.
+/// Sets `part` to the times of `span` around `at` at which all corners are certainly on the side of the point
+/// to which d points. False if there are none.
 bool certify(const RelativeMotion& motion, const Direction& d, double at, const TimeSpan& span,
              TimeSpan* part) {
   std::array<LinearBound, 3> bounds;
@@ -61,7 +61,7 @@ bool certify(const RelativeMotion& motion, const Direction& d, double at, const 
   return true;
 }
 
-/// The triangle relative to the point at one time, with rounding: good enough to guess directions from.
+/// The triangle relative to the point at one time, rounded; used to choose directions.
 std::array<Direction, 3> corners_at(const RelativeMotion& motion, double t) {
   std::array<Direction, 3> corner;
   for (int i = 0; i < 3; ++i) {
@@ -70,10 +70,10 @@ std::array<Direction, 3> corners_at(const RelativeMotion& motion, double t) {
   return corner;
 }
 
-/// Walks through the directions that can separate a point from a triangle: one per feature that may be
-/// closest. `visit(d)` returns true to stop. Directions of edges come twice: perpendicular within the
-/// triangle's plane (best at the plane), and from the point to the edge's line (good for segments and
-/// slivers, whose normal is noise).
+/// Visits directions that may separate a point from a triangle: for each feature that may be closest. Stops
+/// when `visit(d)` returns true. Each edge has two: the perpendicular in the triangle's plane (best for
+/// points in the plane), and the perpendicular from the point (for segments and slivers, whose normal is
+/// inaccurate).
 template <class Visit>
 void for_each_candidate(const std::array<Direction, 3>& corner, Visit visit) {
   std::array<Direction, 3> edge;
@@ -89,7 +89,8 @@ void for_each_candidate(const std::array<Direction, 3>& corner, Visit visit) {
   for (int i = 0; i < 3; ++i) {
     if (visit(corner[i])) return;
   }
-  // Dot products with an axis have no rounding error but that of the difference: they decide the finest gaps.
+  // Dot products with an axis have the rounding error of the difference only, so they decide the smallest
+  // gaps.
   for (int k = 0; k < 3; ++k) {
     Direction axis{};
     axis[k] = 1;
@@ -97,18 +98,20 @@ void for_each_candidate(const std::array<Direction, 3>& corner, Visit visit) {
   }
 }
 
-/// Scaled by a power of two so that the largest component is near 1: products of directions neither overflow
-/// nor underflow. Scaling down may round components below 2⁻¹⁰²² times the largest; `lower_bound` allows for
-/// that.
+/// Scaled by a power of two so that the largest component is close to 1: products of directions neither
+/// overflow nor underflow. Scaling down may round components below 2⁻¹⁰²² times the largest, which
+/// lower_bound() covers.
 RelativeMotion scaled_to_unity(const RelativeMotion& motion) {
-  double largest = 0;
+  double max_component = 0;
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) {
-      largest = std::max({largest, std::abs(motion.t0[i][k]), std::abs(motion.t1[i][k])});
+      max_component = std::max({max_component, std::abs(motion.t0[i][k]), std::abs(motion.t1[i][k])});
     }
   }
-  if ((largest > 0x1p-40 && largest < 0x1p40) || largest == 0 || !std::isfinite(largest)) return motion;
-  const int exponent = -std::ilogb(largest);
+  if ((max_component > 0x1p-40 && max_component < 0x1p40) || max_component == 0 ||
+      !std::isfinite(max_component))
+    return motion;
+  const int exponent = -std::ilogb(max_component);
   RelativeMotion scaled;
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) {
@@ -119,62 +122,62 @@ RelativeMotion scaled_to_unity(const RelativeMotion& motion) {
   return scaled;
 }
 
-/// Tries the directions that separate best at the time `guess`, keeps the one that reaches furthest around
-/// `at`. True when it reaches over the whole span.
+/// Tries the directions for the triangle at time `guess`. `best` becomes the longest part of `span` around
+/// `at` that one of them separates. True if it is the whole span.
 bool improve(const RelativeMotion& motion, double guess, double at, const TimeSpan& span, TimeSpan* best) {
   const std::array<Direction, 3> corner = corners_at(motion, guess);
   const Direction sum = {corner[0][0] + corner[1][0] + corner[2][0],
                          corner[0][1] + corner[1][1] + corner[2][1],
                          corner[0][2] + corner[1][2] + corner[2][2]};
-  bool whole = false;
+  bool covers_span = false;
   for_each_candidate(corner, [&](Direction d) {
-    // Any direction may be tried; pointing it at the triangle's centre saves testing both signs.
+    // Any direction is valid. Pointing it at the triangle's centre saves the test of the other sign.
     if (dot(d, sum) < 0) d = {-d[0], -d[1], -d[2]};
     TimeSpan part;
     if (!certify(motion, d, at, span, &part)) return false;
-    whole = part.begin <= span.begin && part.end >= span.end;
-    if (whole || part.width() > best->width()) *best = part;
-    return whole;
+    covers_span = part.begin <= span.begin && part.end >= span.end;
+    if (covers_span || part.width() > best->width()) *best = part;
+    return covers_span;
   });
-  return whole;
+  return covers_span;
 }
 
 }  // namespace
 
-/// (T.12). Let S = Σ|d_k A_k| with the exact A. What a term of the computed dot product goes through, in
-/// units of u S:
+/// (T.12). Let S = Σ|d_k A_k| with the exact A. Roundings of a term of the computed dot product, in units of
+/// u S:
 ///
 ///   A itself, the product, two sums                                   4
 ///   the bound's subtraction from the sum                              1
 ///   `at_time`: 1 − t, the product, the sum (of terms up to S)         3
 ///                                                                     8
 ///
-/// The computed S is smaller than S by four roundings at most, which is of second order like the products of
-/// roundings: 10 u S covers all and is a cheap product. Each end spares its own 3 u S, and `at_time` weighs
-/// both ends as it weighs their errors. The additive term covers underflow: a product errs by 2⁻¹⁰⁷⁵, and so
-/// does a component of A that `scaled_to_unity` scales down, times |d| < 100 there.
+/// The computed S is smaller than S by at most four roundings, a term of second order like the products of
+/// roundings: 10 u S covers all. Each end includes 3 u S for the interpolation, and `at_time` weights both
+/// ends as it weights their errors. The additive term covers underflow: a product errs by 2⁻¹⁰⁷⁵, and so does
+/// a component of A that scaled_to_unity() scales down, times |d| < 100 there.
 double lower_bound(const std::array<double, 3>& d, const double* a) {
-  constexpr double kUnderflow = 1e-300;
+  constexpr double underflow = 1e-300;
   const double x = d[0] * a[0], y = d[1] * a[1], z = d[2] * a[2];
   const double sum_of_magnitudes = std::abs(x) + std::abs(y) + std::abs(z);
-  return (x + y + z) - (10 * kUnitRoundoff * sum_of_magnitudes + kUnderflow);
+  return (x + y + z) - (10 * unit_roundoff * sum_of_magnitudes + underflow);
 }
 
-bool certainly_apart(const RelativeMotion& original, const TimeSpan& whole) {
-  // Enough for what turns while it slides past; what needs more is decided faster by exact arithmetic.
-  constexpr int kMaxNodes = 4;
+bool certainly_apart(const RelativeMotion& original, const TimeSpan& all) {
+  // Enough for triangles that turn while they slide past. Beyond that, exact arithmetic is faster.
+  constexpr int max_nodes = 4;
   const RelativeMotion motion = scaled_to_unity(original);
-  std::array<TimeSpan, kMaxNodes + 1> left;  // each node takes one and leaves two at most
-  left[0] = whole;
+  std::array<TimeSpan, max_nodes + 1> left;  // each node removes one and adds at most two
+  left[0] = all;
   int count = 1;
   for (int nodes = 0; count > 0; ++nodes) {
-    if (nodes == kMaxNodes) return false;
+    if (nodes == max_nodes) return false;
     const TimeSpan span = left[--count];
     OILSKIN_ASSERT(span.begin <= span.end);
     const double middle = span.middle();
     TimeSpan apart{1, 0};
-    // A touch at an end of the span (at the start of the step, or at the end of the previous cut) is
-    // approached at once by the directions of that end; those of the middle alone would only halve the span.
+    // The directions at an end of the span find a touch at that end (the start of the step, or the end of the
+    // previous part) at once; those of the middle would only halve the span.
     if (improve(motion, middle, middle, span, &apart) || improve(motion, span.begin, middle, span, &apart) ||
         improve(motion, span.end, middle, span, &apart)) {
       continue;

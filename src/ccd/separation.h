@@ -1,4 +1,4 @@
-/// Directions that certainly keep a moving point apart from a moving triangle. Internal to the room.
+/// Directions that certainly separate a moving point from a moving triangle. Internal to the module.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace oilskin::ccd::detail {
 
-constexpr double kUnitRoundoff = 0x1p-53;
+constexpr double unit_roundoff = 0x1p-53;
 
 /// Corner minus point, per corner and axis, at both ends. One rounding per component: the relative error is
 /// at most u and the sign is exact (IEEE subtraction underflows gradually, so it never rounds to zero).
@@ -25,13 +25,12 @@ struct TimeSpan {
   double width() const { return end - begin; }
 };
 
-/// A lower bound of d·a for one corner at one end of the step (T.12), low enough that bounds at both ends may
-/// be interpolated in time with rounding.
+/// A lower bound of d·a for one corner at one end of the step (T.12), with a margin for the rounding of its
+/// interpolation in time.
 double lower_bound(const std::array<double, 3>& d, const double* a);
 
-/// Cuts `span` down by separating directions until nothing is left. True: point and triangle are certainly
-/// apart all the time. False: some time resists (they touch, or nearly so), or the work is not worth it.
-/// Needs no assumption on the input.
+/// Removes from `span` the times at which a direction separates. True if nothing is left: point and triangle
+/// are certainly apart. False if they touch, nearly touch, or take too many directions. Valid for any input.
 bool certainly_apart(const RelativeMotion& motion, const TimeSpan& span);
 
 }  // namespace oilskin::ccd::detail

@@ -1,5 +1,5 @@
-/// Whole numbers of a fixed number of 64-bit limbs: what coordinates of similar size need, several times
-/// faster than numbers of any length. Internal to the room.
+/// Integers with a fixed number of 64-bit limbs: enough for coordinates of similar magnitude, and several
+/// times faster than big integers. Internal to the module.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,8 @@
 
 namespace oilskin::ccd::detail {
 
-/// Two's complement, least significant limb first. Sums do not grow: whoever adds knows that there is room.
+/// Two's complement, least significant limb first. A sum has the size of its terms: the caller ensures that
+/// it does not overflow.
 template <int N>
 struct WideInteger {
   std::uint64_t limb[N];
@@ -61,7 +62,7 @@ inline WideInteger<N + M> operator*(const WideInteger<N>& a, const WideInteger<M
     }
     product.limb[i + M] = carry;
   }
-  // Read without sign, a negative number is too large by the weight of the limb behind its last.
+  // Read as unsigned, a negative number is too large by 2^(64 count).
   const auto correct = [&product](const auto& factor, int count, int from, bool other_is_negative) {
     const std::uint64_t mask = other_is_negative ? ~std::uint64_t{0} : 0;
     std::uint64_t borrow = 0;
@@ -76,7 +77,7 @@ inline WideInteger<N + M> operator*(const WideInteger<N>& a, const WideInteger<M
   return product;
 }
 
-/// mantissa 2^shift, with its sign; it must fit.
+/// ±mantissa 2^shift, which must fit.
 inline WideInteger<2> wide_from(std::uint64_t mantissa, int shift, bool negative) {
   const DoubleLimb magnitude = static_cast<DoubleLimb>(mantissa) << shift;
   const DoubleLimb value = negative ? ~magnitude + 1 : magnitude;

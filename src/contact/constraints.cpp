@@ -18,7 +18,7 @@ Vec3 relative_velocity(const Context& context, const Contact& c) {
   return v;
 }
 
-// (C.11). The share of a prescribed node is the reaction of its support.
+// (C.11). The impulse on a prescribed node is the reaction of its support.
 void apply_impulse(Context& context, const Contact& c, const Vec3& impulse, bool moves_particle) {
   SurfaceMotion& s = *context.surfaces[c.surface];
   OILSKIN_ASSERT(impulse.allFinite());
@@ -30,39 +30,39 @@ void apply_impulse(Context& context, const Contact& c, const Vec3& impulse, bool
   for (int k = 0; k < 3; ++k) {
     if (c.weights[k] == 0) continue;
     const std::uint32_t node = c.nodes[k];
-    const Vec3 share = -c.weights[k] * impulse;
-    s.velocity[node] += s.inverse_mass[node] * share;
-    s.impulse[node] += share;
+    const Vec3 node_impulse = -c.weights[k] * impulse;
+    s.velocity[node] += s.inverse_mass[node] * node_impulse;
+    s.impulse[node] += node_impulse;
   }
 }
 
-// Inelastic stop (C.12): v_n ≥ 0 with an accumulated impulse ≥ 0. [Huber2013] Eq. 2 with the effective mass
-// of (C.10).
+// Inelastic stop (C.12): v_n ≥ 0 with an accumulated impulse J_n ≥ 0. [Huber2013] Eq. 2 with the inverse
+// effective mass of (C.10).
 void stop(Context& context, ContactConstraint& constraint, bool moves_particle) {
   const double vn = relative_velocity(context, constraint.contact).dot(constraint.contact.normal);
-  const double lambda = std::max(constraint.normal_impulse - vn / constraint.k, 0.0);
-  const double change = lambda - constraint.normal_impulse;
+  const double impulse = std::max(constraint.normal_impulse - vn / constraint.k, 0.0);
+  const double change = impulse - constraint.normal_impulse;
   if (change == 0) return;
-  OILSKIN_ASSERT(lambda >= 0);
-  constraint.normal_impulse = lambda;
+  OILSKIN_ASSERT(impulse >= 0);
+  constraint.normal_impulse = impulse;
   apply_impulse(context, constraint.contact, change * constraint.contact.normal, moves_particle);
 }
 
-// Spring repulsion of [Bridson2002] with its cap (C.15); [Huber2013] Eq. 4 has none and is unstable.
+// Spring repulsion of [Bridson2002] with its cap (C.15); without it, as in [Huber2013] Eq. 4, it is unstable.
 void spring(Context& context, ContactConstraint& constraint) {
   if (!(constraint.overlap > 0)) return;
   const double vn = relative_velocity(context, constraint.contact).dot(constraint.contact.normal);
-  const double wanted = (0.1 * constraint.overlap / context.dt - vn) / constraint.k;
-  const double maximum = context.settings->stiffness * constraint.overlap * context.dt;
-  const double impulse = std::min(constraint.spring_impulse + std::max(wanted, 0.0), maximum);
+  const double cap = (0.1 * constraint.overlap / context.dt - vn) / constraint.k;
+  const double spring_force_impulse = context.settings->stiffness * constraint.overlap * context.dt;
+  const double impulse = std::min(constraint.spring_impulse + std::max(cap, 0.0), spring_force_impulse);
   const double change = impulse - constraint.spring_impulse;
   if (change == 0) return;
-  OILSKIN_ASSERT(impulse >= 0 && impulse <= maximum);
+  OILSKIN_ASSERT(impulse >= 0 && impulse <= spring_force_impulse);
   constraint.spring_impulse = impulse;
   apply_impulse(context, constraint.contact, change * constraint.contact.normal, true);
 }
 
-// Split repulsion (C.14): displaces without adding velocity. Accumulated like an impulse, so that many
+// Split repulsion (C.14): displaces without adding velocity. The multiplier is accumulated, so that many
 // particles on one node remove a tenth of the overlap together, not a tenth each.
 void push_apart(Context& context, ContactConstraint& constraint) {
   if (!(constraint.k_position > 0)) return;
@@ -97,7 +97,7 @@ void apply_friction(Context& context, ContactConstraint& constraint) {
   const Vec3 change = impulse - constraint.tangential_impulse;
   if (change.isZero(0)) return;
   constraint.tangential_impulse = impulse;
-  // The particle's displacement changes with its velocity; the host moves its nodes itself.
+  // The particle's end moves with its velocity; the host moves its nodes itself.
   apply_impulse(context, constraint.contact, change, true);
 }
 

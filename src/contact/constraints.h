@@ -1,4 +1,4 @@
-/// Rows of the accumulated Gauss–Seidel: stop, slip and repulsion of one contact each.
+/// Constraints of the accumulated Gauss–Seidel: stop, friction and repulsion of one contact each.
 #pragma once
 
 #include "contact/context.h"
@@ -7,32 +7,33 @@ namespace oilskin::contact {
 
 struct ContactConstraint {
   Contact contact;
-  double target_gap = 0;        ///< split: least n·(x1_p − Σ w_i x1_i) at the end [m]
-  double overlap = 0;           ///< h − d0 [m], > 0 where the contact begins within the thickness
+  double target_gap = 0;        ///< g* of (C.13): smallest gap at the end [m]
+  double overlap = 0;           ///< h − d0 [m], > 0 if the contact begins within the thickness
   bool normal_active = true;    ///< stop and repulsion act
-  bool friction_active = true;  ///< slip acts although no normal impulse does (first layer at rest)
-  double wall_area = 0;         ///< viscous_wall: of the sheet that the particle stands for [m²]
+  bool friction_active = true;  ///< friction acts even without a normal impulse (first layer at rest)
+  double wall_area = 0;         ///< viscous_wall: area of the wall that the particle represents [m²]
 
-  // accumulated
-  double normal_impulse = 0;  ///< λ ≥ 0 [N s]
-  double spring_impulse = 0;  ///< bridson's repulsion, ≥ 0 [N s]
-  double push = 0;            ///< split: position multiplier, ≥ 0 [kg m]
-  Vec3 tangential_impulse = Vec3::Zero();
+  // Accumulated
+  double normal_impulse = 0;               ///< J_n ≥ 0 [N s]
+  double spring_impulse = 0;               ///< J_s ≥ 0, Repulsion::bridson [N s]
+  double push = 0;                         ///< X_n ≥ 0, Repulsion::split [kg m]
+  Vec3 tangential_impulse = Vec3::Zero();  ///< J_t [N s]
 
-  // of the masses
+  // From the masses
   double k = 0;           ///< K (C.10) [1/kg]
-  double k_position = 0;  ///< the same where nodes may be moved, else 1/m_p
+  double k_position = 0;  ///< K_x of (C.14): K if nodes may be moved, else 1/m_i [1/kg]
 };
 
-/// The row of a record at the start positions.
+/// The constraint of a contact at the start positions.
 ContactConstraint make_constraint(const Context& context, const Contact& contact);
 
-/// A particle between two layers less than two thicknesses apart cannot keep one from both: rows that face
-/// each other share their gap (C.20), so that it comes to rest in the middle. Rows of records, ordered by
+/// A particle between two layers less than 2 h apart cannot keep h from both: opposing contacts divide the
+/// gap (C.20), so that it comes to rest in the middle. Constraints are those of contacts, ordered by
 /// particle.
 void split_gap_between_opposing_contacts(const Context& context, std::vector<ContactConstraint>& constraints);
 
-/// Sweeps over rows in their order: impulses to velocities (both ways), displacements to end positions.
+/// Makes settings.solver_iterations sweeps over the constraints in their order: impulses change velocities of
+/// particles and nodes, displacements change end positions.
 void solve_constraints(Context& context, std::vector<ContactConstraint>& constraints);
 
 }  // namespace oilskin::contact

@@ -139,7 +139,7 @@ Status ContactSolver::resolve(double dt, ParticleMotion& particles, Span<Surface
   OILSKIN_ASSERT(static_cast<std::uint64_t>(
                      std::count(particles.removed.begin(), particles.removed.end(), 1)) == report.removed);
   if (impl_->settings.verify) {
-    contact::StageTimer timer(seconds.verify);
+    StageTimer timer(seconds.verify);
     report.crossings_found_by_verify = count_crossings(particles, surfaces, &report.verified_pairs);
   }
   return {};

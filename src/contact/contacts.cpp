@@ -17,49 +17,51 @@ constexpr std::size_t chunk = 256;
 Contact make_contact(const Context& context, std::uint32_t p, std::uint32_t surface, std::uint32_t triangle,
                      const PointTriangle& q, const ClosestPoint& c) {
   const SurfaceMotion& motion = *context.surfaces[surface];
-  Contact r;
-  r.particle = p;
-  r.surface = surface;
-  r.triangle = triangle;
-  r.nodes = motion.triangles[triangle];
-  r.weights = c.weights;
-  r.distance = c.distance;
-  r.normal = c.distance > 0 ? Vec3(c.offset / c.distance) : geometric_normal(q.a, q.b, q.c);
+  Contact contact;
+  contact.particle = p;
+  contact.surface = surface;
+  contact.triangle = triangle;
+  contact.nodes = motion.triangles[triangle];
+  contact.weights = c.weights;
+  contact.distance = c.distance;
+  contact.normal = c.distance > 0 ? Vec3(c.offset / c.distance) : geometric_normal(q.a, q.b, q.c);
   const MeshTopology& topology = context.geometry[surface]->topology;
-  r.feature = feature_key(topology, triangle, r.nodes, c.feature);
-  const SurfaceSide f = side_of(topology, motion.triangles, motion.x_t0, triangle, c.feature, r.normal);
-  OILSKIN_ASSERT(std::abs(r.weights[0] + r.weights[1] + r.weights[2] - 1) < 1e-12);
-  OILSKIN_ASSERT(std::abs(r.normal.squaredNorm() - 1) < 1e-9);
-  OILSKIN_ASSERT(f.share >= 0 && f.share < 1 + 1e-9);
-  r.back = f.back;
-  r.normal_alignment = f.share;
-  return r;
+  contact.feature = feature_key(topology, triangle, contact.nodes, c.feature);
+  const SurfaceSide side =
+      side_of(topology, motion.triangles, motion.x_t0, triangle, c.feature, contact.normal);
+  OILSKIN_ASSERT(std::abs(contact.weights[0] + contact.weights[1] + contact.weights[2] - 1) < 1e-12);
+  OILSKIN_ASSERT(std::abs(contact.normal.squaredNorm() - 1) < 1e-9);
+  OILSKIN_ASSERT(side.normal_alignment >= 0 && side.normal_alignment < 1 + 1e-9);
+  contact.back = side.back;
+  contact.normal_alignment = side.normal_alignment;
+  return contact;
 }
 
-// The largest way of a node of each surface.
+// The largest displacement of a node, per surface [m].
 std::vector<double> max_displacements(const Context& context) {
-  std::vector<double> longest;
+  std::vector<double> result;
   for (const SurfaceMotion* s : context.surfaces) {
-    double way2 = 0;
+    double max_squared = 0;
     for (std::size_t i = 0; i < s->x_t0.size(); ++i)
-      way2 = std::max(way2, (s->x_t1[i] - s->x_t0[i]).squaredNorm());
-    longest.push_back(std::sqrt(way2));
+      max_squared = std::max(max_squared, (s->x_t1[i] - s->x_t0[i]).squaredNorm());
+    result.push_back(std::sqrt(max_squared));
   }
-  return longest;
+  return result;
 }
 
 void find_for_particle(const Context& context, const CandidateSet& candidates,
-                       const std::vector<double>& longest, std::uint32_t p, std::vector<Contact>& out) {
+                       const std::vector<double>& max_displacement, std::uint32_t p,
+                       std::vector<Contact>& out) {
   const ParticleMotion& particles = *context.particles;
   const double displacement =
       (particles.x_t1[p] - particles.x_t0[p]).norm() + 2 * CandidateSet::prediction_margin(particles);
-  std::vector<std::uint64_t>
-      vertices;  // of the surface, each judged once: thousands of triangles may share it
+  // Vertices of the surface that have been tested; thousands of triangles may share one.
+  std::vector<std::uint64_t> vertices;
   for (std::uint32_t s = 0; s < context.surfaces.size(); ++s) {
     const SurfaceMotion& motion = *context.surfaces[s];
-    // (C.4): beyond h + dx no contact acts, and none whose gap the motion cannot bring below h.
-    const double acts = motion.thickness + std::min(particles.spacing, displacement + longest[s]);
-    const double reach = std::max(acts, wall_layer(particles, motion));
+    // (C.4): contacts beyond h + dx do not act, nor do those whose gap the motion cannot reduce below h.
+    const double radius = motion.thickness + std::min(particles.spacing, displacement + max_displacement[s]);
+    const double reach = std::max(radius, wall_layer(particles, motion));
     const std::size_t first = out.size();
     vertices.clear();
     for (const CandidatePair& pair : candidates.of(s, p)) {
@@ -88,8 +90,8 @@ void find_for_particle(const Context& context, const CandidateSet& candidates,
 Vec3 geometric_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 n = (b - a).cross(c - a);
   const double length = n.norm();
-  const double longest = std::max({(b - a).norm(), (c - a).norm(), (c - b).norm()});
-  if (length > 1e-12 * longest * longest) return n / length;
+  const double longest_edge = std::max({(b - a).norm(), (c - a).norm(), (c - b).norm()});
+  if (length > 1e-12 * longest_edge * longest_edge) return n / length;
   Vec3 along = b - a;
   if ((c - a).squaredNorm() > along.squaredNorm()) along = c - a;
   if (!(along.squaredNorm() > 0)) return Vec3::UnitX();
@@ -103,51 +105,52 @@ Vec3 geometric_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 void ContactSet::find(const Context& context, const CandidateSet& candidates) {
   const std::size_t n = context.particle_count();
-  const std::vector<double> longest = max_displacements(context);
+  const std::vector<double> max_displacement = max_displacements(context);
   std::vector<std::vector<Contact>> part((n + chunk - 1) / chunk);
   context.workers->for_chunks(n, chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
     for (std::size_t p = begin; p < end; ++p)
       if (!context.out_of_play[p])
-        find_for_particle(context, candidates, longest, static_cast<std::uint32_t>(p), part[c]);
+        find_for_particle(context, candidates, max_displacement, static_cast<std::uint32_t>(p), part[c]);
   });
-  near_.clear();
-  for (const auto& contacts : part) near_.insert(near_.end(), contacts.begin(), contacts.end());
-  OILSKIN_ASSERT(std::is_sorted(near_.begin(), near_.end(),
+  contacts_.clear();
+  for (const auto& found : part) contacts_.insert(contacts_.end(), found.begin(), found.end());
+  OILSKIN_ASSERT(std::is_sorted(contacts_.begin(), contacts_.end(),
                                 [](const Contact& a, const Contact& b) { return a.particle < b.particle; }));
 }
 
 void ContactSet::update(const Context& context, const CandidateSet& candidates,
                         const std::vector<std::uint32_t>& particles) {
   if (particles.empty()) return;
-  const std::vector<double> longest = max_displacements(context);
-  std::vector<Contact> fresh;
+  const std::vector<double> max_displacement = max_displacements(context);
+  std::vector<Contact> updated;
   for (std::uint32_t p : particles)
-    if (!context.out_of_play[p]) find_for_particle(context, candidates, longest, p, fresh);
+    if (!context.out_of_play[p]) find_for_particle(context, candidates, max_displacement, p, updated);
   OILSKIN_ASSERT(std::is_sorted(particles.begin(), particles.end()));
   std::vector<Contact> merged;
-  merged.reserve(near_.size() + fresh.size());
-  const auto is_stale = [&](const Contact& r) {
-    return std::binary_search(particles.begin(), particles.end(), r.particle);
+  merged.reserve(contacts_.size() + updated.size());
+  const auto is_stale = [&](const Contact& c) {
+    return std::binary_search(particles.begin(), particles.end(), c.particle);
   };
-  near_.erase(std::remove_if(near_.begin(), near_.end(), is_stale), near_.end());
-  std::merge(near_.begin(), near_.end(), fresh.begin(), fresh.end(), std::back_inserter(merged),
+  contacts_.erase(std::remove_if(contacts_.begin(), contacts_.end(), is_stale), contacts_.end());
+  std::merge(contacts_.begin(), contacts_.end(), updated.begin(), updated.end(), std::back_inserter(merged),
              [](const Contact& a, const Contact& b) { return a.particle < b.particle; });
-  OILSKIN_ASSERT(merged.size() == near_.size() + fresh.size());
-  near_.swap(merged);
+  OILSKIN_ASSERT(merged.size() == contacts_.size() + updated.size());
+  contacts_.swap(merged);
 }
 
-double end_gap(const Context& context, const Contact& r) {
-  OILSKIN_ASSERT(r.surface < context.surfaces.size() && r.particle < context.particle_count());
-  const SurfaceMotion& s = *context.surfaces[r.surface];
+double end_gap(const Context& context, const Contact& contact) {
+  OILSKIN_ASSERT(contact.surface < context.surfaces.size() && contact.particle < context.particle_count());
+  const SurfaceMotion& s = *context.surfaces[contact.surface];
   Vec3 foot = Vec3::Zero();
-  for (int k = 0; k < 3; ++k) foot += r.weights[k] * s.x_t1[r.nodes[k]];
-  return r.normal.dot(context.particles->x_t1[r.particle] - foot);
+  for (int k = 0; k < 3; ++k) foot += contact.weights[k] * s.x_t1[contact.nodes[k]];
+  return contact.normal.dot(context.particles->x_t1[contact.particle] - foot);
 }
 
 namespace {
 
-// Does the way from a point come nearer than h to the triangle? The distance from a convex set is convex
-// along a line, and grows by no more than the way does: far triangles of a hub take one look.
+// Does the path `from` + t `displacement`, t in [0, 1], come closer than h to the triangle? The distance to a
+// convex set is convex along a line, so a ternary search finds its minimum. It changes by at most the length
+// of the path, so distant triangles take one iteration.
 bool comes_within(const Vec3& from, const Vec3& displacement, const Vec3& a, const Vec3& b, const Vec3& c,
                   double h) {
   double low = 0, high = 1;
@@ -163,25 +166,25 @@ bool comes_within(const Vec3& from, const Vec3& displacement, const Vec3& a, con
   return false;
 }
 
-// At a border, and outside a fold, the plane through the foot is no sheet: what passes beside the triangles
-// that share the feature is not stopped.
-bool passes_beside(const Context& context, const Contact& r, double h) {
+// At a border and outside a fold the plane through the closest point is not a sheet: a particle that passes
+// beside the triangles at the feature is not stopped.
+bool passes_beside(const Context& context, const Contact& contact, double h) {
   constexpr double flat = 0.999;
-  if (r.normal_alignment > flat) return false;
-  const SurfaceMotion& s = *context.surfaces[r.surface];
+  if (contact.normal_alignment > flat) return false;
+  const SurfaceMotion& s = *context.surfaces[contact.surface];
   const ParticleMotion& particles = *context.particles;
-  Vec3 displacement = particles.x_t1[r.particle] - particles.x_t0[r.particle];
-  std::uint32_t u = UINT32_MAX, v = UINT32_MAX;  // of the feature
+  Vec3 displacement = particles.x_t1[contact.particle] - particles.x_t0[contact.particle];
+  std::uint32_t u = UINT32_MAX, v = UINT32_MAX;  // nodes of the feature
   for (int k = 0; k < 3; ++k) {
-    if (r.weights[k] == 0) continue;
-    displacement -= r.weights[k] * (s.x_t1[r.nodes[k]] - s.x_t0[r.nodes[k]]);
-    (u == UINT32_MAX ? u : v) = r.nodes[k];
+    if (contact.weights[k] == 0) continue;
+    displacement -= contact.weights[k] * (s.x_t1[contact.nodes[k]] - s.x_t0[contact.nodes[k]]);
+    (u == UINT32_MAX ? u : v) = contact.nodes[k];
   }
   if (v == UINT32_MAX) v = u;
-  for (std::uint32_t t : context.geometry[r.surface]->topology.triangles_of(u)) {
+  for (std::uint32_t t : context.geometry[contact.surface]->topology.triangles_of(u)) {
     const Triangle& nodes = s.triangles[t];
     if (std::find(nodes.begin(), nodes.end(), v) == nodes.end()) continue;
-    if (comes_within(particles.x_t0[r.particle], displacement, s.x_t0[nodes[0]], s.x_t0[nodes[1]],
+    if (comes_within(particles.x_t0[contact.particle], displacement, s.x_t0[nodes[0]], s.x_t0[nodes[1]],
                      s.x_t0[nodes[2]], h))
       return false;
   }
@@ -190,26 +193,27 @@ bool passes_beside(const Context& context, const Contact& r, double h) {
 
 }  // namespace
 
-bool comes_within_thickness(const Context& context, const Contact& r) {
+bool comes_within_thickness(const Context& context, const Contact& contact) {
   // (C.5), (C.6).
-  const double h = context.surfaces[r.surface]->thickness;
-  if (r.distance < h) return true;
-  return context.settings->ccd && end_gap(context, r) < h && !passes_beside(context, r, h);
+  const double h = context.surfaces[contact.surface]->thickness;
+  if (contact.distance < h) return true;
+  return context.settings->ccd && end_gap(context, contact) < h && !passes_beside(context, contact, h);
 }
 
-bool friction_may_act(const Context& context, const Contact& r) {
-  const SurfaceMotion& s = *context.surfaces[r.surface];
-  const SlipSettings& slip = s.slip_on(r.back);
+bool friction_may_act(const Context& context, const Contact& contact) {
+  const SurfaceMotion& s = *context.surfaces[contact.surface];
+  const SlipSettings& slip = s.slip_on(contact.back);
   const double reach = friction_distance(*context.particles, s, slip);
-  return slip.model == SlipModel::viscous_wall ? r.distance < reach : (reach > 0 && r.distance <= reach);
+  return slip.model == SlipModel::viscous_wall ? contact.distance < reach
+                                               : (reach > 0 && contact.distance <= reach);
 }
 
 void ContactSet::select_active(const Context& context, std::vector<Contact>& active) const {
   active.clear();
-  for (const Contact& r : near_)
-    if (!context.out_of_play[r.particle] &&
-        (comes_within_thickness(context, r) || friction_may_act(context, r)))
-      active.push_back(r);
+  for (const Contact& contact : contacts_)
+    if (!context.out_of_play[contact.particle] &&
+        (comes_within_thickness(context, contact) || friction_may_act(context, contact)))
+      active.push_back(contact);
 }
 
 }  // namespace oilskin::contact

@@ -1,12 +1,11 @@
 /// The data of one interval: input, state and output of the stages of contact.
 #pragma once
 
-#include <chrono>
-
 #include "contact/predicates.h"
 #include "contact/surface_geometry.h"
 #include "core/assert.h"
 #include "core/parallel.h"
+#include "core/stage_timer.h"
 #include "oilskin/contact.h"
 
 namespace oilskin::contact {
@@ -63,20 +62,6 @@ struct Context {
     node_stamp[surface][node] = epoch;
     surface_stamp[surface] = epoch;
   }
-};
-
-/// Adds the wall time of a scope to a stage.
-class StageTimer {
- public:
-  explicit StageTimer(double& seconds) : seconds_(seconds), begin_(Clock::now()) {}
-  ~StageTimer() { seconds_ += std::chrono::duration<double>(Clock::now() - begin_).count(); }
-  StageTimer(const StageTimer&) = delete;
-  StageTimer& operator=(const StageTimer&) = delete;
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double& seconds_;
-  Clock::time_point begin_;
 };
 
 }  // namespace oilskin::contact

@@ -11,8 +11,7 @@ namespace {
 
 constexpr std::size_t chunk = 256;
 
-// Are the boxes of the whole paths disjoint? Comparisons of stored numbers alone, so the answer is exact, and
-// disjoint boxes cannot meet.
+// Are the boxes of the paths disjoint? Exact, since it only compares stored numbers.
 bool swept_boxes_apart(const PointTriangle& x0, const PointTriangle& x1) {
   for (int k = 0; k < 3; ++k) {
     const double low = std::min({x0.a[k], x0.b[k], x0.c[k], x1.a[k], x1.b[k], x1.c[k]});
@@ -22,16 +21,16 @@ bool swept_boxes_apart(const PointTriangle& x0, const PointTriangle& x1) {
   return false;
 }
 
-// Tests one pair; true = bad. The end distance is judged at δ; beyond it is measured only where it can be the
-// particle's least (for the report).
+// Tests one pair; true = violation. Beyond too_close_cutoff(δ) the end distance is computed only where it can
+// be the particle's smallest, `min_distance`, which is reported.
 bool test_pair(const Context& context, const SurfaceMotion& s, const PointTriangle& x0,
-               const PointTriangle& x1, CandidatePair& pair, double& minimum, Violation& violation) {
+               const PointTriangle& x1, CandidatePair& pair, double& min_distance, Violation& violation) {
   pair.end_distance = std::numeric_limits<double>::infinity();
-  const double relevant_distance = std::max(too_close_cutoff(s.delta), std::min(s.thickness, minimum));
+  const double relevant_distance = std::max(too_close_cutoff(s.delta), std::min(s.thickness, min_distance));
   if (squared_distance_to_box(x1) <= relevant_distance * relevant_distance) {
     const EndDistance d = end_distance(x1, s.delta);
     pair.end_distance = d.distance;
-    minimum = std::min(minimum, d.distance);
+    min_distance = std::min(min_distance, d.distance);
     violation.too_close = d.too_close;
   }
   if (context.settings->ccd && !swept_boxes_apart(x0, x1)) {
@@ -46,16 +45,16 @@ bool test_pair(const Context& context, const SurfaceMotion& s, const PointTriang
 void detect_for_particle(const Context& context, CandidateSet& candidates, std::uint32_t p,
                          std::vector<Violation>& out) {
   const std::uint32_t stamp = context.particle_stamp[p];
-  double minimum = std::numeric_limits<double>::infinity();
+  double min_distance = std::numeric_limits<double>::infinity();
   for (std::uint32_t s = 0; s < context.surfaces.size(); ++s) {
     const SurfaceMotion& motion = *context.surfaces[s];
     for (CandidatePair& pair : candidates.of(s, p)) {
       const Triangle& t = motion.triangles[pair.triangle];
       if (pair.tested > 0) {
-        std::uint32_t youngest = stamp;
+        std::uint32_t last_change = stamp;
         if (context.surface_stamp[s] > pair.tested)
-          for (std::uint32_t v : t) youngest = std::max(youngest, context.node_stamp[s][v]);
-        if (youngest <= pair.tested) continue;
+          for (std::uint32_t v : t) last_change = std::max(last_change, context.node_stamp[s][v]);
+        if (last_change <= pair.tested) continue;
       }
       Violation violation;
       violation.particle = p;
@@ -63,7 +62,7 @@ void detect_for_particle(const Context& context, CandidateSet& candidates, std::
       OILSKIN_ASSERT(pair.triangle < motion.triangles.size() && pair.tested <= context.epoch);
       violation.triangle = pair.triangle;
       const bool is_violation = test_pair(context, motion, context.start(p, s, pair.triangle),
-                                          context.end(p, s, pair.triangle), pair, minimum, violation);
+                                          context.end(p, s, pair.triangle), pair, min_distance, violation);
       pair.tested = is_violation ? 0 : context.epoch;
       if (is_violation) out.push_back(violation);
     }
@@ -89,7 +88,7 @@ std::vector<Violation> find_violations(Context& context, CandidateSet& candidate
            std::make_tuple(b.time, id[b.particle], b.surface, b.triangle);
   });
   OILSKIN_ASSERT(std::none_of(violations.begin(), violations.end(),
-                              [&](const Violation& b) { return context.out_of_play[b.particle] != 0; }));
+                              [&](const Violation& v) { return context.out_of_play[v.particle] != 0; }));
   ++context.epoch;
   return violations;
 }

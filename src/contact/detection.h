@@ -1,12 +1,13 @@
-/// detect(x0, x1): all bad pairs, in a fixed order.
+/// Finds all violations of an interval, in a fixed order.
 #pragma once
 
 #include "contact/candidates.h"
 
 namespace oilskin::contact {
 
+/// A particle and a triangle whose paths intersect or that are too close at x_t1.
 struct Violation {
-  double time = 1;  ///< of impact in [0, 1]; 1 for pairs that are only near at the end
+  double time = 1;  ///< of impact, in [0, 1]; 1 if the pair is only too close
   std::uint32_t particle = 0;
   std::uint32_t surface = 0;
   std::uint32_t triangle = 0;
@@ -14,8 +15,9 @@ struct Violation {
   bool too_close = false;
 };
 
-/// Covers the present x_t1 with candidates and tests every pair that has a point with a new end. With ccd off
-/// only the end distance counts. Ordered by (time, particle id, surface, triangle). Empty = the certificate.
+/// Refreshes the candidates for the current x_t1 and tests each pair of which a point has a new end. Without
+/// settings.ccd only end distances are tested. Ordered by (time, particle id, surface, triangle). An empty
+/// result is the certificate.
 std::vector<Violation> find_violations(Context& context, CandidateSet& candidates);
 
 }  // namespace oilskin::contact

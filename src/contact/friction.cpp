@@ -18,19 +18,19 @@ double angle_between(const Vec3& a, const Vec3& b) {
 
 SurfaceSide side_of(const MeshTopology& topology, Span<const Triangle> triangles, Span<const Vec3> x,
                     std::uint32_t triangle, std::uint8_t feature, const Vec3& normal) {
-  SurfaceSide f;
+  SurfaceSide side;
   OILSKIN_ASSERT(triangle < triangles.size() && feature >= 1 && feature <= 7);
   const Triangle& own = triangles[triangle];
   if (feature == 7) {
-    f.back = normal.dot((x[own[1]] - x[own[0]]).cross(x[own[2]] - x[own[0]])) < 0;
-    return f;
+    side.back = normal.dot((x[own[1]] - x[own[0]]).cross(x[own[2]] - x[own[0]])) < 0;
+    return side;
   }
   const int first = feature & 1 ? 0 : (feature & 2 ? 1 : 2);
   const bool is_edge = (feature & (feature - 1)) != 0;
   const int second = !is_edge ? first : (feature & 4 ? 2 : 1);
   const std::uint32_t u = own[first], v = own[second];
   Vec3 sum = Vec3::Zero();
-  f.share = 0;
+  side.normal_alignment = 0;
   for (std::uint32_t t : topology.triangles_of(u)) {
     const Triangle& nodes = triangles[t];
     const auto at = static_cast<std::size_t>(std::find(nodes.begin(), nodes.end(), u) - nodes.begin());
@@ -40,16 +40,16 @@ SurfaceSide side_of(const MeshTopology& topology, Span<const Triangle> triangles
     const double size = area.norm();
     if (!(size > 1e-7 * std::max(a.squaredNorm(), b.squaredNorm()))) continue;
     const Vec3 n = area / size;
-    sum += u == v ? Vec3(angle_between(a, b) * n) : n;  // both triangles of an edge meet it by π
-    f.share = std::max(f.share, std::abs(normal.dot(n)));
+    sum += u == v ? Vec3(angle_between(a, b) * n) : n;  // at an edge both triangles have the angle π
+    side.normal_alignment = std::max(side.normal_alignment, std::abs(normal.dot(n)));
   }
-  f.back = normal.dot(sum) < -1e-9 * sum.norm();
-  return f;
+  side.back = normal.dot(sum) < -1e-9 * sum.norm();
+  return side;
 }
 
-// The first layer stands for as much wall as there is: a particle that several records tie to one wall (inner
-// edges of a flat sheet, a cloth on a floor) has dx² of it once; in a corner it has dx² of each wall. A
-// record gets what nearer ones leave, by the part of its normal that they do not have.
+// A particle represents dx² of each wall that it sees: once if several contacts belong to one wall (inner
+// edges of a flat sheet, a cloth on a floor), twice in a corner. A contact gets the area that nearer contacts
+// of the particle leave, by the component of its normal that theirs do not have.
 void distribute_wall_area(const Context& context, std::vector<ContactConstraint>& constraints) {
   const double area = context.particles->spacing * context.particles->spacing;
   for (std::size_t begin = 0, end = 0; begin < constraints.size(); begin = end) {
@@ -61,14 +61,14 @@ void distribute_wall_area(const Context& context, std::vector<ContactConstraint>
       if (!constraints[k].friction_active ||
           context.surfaces[c.surface]->slip_on(c.back).model != SlipModel::viscous_wall)
         continue;
-      double share = c.normal_alignment;
+      double fraction = c.normal_alignment;
       for (std::size_t o = begin; o < end; ++o) {
         const Contact& other = constraints[o].contact;
         const bool nearer = other.distance < c.distance || (other.distance == c.distance && o < k);
-        if (nearer) share *= 1 - std::clamp(c.normal.dot(other.normal), 0.0, 1.0);
+        if (nearer) fraction *= 1 - std::clamp(c.normal.dot(other.normal), 0.0, 1.0);
       }
-      OILSKIN_ASSERT(share >= 0 && share < 1 + 1e-9);
-      constraints[k].wall_area = share * area;
+      OILSKIN_ASSERT(fraction >= 0 && fraction < 1 + 1e-9);
+      constraints[k].wall_area = fraction * area;
     }
   }
 }
@@ -83,15 +83,14 @@ Vec3 tangential_impulse(const Context& context, const ContactConstraint& constra
       return Vec3::Zero();
     case SlipModel::coulomb: {
       const double normal = constraint.normal_impulse + constraint.spring_impulse;
-      const double maximum =
-          normal > 0 ? slip.friction * normal : 0;  // infinite friction, no pressure: no impulse
+      const double limit = normal > 0 ? slip.friction * normal : 0;  // 0, not NaN, for infinite friction
       const double size = sticking.norm();
-      return size <= maximum ? sticking : Vec3(sticking * (maximum / size));
+      return size <= limit ? sticking : Vec3(sticking * (limit / size));
     }
     case SlipModel::sticking:
       return sticking;
     case SlipModel::viscous_wall: {
-      // (C.17): implicit, so it never reverses the velocity.
+      // (C.17): implicit, so that it never reverses the velocity.
       const ParticleMotion& p = *context.particles;
       const double z = std::max(constraint.contact.distance - wall_offset(p, surface), 0.25 * p.spacing);
       const double drag =

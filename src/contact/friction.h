@@ -1,28 +1,27 @@
-/// Where slip acts, on which side of a surface, and over how much of it.
+/// Friction laws: their reach, the side of a surface, the wall area of a particle, and their impulses.
 #pragma once
 
 #include "contact/constraints.h"
 
 namespace oilskin::contact {
 
-/// How a surface looks from a point at distance > 0 whose closest feature is given.
+/// Orientation of a surface at its closest feature to a point.
 struct SurfaceSide {
-  bool back = false;  ///< seen from the side that the triangles' normals turn away from
-  double share =
-      1;  ///< σ of (C.7): |cos| of the angle between the offset and the nearest normal of the triangles there
+  bool back = false;            ///< the point is on the back
+  double normal_alignment = 1;  ///< σ of (C.7)
 };
 
-/// `feature` as ClosestPoint has it. The side is that of the angle-weighted normal [Baerentzen2005] (C.8),
-/// right at sharp folds, too; the front where there is no telling: in the plane of a border, at degenerate
-/// triangles, at duplicates of both windings.
+/// `feature`: as in ClosestPoint. `normal`: from the feature to the point. The side follows from the
+/// angle-weighted normal [Baerentzen2005] (C.8). It is the front where that does not decide: in the plane of
+/// a border, at degenerate triangles, and at duplicates of both windings.
 SurfaceSide side_of(const MeshTopology& topology, Span<const Triangle> triangles, Span<const Vec3> x,
                     std::uint32_t triangle, std::uint8_t feature, const Vec3& normal);
 
-/// Sets Row::wall_area (C.19) of the rows of records, which are ordered by particle.
+/// Sets ContactConstraint::wall_area (C.19). Constraints are those of contacts, ordered by particle.
 void distribute_wall_area(const Context& context, std::vector<ContactConstraint>& constraints);
 
-/// The tangential impulse that the surface's law allows, given the present tangential velocity v_t
-/// (C.16), (C.17).
+/// The accumulated tangential impulse of the surface's law for the current tangential velocity v_t (C.16),
+/// (C.17) [N s].
 Vec3 tangential_impulse(const Context& context, const ContactConstraint& constraint, const Vec3& vt);
 
 }  // namespace oilskin::contact

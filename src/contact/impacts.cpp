@@ -14,11 +14,11 @@ double length_scale(const PointTriangle& q) {
   return std::max({(q.a - q.p).norm(), (q.b - q.p).norm(), (q.c - q.p).norm()});
 }
 
-double landing_gap(const SurfaceMotion& s, double start_distance, int round) {
-  OILSKIN_ASSERT(start_distance >= 0 && round >= 0);
+double landing_gap(const SurfaceMotion& s, double start_distance, int iteration) {
+  OILSKIN_ASSERT(start_distance >= 0 && iteration >= 0);
   const double h = s.thickness;
   double gap = start_distance >= h ? h : start_distance + 0.1 * (h - start_distance);
-  gap = std::ldexp(gap, -round);
+  gap = std::ldexp(gap, -iteration);
   return std::max(gap, 2 * s.delta);
 }
 
@@ -29,10 +29,10 @@ ImpactGeometry impact_geometry(const PointTriangle& x0, const PointTriangle& x1,
   ImpactGeometry g;
   const ClosestPoint start = closest_point(x0.p, x0.a, x0.b, x0.c);
   g.start_distance = start.distance;
-  const double minimum = std::max(0.01 * delta, 1e-10 * length_scale(x0));
+  const double min_distance = std::max(0.01 * delta, 1e-10 * length_scale(x0));
 
-  // Inside the face the normal of the triangle at impact is the direction, on the side where the particle was
-  // just before; the closest point of a slanting path would tilt it.
+  // Inside the face: the triangle's normal at impact, on the side of the particle just before. The direction
+  // to the closest point would be tilted by an oblique path.
   const PointTriangle at = interpolate(x0, x1, time);
   const ClosestPoint hit = closest_point(at.p, at.a, at.b, at.c);
   const bool inside = hit.feature == 7 && *std::min_element(hit.weights.begin(), hit.weights.end()) > 1e-3;
@@ -42,7 +42,7 @@ ImpactGeometry impact_geometry(const PointTriangle& x0, const PointTriangle& x1,
       const Vec3 n = geometric_normal(at.a, at.b, at.c);
       Vec3 foot = hit.weights[0] * before.a + hit.weights[1] * before.b + hit.weights[2] * before.c;
       const double side = n.dot(before.p - foot);
-      if (std::abs(side) > minimum) {
+      if (std::abs(side) > min_distance) {
         g.weights = hit.weights;
         g.normal = side > 0 ? n : Vec3(-n);
         return g;
@@ -50,7 +50,7 @@ ImpactGeometry impact_geometry(const PointTriangle& x0, const PointTriangle& x1,
       continue;
     }
     const ClosestPoint c = closest_point(before.p, before.a, before.b, before.c);
-    if (c.distance > minimum) {
+    if (c.distance > min_distance) {
       g.weights = c.weights;
       g.normal = c.offset / c.distance;
       return g;
@@ -61,44 +61,52 @@ ImpactGeometry impact_geometry(const PointTriangle& x0, const PointTriangle& x1,
   return g;
 }
 
+namespace {
+
+ContactConstraint impact_constraint(const Context& context, const Violation& v, int iteration) {
+  const SurfaceMotion& s = *context.surfaces[v.surface];
+  const PointTriangle x0 = context.start(v.particle, v.surface, v.triangle);
+  const PointTriangle x1 = context.end(v.particle, v.surface, v.triangle);
+  const ImpactGeometry g = impact_geometry(x0, x1, v.time, s.delta);
+  Contact contact;
+  contact.particle = v.particle;
+  contact.surface = v.surface;
+  contact.triangle = v.triangle;
+  contact.nodes = s.triangles[v.triangle];
+  contact.weights = g.weights;
+  contact.normal = g.normal;
+  contact.distance = g.start_distance;
+  const PointTriangle at = interpolate(x0, x1, v.time);
+  contact.back = g.normal.dot((at.b - at.a).cross(at.c - at.a)) < 0;
+  ContactConstraint constraint = make_constraint(context, contact);
+  constraint.normal_active = constraint.friction_active = true;
+  OILSKIN_ASSERT(std::abs(g.normal.squaredNorm() - 1) < 1e-9);
+  constraint.target_gap = landing_gap(s, g.start_distance, iteration);
+  OILSKIN_ASSERT(constraint.target_gap >= 2 * s.delta);
+  return constraint;
+}
+
+}  // namespace
+
 std::vector<ContactConstraint> impact_constraints(Context& context, const std::vector<Violation>& violations,
-                                                  int round) {
+                                                  int iteration) {
   std::vector<ContactConstraint> constraints;
   constraints.reserve(violations.size());
-  std::vector<std::uint32_t> landed;
-  for (const Violation& b : violations) {
-    const SurfaceMotion& s = *context.surfaces[b.surface];
-    const PointTriangle x0 = context.start(b.particle, b.surface, b.triangle);
-    const PointTriangle x1 = context.end(b.particle, b.surface, b.triangle);
-    const ImpactGeometry g = impact_geometry(x0, x1, b.time, s.delta);
-    Contact r;
-    r.particle = b.particle;
-    r.surface = b.surface;
-    r.triangle = b.triangle;
-    r.nodes = s.triangles[b.triangle];
-    r.weights = g.weights;
-    r.normal = g.normal;
-    r.distance = g.start_distance;
-    const PointTriangle at = interpolate(x0, x1, b.time);
-    r.back = g.normal.dot((at.b - at.a).cross(at.c - at.a)) < 0;
-    ContactConstraint constraint = make_constraint(context, r);
-    constraint.normal_active = constraint.friction_active = true;
-    OILSKIN_ASSERT(std::abs(g.normal.squaredNorm() - 1) < 1e-9);
-    constraint.target_gap = landing_gap(s, g.start_distance, round);
-    OILSKIN_ASSERT(constraint.target_gap >= 2 * s.delta);
-    constraints.push_back(constraint);
-    if (b.paths_intersect) landed.push_back(static_cast<std::uint32_t>(constraints.size() - 1));
+  std::vector<std::uint32_t> impacts;  // constraints of intersecting paths
+  for (const Violation& v : violations) {
+    constraints.push_back(impact_constraint(context, v, iteration));
+    if (v.paths_intersect) impacts.push_back(static_cast<std::uint32_t>(constraints.size() - 1));
   }
-  // Bad pairs come in order of time, so the first of a particle is its earliest meeting.
+  // Violations come in order of time, so the first of a particle is its earliest impact.
   std::vector<std::uint8_t> done(context.particle_count(), 0);
-  for (std::uint32_t k : landed) {
-    const Contact& r = constraints[k].contact;
-    if (done[r.particle] || context.particles->inverse_mass[r.particle] == 0) continue;
-    done[r.particle] = 1;
-    const SurfaceMotion& s = *context.surfaces[r.surface];
+  for (std::uint32_t k : impacts) {
+    const Contact& c = constraints[k].contact;
+    if (done[c.particle] || context.particles->inverse_mass[c.particle] == 0) continue;
+    done[c.particle] = 1;
+    const SurfaceMotion& s = *context.surfaces[c.surface];
     Vec3 foot = Vec3::Zero();
-    for (int k3 = 0; k3 < 3; ++k3) foot += r.weights[k3] * s.x_t1[r.nodes[k3]];
-    context.set_particle_end(r.particle, foot + constraints[k].target_gap * r.normal);
+    for (int corner = 0; corner < 3; ++corner) foot += c.weights[corner] * s.x_t1[c.nodes[corner]];
+    context.set_particle_end(c.particle, foot + constraints[k].target_gap * c.normal);
   }
   return constraints;
 }

@@ -1,4 +1,4 @@
-/// Bad pairs become rows: normal and weights at the time of impact, landing where they struck.
+/// Violations become contact constraints at their times of impact (docs/theory/contact.md, "Impacts").
 #pragma once
 
 #include "contact/constraints.h"
@@ -6,20 +6,20 @@
 
 namespace oilskin::contact {
 
-/// A direction from the triangle to the particle near the moment `time` of the motion x0 → x1, with the
-/// closest point's weights. Well defined because the particle starts at d0 ≥ δ (C.21): where rounding swamps
-/// the distance, an earlier moment is taken, down to the start.
 struct ImpactGeometry {
-  std::array<double, 3> weights{};
-  Vec3 normal = Vec3::Zero();
-  double start_distance = 0;  ///< d0 [m]
+  std::array<double, 3> weights{};  ///< b_c of the closest point
+  Vec3 normal = Vec3::Zero();       ///< from the triangle to the particle
+  double start_distance = 0;        ///< d0 [m]
 };
+
+/// Geometry close to the time of impact `time` of the motion x0 → x1. Where rounding dominates the distance,
+/// an earlier time is used, down to the start (C.21); there it is well defined, since d0 ≥ δ.
 ImpactGeometry impact_geometry(const PointTriangle& x0, const PointTriangle& x1, double time, double delta);
 
-/// One row for each bad pair, in order; the earliest meeting of a particle also moves its end to the landing
-/// point (C.22): where it struck, at gap h (never below 2 δ). `round` counts from 0: later landings come
-/// closer, so that a particle between two layers nearer than h finds a place.
+/// One constraint per violation, in order. The earliest impact of a particle also moves its end next to the
+/// impact point (C.22). The gap is halved in each iteration, counted from 0 and down to 2 δ, so that
+/// particles fit between layers closer than h.
 std::vector<ContactConstraint> impact_constraints(Context& context, const std::vector<Violation>& violations,
-                                                  int round);
+                                                  int iteration);
 
 }  // namespace oilskin::contact

@@ -22,7 +22,7 @@ double friction_distance(const ParticleMotion& particles, const SurfaceMotion& s
     case SlipModel::sticking:
       break;
   }
-  // At rest particles sit at h exactly, so d0 ≤ h would be decided by rounding.
+  // Particles at rest have d0 = h up to rounding; 0.1 dx keeps rounding from deciding.
   return surface.thickness + 0.1 * particles.spacing;
 }
 

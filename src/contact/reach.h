@@ -5,16 +5,16 @@
 
 namespace oilskin::contact {
 
-/// z₀ of (C.18): where the water begins in front of a surface [m]. Half a spacing before the layer that rests
-/// at the thickness, or at the sheet itself if that is nearer.
+/// z₀ of (C.18): distance at which the water begins [m], half a spacing in front of the layer that rests at
+/// h, or at the sheet if that is nearer.
 double wall_offset(const ParticleMotion& particles, const SurfaceMotion& surface);
 
-/// d0 below which a slip law acts although there is no normal impulse [m]; 0 = free.
+/// Distance d0 up to which friction acts without a normal impulse [m]; 0 for free slip.
 double friction_distance(const ParticleMotion& particles, const SurfaceMotion& surface,
                          const SlipSettings& slip);
 
-/// d0 within which every particle needs a contact, whether it approaches or not: the first layer of a viscous
-/// wall [m]. 0 where neither side of the surface is one.
+/// Distance d0 within which each particle needs a contact even if it does not approach: the first layer of a
+/// viscous wall [m]. 0 if neither side of the surface is one.
 double wall_layer(const ParticleMotion& particles, const SurfaceMotion& surface);
 
 }  // namespace oilskin::contact

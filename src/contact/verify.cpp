@@ -1,5 +1,5 @@
-/// The promise checked by another route: all pairs by sweep and prune, paths by additive continuous collision
-/// detection [Li2021] and halving, distances by their own formula. Shares no code with
+/// Checks the promise by other algorithms than contact: all pairs by sweep and prune, paths by additive
+/// continuous collision detection [Li2021] and bisection, distances by another formula. Shares no code with
 /// detection.
 #include <algorithm>
 #include <cmath>
@@ -20,8 +20,8 @@ double squared_distance_to_segment(const Vec3& a, const Vec3& b) {
   return (a + t * d).squaredNorm();
 }
 
-// Distance of the origin from the triangle abc: to the plane where the origin projects inside, else to the
-// nearest edge; the edges alone where the triangle has no area.
+// Distance of the origin from the triangle abc: to the plane if the origin projects inside, else to the
+// nearest edge. A triangle without area has edges only.
 double distance_to_triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double edges =
       std::sqrt(std::min({squared_distance_to_segment(a, b), squared_distance_to_segment(b, c),
@@ -34,8 +34,8 @@ double distance_to_triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
   return inside ? std::min(edges, std::abs(a.dot(n)) / nn) : edges;
 }
 
-// --- Exactness where it matters: what passes a border at the last bit must be told from what touches it, so
-// the halving below works with more bits than the differences of doubles have.
+// The bisection below distinguishes paths that pass a border from paths that touch it in the last bit, so it
+// needs more bits than the differences of doubles have.
 #if defined(__SIZEOF_FLOAT128__)
 using Real = __float128;
 constexpr double real_roundoff = 0x1p-113;
@@ -81,8 +81,8 @@ Corners between(const Corners& t0, const Corners& t1, Real t) {
   return c;
 }
 
-// The offset of the origin from the closest point of the triangle, by the same cases as the distance: a
-// direction to look along.
+// A separating direction to try: the offset of the origin from the closest point of the triangle, by the same
+// cases as the distance.
 Vec direction_from_triangle(const Corners& corners) {
   const Vec &a = corners.at[0], &b = corners.at[1], &c = corners.at[2];
   const Vec n = cross(b - a, c - a);
@@ -90,7 +90,7 @@ Vec direction_from_triangle(const Corners& corners) {
   if (nn > 0 && dot(cross(b - a, n), a) >= 0 && dot(cross(c - b, n), b) >= 0 && dot(cross(a - c, n), c) >= 0)
     return (-dot(a, n) / nn) * n;
   Vec best{};
-  Real minimum = -1;
+  Real min_square = -1;
   const Vec* corner[4] = {&a, &b, &c, &a};
   for (int k = 0; k < 3; ++k) {
     const Vec d = *corner[k + 1] - *corner[k];
@@ -98,15 +98,15 @@ Vec direction_from_triangle(const Corners& corners) {
     const Real t = !(dd > 0) || along < 0 ? Real(0) : (along > dd ? Real(1) : along / dd);
     const Vec offset = Real(-1) * (*corner[k] + t * d);
     const Real square = dot(offset, offset);
-    if (minimum >= 0 && square >= minimum) continue;
-    minimum = square;
+    if (min_square >= 0 && square >= min_square) continue;
+    min_square = square;
     best = offset;
   }
   return best;
 }
 
-// One direction keeps all three corners strictly on one side at both ends: since they move on straight lines,
-// also in between.
+// Are all three corners strictly on one side along n at both ends? Then they are in between, too, since they
+// move linearly.
 bool separated_along(const Vec& n, const Corners& begin, const Corners& end) {
   const Real error = 16 * Real(real_roundoff) * sum_of_magnitudes(n);
   for (const Corners* c : {&begin, &end})
@@ -115,8 +115,8 @@ bool separated_along(const Vec& n, const Corners& begin, const Corners& end) {
   return true;
 }
 
-// The four Bernstein coefficients of the signed volume between two moments have one sign, clearly: the
-// particle never reaches the triangle's plane.
+// Do the four Bernstein coefficients of the signed volume certainly have one sign? Then the particle does not
+// reach the triangle's plane.
 bool plane_never_reached(const Corners& begin, const Corners& end) {
   const auto det = [](const Vec& x, const Vec& y, const Vec& z) { return dot(x, cross(y, z)); };
   const Vec &a0 = begin.at[0], &b0 = begin.at[1], &c0 = begin.at[2];
@@ -131,9 +131,9 @@ bool plane_never_reached(const Corners& begin, const Corners& end) {
          (k[0] < -error && k[1] < -error && k[2] < -error && k[3] < -error);
 }
 
-// Where additive advancement creeps (sliding along a sheet at a distance far below the way), halve the time
-// until each part is free by a direction or by the triangle's plane.
-bool touches_by_halving(const Corners& t0, const Corners& t1) {
+// For paths on which additive advancement is slow (sliding along a sheet at a distance far below the
+// displacement): bisects time until a direction or the triangle's plane separates each part.
+bool touches_by_bisection(const Corners& t0, const Corners& t1) {
   struct Part {
     Real begin, end;
   };
@@ -160,7 +160,8 @@ struct Paths {
   Vec3 p_t0, p_t1, t0[3], t1[3];
 };
 
-// Distance is Lipschitz in time with the largest displacement of a corner relative to the particle.
+// The distance is Lipschitz continuous in time; its constant is the largest displacement of a corner relative
+// to the particle.
 bool path_touches(const Paths& paths) {
   Vec3 t0[3], t1[3];
   Corners exact_t0, exact_t1;
@@ -177,70 +178,55 @@ bool path_touches(const Paths& paths) {
   constexpr int max_steps = 64;
   for (int step = 0; step < max_steps; ++step) {
     if (lipschitz == 0) return d <= 0;
-    if (d < 1e-9 * size) break;  // doubles cannot tell
+    if (d < 1e-9 * size) break;  // within rounding of doubles
     t += 0.9 * d / lipschitz;
     if (t >= 1) return false;
     d = distance_to_triangle((1 - t) * t0[0] + t * t1[0], (1 - t) * t0[1] + t * t1[1],
                              (1 - t) * t0[2] + t * t1[2]);
   }
-  return touches_by_halving(exact_t0, exact_t1);
+  return touches_by_bisection(exact_t0, exact_t1);
 }
 
-struct Interval1 {
+struct SweptBoxes {
+  std::vector<Box> particle, triangle;
+  Box all_triangles;
+};
+
+SweptBoxes swept_boxes(const ParticleMotion& particles, const SurfaceMotion& s) {
+  SweptBoxes boxes;
+  boxes.particle.resize(particles.id.size());
+  boxes.triangle.resize(s.triangles.size());
+  for (std::size_t p = 0; p < boxes.particle.size(); ++p) {
+    if (particles.removed[p]) continue;
+    boxes.particle[p].add(particles.x_t0[p]);
+    boxes.particle[p].add(particles.x_t1[p]);
+  }
+  for (std::size_t t = 0; t < boxes.triangle.size(); ++t) {
+    Box& box = boxes.triangle[t];
+    for (std::uint32_t v : s.triangles[t]) {
+      box.add(s.x_t0[v]);
+      box.add(s.x_t1[v]);
+    }
+    box = box.inflated(1.001 * s.delta);
+    boxes.all_triangles.add(box);
+  }
+  return boxes;
+}
+
+// A box projected onto the axis of the sweep.
+struct Projection {
   double low, high;
   std::uint32_t index;
 };
 
-void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s,
-                       std::vector<std::uint8_t>& violates, std::uint64_t& pairs) {
-  OILSKIN_ASSERT(s.delta >= 0 && s.x_t0.size() == s.x_t1.size());
-  std::vector<Box> particle_box(particles.id.size()), triangle_box(s.triangles.size());
-  Box all;
-  for (std::size_t p = 0; p < particle_box.size(); ++p) {
-    if (particles.removed[p]) continue;
-    particle_box[p].add(particles.x_t0[p]);
-    particle_box[p].add(particles.x_t1[p]);
-  }
-  for (std::size_t t = 0; t < triangle_box.size(); ++t) {
-    for (std::uint32_t v : s.triangles[t]) {
-      triangle_box[t].add(s.x_t0[v]);
-      triangle_box[t].add(s.x_t1[v]);
-    }
-    triangle_box[t] = triangle_box[t].inflated(1.001 * s.delta);
-    all.add(triangle_box[t]);
-  }
-  int axis = 0;
-  (all.max - all.min).maxCoeff(&axis);
-  std::vector<Interval1> ps, ts;
-  for (std::uint32_t p = 0; p < particle_box.size(); ++p)
-    if (!particles.removed[p] && particle_box[p].overlaps(all))
-      ps.push_back({particle_box[p].min[axis], particle_box[p].max[axis], p});
-  for (std::uint32_t t = 0; t < triangle_box.size(); ++t)
-    ts.push_back({triangle_box[t].min[axis], triangle_box[t].max[axis], t});
-  const auto by_low = [](const Interval1& a, const Interval1& b) { return a.low < b.low; };
-  std::sort(ps.begin(), ps.end(), by_low);
-  std::sort(ts.begin(), ts.end(), by_low);
-
-  const auto test = [&](std::uint32_t p, std::uint32_t t) {
-    if (!particle_box[p].overlaps(triangle_box[t])) return;
-    ++pairs;
-    if (violates[p]) return;
-    Paths paths;
-    paths.p_t0 = particles.x_t0[p];
-    paths.p_t1 = particles.x_t1[p];
-    Vec3 end[3];
-    for (int k = 0; k < 3; ++k) {
-      paths.t0[k] = s.x_t0[s.triangles[t][k]];
-      paths.t1[k] = s.x_t1[s.triangles[t][k]];
-      end[k] = paths.t1[k] - paths.p_t1;
-    }
-    const bool too_near = distance_to_triangle(end[0], end[1], end[2]) < s.delta * (1 - 1e-9);
-    if (too_near || path_touches(paths)) violates[p] = 1;
-  };
-  // Sweep: merge both lists by their lower ends; each newcomer meets the active members of the other list.
-  std::vector<Interval1> active_p, active_t;
-  std::size_t i = 0, j = 0;
-  const auto meet = [](std::vector<Interval1>& active, double low, const auto& f) {
+// Calls visit(index in a, index in b) for all pairs of overlapping projections: merges both lists by their
+// lower ends and pairs each entry with the active entries of the other list.
+template <class Visit>
+void sweep(std::vector<Projection> a, std::vector<Projection> b, const Visit& visit) {
+  const auto by_low = [](const Projection& x, const Projection& y) { return x.low < y.low; };
+  std::sort(a.begin(), a.end(), by_low);
+  std::sort(b.begin(), b.end(), by_low);
+  const auto visit_active = [](std::vector<Projection>& active, double low, const auto& f) {
     std::size_t kept = 0;
     for (std::size_t k = 0; k < active.size(); ++k) {
       if (active[k].high < low) continue;
@@ -249,15 +235,54 @@ void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s,
     }
     active.resize(kept);
   };
-  while (i < ps.size() || j < ts.size()) {
-    if (j == ts.size() || (i < ps.size() && ps[i].low <= ts[j].low)) {
-      meet(active_t, ps[i].low, [&](std::uint32_t t) { test(ps[i].index, t); });
-      active_p.push_back(ps[i++]);
+  std::vector<Projection> active_a, active_b;
+  std::size_t i = 0, j = 0;
+  while (i < a.size() || j < b.size()) {
+    if (j == b.size() || (i < a.size() && a[i].low <= b[j].low)) {
+      visit_active(active_b, a[i].low, [&](std::uint32_t index) { visit(a[i].index, index); });
+      active_a.push_back(a[i++]);
     } else {
-      meet(active_p, ts[j].low, [&](std::uint32_t p) { test(p, ts[j].index); });
-      active_t.push_back(ts[j++]);
+      visit_active(active_a, b[j].low, [&](std::uint32_t index) { visit(index, b[j].index); });
+      active_b.push_back(b[j++]);
     }
   }
+}
+
+bool violates_promise(const ParticleMotion& particles, const SurfaceMotion& s, std::uint32_t p,
+                      std::uint32_t t) {
+  Paths paths;
+  paths.p_t0 = particles.x_t0[p];
+  paths.p_t1 = particles.x_t1[p];
+  Vec3 end[3];
+  for (int k = 0; k < 3; ++k) {
+    paths.t0[k] = s.x_t0[s.triangles[t][k]];
+    paths.t1[k] = s.x_t1[s.triangles[t][k]];
+    end[k] = paths.t1[k] - paths.p_t1;
+  }
+  const bool too_close = distance_to_triangle(end[0], end[1], end[2]) < s.delta * (1 - 1e-9);
+  return too_close || path_touches(paths);
+}
+
+void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s,
+                       std::vector<std::uint8_t>& violates, std::uint64_t& pairs) {
+  OILSKIN_ASSERT(s.delta >= 0 && s.x_t0.size() == s.x_t1.size());
+  const SweptBoxes boxes = swept_boxes(particles, s);
+  int axis = 0;
+  (boxes.all_triangles.max - boxes.all_triangles.min).maxCoeff(&axis);
+  const auto project = [axis](const Box& box, std::uint32_t index) {
+    return Projection{box.min[axis], box.max[axis], index};
+  };
+  std::vector<Projection> on_axis_p, on_axis_t;
+  for (std::uint32_t p = 0; p < boxes.particle.size(); ++p)
+    if (!particles.removed[p] && boxes.particle[p].overlaps(boxes.all_triangles))
+      on_axis_p.push_back(project(boxes.particle[p], p));
+  for (std::uint32_t t = 0; t < boxes.triangle.size(); ++t)
+    on_axis_t.push_back(project(boxes.triangle[t], t));
+  sweep(std::move(on_axis_p), std::move(on_axis_t), [&](std::uint32_t p, std::uint32_t t) {
+    if (!boxes.particle[p].overlaps(boxes.triangle[t])) return;
+    ++pairs;
+    if (!violates[p] && violates_promise(particles, s, p, t)) violates[p] = 1;
+  });
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
 #include "contact/zones.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "contact/contacts.h"
 #include "contact/impacts.h"
 #include "core/assert.h"
+#include "core/disjoint_sets.h"
 
 namespace oilskin::contact {
 
@@ -18,7 +18,10 @@ constexpr int hold_everything_after = 20;
 constexpr int resolve_infeasible_after = 24;
 constexpr std::uint8_t max_separations = 3;
 
-// All points of the interval under one numbering: particles first, then the nodes of each surface.
+// Round resolve_infeasible_after + 1 carries along, the next one removes.
+static_assert(max_zone_rounds == resolve_infeasible_after + 3);
+
+// Points are particles and nodes under one numbering: particles first, then the nodes of each surface.
 class Zones {
  public:
   Zones(Context& context, CandidateSet& candidates);
@@ -35,25 +38,25 @@ class Zones {
     return static_cast<std::uint32_t>(std::upper_bound(offset_.begin(), offset_.end(), point) -
                                       offset_.begin() - 1);
   }
-  std::uint32_t find(std::uint32_t point);
   void unite(std::uint32_t a, std::uint32_t b);
 
   double inverse_mass(std::uint32_t point) const;
   const Vec3& start(std::uint32_t point) const;
   const Vec3& velocity(std::uint32_t point) const;
   void set_end(std::uint32_t point, const Vec3& x);
-  void add_momentum(std::uint32_t point, const Vec3& new_velocity);
+  void set_velocity(std::uint32_t point, const Vec3& v);
   bool is_holdable(std::uint32_t point) const;
 
-  /// A bad pair and the zones of its points, as they were when the round began.
+  /// A violation, the zones of its points and the level of the particle's zone when the round began.
   struct ZoneViolation {
     Violation violation;
     std::array<std::uint32_t, 4> roots;
     Level level;
   };
-  ZoneViolation zones_of(const Violation& b);
-  void escalate(const ZoneViolation& c);
-  void resolve_infeasible(const Violation& b);
+  ZoneViolation zones_of(const Violation& violation);
+  void escalate(const ZoneViolation& violation);
+  void separate(const Violation& violation);
+  void resolve_infeasible(const Violation& violation);
   void apply_zones(const std::vector<Violation>& violations);
   void apply_zone(const std::vector<std::uint32_t>& members, Level level,
                   const std::vector<Violation>& violations, std::vector<std::uint8_t>& is_infeasible);
@@ -64,53 +67,51 @@ class Zones {
 
   Context& context_;
   CandidateSet& candidates_;
-  std::vector<std::uint32_t> offset_;  // of each surface's nodes; offset_[0] = number of particles
-  std::uint32_t total_ = 0;
-  std::vector<std::uint32_t> parent_;
-  std::vector<Level> level_;      // of roots
-  std::vector<Vec3> d0_;          // displacement when the zones began
-  std::vector<Vec3> separation_;  // of particles
-  std::vector<std::uint8_t> separations_;
-  std::vector<int> carried_in_round_;  // of particles: the round that let it follow its triangle, −1 = none
+  std::vector<std::uint32_t> offset_;  // first point of each surface; offset_[0] = number of particles
+  std::uint32_t total_ = 0;            // number of points
+  DisjointSets zones_;
   int round_ = 0;
+  // Per root
+  std::vector<Level> level_;
+  // Per point
+  std::vector<Vec3> initial_displacement_;  // when the zones began [m]
   std::vector<std::uint8_t> was_held_;
+  // Per particle
+  std::vector<Vec3> separation_;  // sum of (C.24) [m]
+  std::vector<std::uint8_t> separation_count_;
+  std::vector<int> carried_in_round_;  // round in which it was carried along, −1 = none
 };
 
-Zones::Zones(Context& context, CandidateSet& candidates) : context_(context), candidates_(candidates) {
+std::size_t count_points(const Context& context) {
+  std::size_t count = context.particle_count();
+  for (const SurfaceMotion* s : context.surfaces) count += s->x_t0.size();
+  return count;
+}
+
+Zones::Zones(Context& context, CandidateSet& candidates)
+    : context_(context), candidates_(candidates), zones_(count_points(context)) {
   const std::size_t n = context.particle_count();
   total_ = static_cast<std::uint32_t>(n);
   for (const SurfaceMotion* s : context.surfaces) {
     offset_.push_back(total_);
     total_ += static_cast<std::uint32_t>(s->x_t0.size());
   }
-  parent_.resize(total_);
-  std::iota(parent_.begin(), parent_.end(), 0u);
   level_.assign(total_, Level::translate);
   was_held_.assign(total_, 0);
   separation_.assign(n, Vec3::Zero());
-  separations_.assign(n, 0);
+  separation_count_.assign(n, 0);
   carried_in_round_.assign(n, -1);
-  d0_.reserve(total_);
-  for (std::size_t p = 0; p < n; ++p) d0_.push_back(context.particles->x_t1[p] - context.particles->x_t0[p]);
+  initial_displacement_.reserve(total_);
+  for (std::size_t p = 0; p < n; ++p)
+    initial_displacement_.push_back(context.particles->x_t1[p] - context.particles->x_t0[p]);
   for (const SurfaceMotion* s : context.surfaces)
-    for (std::size_t i = 0; i < s->x_t0.size(); ++i) d0_.push_back(s->x_t1[i] - s->x_t0[i]);
-  OILSKIN_ASSERT(d0_.size() == total_);
-}
-
-std::uint32_t Zones::find(std::uint32_t point) {
-  OILSKIN_ASSERT(point < total_);
-  while (parent_[point] != point) point = parent_[point] = parent_[parent_[point]];
-  return point;
+    for (std::size_t i = 0; i < s->x_t0.size(); ++i) initial_displacement_.push_back(s->x_t1[i] - s->x_t0[i]);
+  OILSKIN_ASSERT(initial_displacement_.size() == total_);
 }
 
 void Zones::unite(std::uint32_t a, std::uint32_t b) {
-  a = find(a);
-  b = find(b);
-  if (a == b) return;
-  if (b < a) std::swap(a, b);
-  OILSKIN_ASSERT(parent_[a] == a && parent_[b] == b);  // roots
-  parent_[b] = a;
-  level_[a] = std::max(level_[a], level_[b]);
+  const Level level = std::max(level_[zones_.find(a)], level_[zones_.find(b)]);
+  level_[zones_.unite(a, b)] = level;
 }
 
 double Zones::inverse_mass(std::uint32_t point) const {
@@ -140,17 +141,17 @@ void Zones::set_end(std::uint32_t point, const Vec3& x) {
   context_.set_node_end(s, point - offset_[s], x);
 }
 
-void Zones::add_momentum(std::uint32_t point, const Vec3& new_velocity) {
+void Zones::set_velocity(std::uint32_t point, const Vec3& v) {
   if (is_particle(point)) {
-    context_.particles->velocity[point] = new_velocity;
+    context_.particles->velocity[point] = v;
     return;
   }
   const std::uint32_t s = surface_of(point);
   SurfaceMotion& motion = *context_.surfaces[s];
   const std::uint32_t node = point - offset_[s];
-  OILSKIN_ASSERT(motion.inverse_mass[node] > 0);  // what is prescribed keeps its velocity
-  motion.impulse[node] += (new_velocity - motion.velocity[node]) / motion.inverse_mass[node];
-  motion.velocity[node] = new_velocity;
+  OILSKIN_ASSERT(motion.inverse_mass[node] > 0);  // prescribed nodes keep their velocity
+  motion.impulse[node] += (v - motion.velocity[node]) / motion.inverse_mass[node];
+  motion.velocity[node] = v;
 }
 
 bool Zones::is_holdable(std::uint32_t point) const {
@@ -160,55 +161,59 @@ bool Zones::is_holdable(std::uint32_t point) const {
   return !motion.holdable.empty() && motion.holdable[point - offset_[s]] != 0;
 }
 
-Zones::ZoneViolation Zones::zones_of(const Violation& b) {
-  const Triangle& t = context_.surfaces[b.surface]->triangles[b.triangle];
-  ZoneViolation c{b, {find(b.particle)}, Level::translate};
-  for (int k = 0; k < 3; ++k) c.roots[k + 1] = find(node_point(b.surface, t[k]));
-  c.level = level_[c.roots[0]];
-  return c;
+Zones::ZoneViolation Zones::zones_of(const Violation& violation) {
+  const Triangle& t = context_.surfaces[violation.surface]->triangles[violation.triangle];
+  ZoneViolation result{violation, {zones_.find(violation.particle)}, Level::translate};
+  for (int k = 0; k < 3; ++k) result.roots[k + 1] = zones_.find(node_point(violation.surface, t[k]));
+  result.level = level_[result.roots[0]];
+  return result;
 }
 
-// Zones and levels are those of the start of the round: what another pair changes in this round has not been
-// tried.
-void Zones::escalate(const ZoneViolation& c) {
-  const Violation& b = c.violation;
-  if (carried_in_round_[b.particle] >= 0) {
-    resolve_infeasible(b);
+// Uses zones and levels of the start of the round: changes that other violations make in this round have not
+// been tested yet.
+void Zones::escalate(const ZoneViolation& v) {
+  const std::uint32_t p = v.violation.particle;
+  if (carried_in_round_[p] >= 0) {
+    resolve_infeasible(v.violation);
     return;
   }
-  const bool one_zone = c.roots[1] == c.roots[0] && c.roots[2] == c.roots[0] && c.roots[3] == c.roots[0];
+  const bool one_zone = v.roots[1] == v.roots[0] && v.roots[2] == v.roots[0] && v.roots[3] == v.roots[0];
   if (!one_zone) {
-    for (int k = 1; k < 4; ++k) unite(c.roots[0], c.roots[k]);
-  } else if (c.level == Level::hold) {
-    resolve_infeasible(b);  // only prescribed nodes that were not held can cause this
-  } else if (!b.paths_intersect && separations_[b.particle] < max_separations) {
-    const SurfaceMotion& s = *context_.surfaces[b.surface];
-    const PointTriangle x1 = context_.end(b.particle, b.surface, b.triangle);
-    const ImpactGeometry g =
-        impact_geometry(context_.start(b.particle, b.surface, b.triangle), x1, 1, s.delta);
-    const double d = end_distance(x1, s.delta).distance;
-    separation_[b.particle] += std::max(2 * s.delta - d, 0.5 * s.delta) * g.normal;
-    ++separations_[b.particle];
-    OILSKIN_ASSERT(separations_[b.particle] <= max_separations && separation_[b.particle].allFinite());
-    ++context_.report->separated;
+    for (int k = 1; k < 4; ++k) unite(v.roots[0], v.roots[k]);
+  } else if (v.level == Level::hold) {
+    resolve_infeasible(v.violation);  // only prescribed nodes that were not held can cause this
+  } else if (!v.violation.paths_intersect && separation_count_[p] < max_separations) {
+    separate(v.violation);
   } else {
-    level_[find(c.roots[0])] = Level::hold;
+    level_[zones_.find(v.roots[0])] = Level::hold;
   }
 }
 
-// First try moving the particle with the triangle (C.27), certified like any end; if that violates, too,
-// apply settings.infeasible.
-void Zones::resolve_infeasible(const Violation& b) {
-  const std::uint32_t p = b.particle;
-  OILSKIN_ASSERT(p < carried_in_round_.size() && (b.paths_intersect || b.too_close));
+// (C.24).
+void Zones::separate(const Violation& v) {
+  const SurfaceMotion& s = *context_.surfaces[v.surface];
+  const PointTriangle x1 = context_.end(v.particle, v.surface, v.triangle);
+  const ImpactGeometry g = impact_geometry(context_.start(v.particle, v.surface, v.triangle), x1, 1, s.delta);
+  const double d = end_distance(x1, s.delta).distance;
+  separation_[v.particle] += std::max(2 * s.delta - d, 0.5 * s.delta) * g.normal;
+  ++separation_count_[v.particle];
+  OILSKIN_ASSERT(separation_count_[v.particle] <= max_separations && separation_[v.particle].allFinite());
+  ++context_.report->separated;
+}
+
+// First tries moving the particle with the triangle (C.27), certified like any end. If that violates, too,
+// applies settings.infeasible.
+void Zones::resolve_infeasible(const Violation& v) {
+  const std::uint32_t p = v.particle;
+  OILSKIN_ASSERT(p < carried_in_round_.size() && (v.paths_intersect || v.too_close));
   if (context_.out_of_play[p] || carried_in_round_[p] == round_) return;
-  if (carried_in_round_[p] < 0 && inverse_mass(p) > 0) {  // one of infinite mass goes where it is told
+  if (carried_in_round_[p] < 0 && inverse_mass(p) > 0) {  // infinite mass: prescribed motion
     carried_in_round_[p] = round_;
-    const SurfaceMotion& s = *context_.surfaces[b.surface];
-    const PointTriangle x0 = context_.start(p, b.surface, b.triangle);
-    const ImpactGeometry g = impact_geometry(x0, context_.end(p, b.surface, b.triangle), b.time, s.delta);
+    const SurfaceMotion& s = *context_.surfaces[v.surface];
+    const PointTriangle x0 = context_.start(p, v.surface, v.triangle);
+    const ImpactGeometry g = impact_geometry(x0, context_.end(p, v.surface, v.triangle), v.time, s.delta);
     Vec3 end = context_.particles->x_t0[p] + 2 * s.delta * g.normal;
-    const Triangle& t = s.triangles[b.triangle];
+    const Triangle& t = s.triangles[v.triangle];
     for (int k = 0; k < 3; ++k) end += g.weights[k] * (s.x_t1[t[k]] - s.x_t0[t[k]]);
     context_.set_particle_end(p, end);
     return;
@@ -230,17 +235,18 @@ void Zones::translate_free(const std::vector<std::uint32_t>& members) {
   for (std::uint32_t m : members) {
     const double w = 1 / inverse_mass(m);
     mass += w;
-    moment += w * d0_[m];
+    moment += w * initial_displacement_[m];
     momentum += w * velocity(m);
   }
   OILSKIN_ASSERT(members.size() > 1 && mass > 0);
   const Vec3 displacement = moment / mass, v = momentum / mass;
   for (std::uint32_t m : members) {
     set_end(m, start(m) + displacement + (is_particle(m) ? separation_[m] : Vec3::Zero()));
-    add_momentum(m, v);
+    set_velocity(m, v);
   }
 }
 
+// (C.26).
 void Zones::translate_with_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement) {
   OILSKIN_ASSERT(displacement.allFinite() && context_.dt > 0);
   const Vec3 v = displacement / context_.dt;
@@ -253,9 +259,10 @@ void Zones::translate_with_prescribed(const std::vector<std::uint32_t>& members,
     }
     set_end(m, start(m) + displacement + (is_particle(m) ? separation_[m] : Vec3::Zero()));
     reaction -= (v - velocity(m)) / inverse_mass(m);
-    add_momentum(m, v);
+    set_velocity(m, v);
   }
-  if (supports.empty()) context_.report->impulse_on_prescribed += reaction;  // particles of infinite mass
+  // Without supports the prescribed points are particles of infinite mass.
+  if (supports.empty()) context_.report->impulse_on_prescribed += reaction;
   for (std::uint32_t m : supports) {
     const std::uint32_t s = surface_of(m);
     context_.surfaces[s]->impulse[m - offset_[s]] += reaction / static_cast<double>(supports.size());
@@ -273,7 +280,7 @@ void Zones::hold(const std::vector<std::uint32_t>& members, bool hold_prescribed
   for (std::uint32_t m : members) {
     if (inverse_mass(m) > 0) {
       set_end(m, start(m));
-      add_momentum(m, momentum / mass);
+      set_velocity(m, momentum / mass);
       was_held_[m] = 1;
     } else if (hold_prescribed && is_holdable(m)) {
       set_end(m, start(m));
@@ -289,11 +296,11 @@ void Zones::apply_zone(const std::vector<std::uint32_t>& members, Level level,
   Vec3 displacement = Vec3::Zero();
   for (std::uint32_t m : members) {
     if (inverse_mass(m) > 0) continue;
-    const Vec3& d = d0_[m];  // of a prescribed node: what the host proposed, untouched so far
+    const Vec3& d = initial_displacement_[m];  // of a prescribed node: as the host proposed
     if (any_prescribed) equal &= d == displacement;
     displacement = d;
     any_prescribed = true;
-    all_holdable &= is_holdable(m) || d.isZero(0);  // what stands still is held already
+    all_holdable &= is_holdable(m) || d.isZero(0);  // a point that stands still needs no hold
   }
   if (level == Level::translate && !any_prescribed) {
     translate_free(members);
@@ -306,22 +313,22 @@ void Zones::apply_zone(const std::vector<std::uint32_t>& members, Level level,
   const bool may_hold = all_holdable && context_.settings->infeasible == Infeasible::stall;
   hold(members, may_hold);
   if (!any_prescribed || may_hold) return;
-  const std::uint32_t root = find(members.front());
+  const std::uint32_t root = zones_.find(members.front());
   for (std::size_t k = 0; k < violations.size(); ++k)
-    if (find(violations[k].particle) == root) is_infeasible[k] = 1;
+    if (zones_.find(violations[k].particle) == root) is_infeasible[k] = 1;
 }
 
 void Zones::apply_zones(const std::vector<Violation>& violations) {
   if (round_ > hold_violating_zones_after)
-    for (const Violation& b : violations) level_[find(b.particle)] = Level::hold;
+    for (const Violation& v : violations) level_[zones_.find(v.particle)] = Level::hold;
   const bool hold_all = round_ > hold_everything_after;
 
-  // Zones in order of their roots, members ascending: fixed order, whatever united them.
+  // Zones in order of their roots, members ascending: independent of the order of unions.
   std::vector<std::uint32_t> size(total_, 0);
-  for (std::uint32_t i = 0; i < total_; ++i) ++size[find(i)];
+  for (std::uint32_t i = 0; i < total_; ++i) ++size[zones_.find(i)];
   std::vector<std::pair<std::uint32_t, std::uint32_t>> by_root;
   for (std::uint32_t i = 0; i < total_; ++i) {
-    const std::uint32_t root = find(i);
+    const std::uint32_t root = zones_.find(i);
     if (is_particle(i) && (context_.out_of_play[i] || carried_in_round_[i] >= 0)) continue;
     if (size[root] > 1 || level_[root] == Level::hold || hold_all) by_root.emplace_back(root, i);
   }
@@ -342,9 +349,9 @@ void Zones::count_members() {
   OILSKIN_ASSERT(context_.report->zone_rounds > 0);
   ContactReport& report = *context_.report;
   std::vector<std::uint32_t> size(total_, 0);
-  for (std::uint32_t i = 0; i < total_; ++i) ++size[find(i)];
+  for (std::uint32_t i = 0; i < total_; ++i) ++size[zones_.find(i)];
   for (std::uint32_t i = 0; i < total_; ++i) {
-    if (size[find(i)] > 1) ++report.zone_points;
+    if (size[zones_.find(i)] > 1) ++report.zone_points;
     if (!was_held_[i]) continue;
     ++report.held;
     if (inverse_mass(i) == 0) ++report.stalled;
@@ -357,18 +364,17 @@ void Zones::run(std::vector<Violation> violations) {
   for (round_ = 0; !violations.empty(); ++round_) {
     {
       StageTimer timer(context_.seconds->zones);
-      // Work is bounded: from then on every round gives a particle up, each at most twice.
-      OILSKIN_ASSERT(round_ <=
-                     resolve_infeasible_after + 4 + 2 * static_cast<int>(context_.particle_count()));
+      // From round 25 on, each round resolves a particle as infeasible, each at most twice.
+      OILSKIN_ASSERT(round_ <= max_zone_rounds + 1 + 2 * static_cast<int>(context_.particle_count()));
       ++context_.report->zone_rounds;
-      std::vector<ZoneViolation> cases;
-      cases.reserve(violations.size());
-      for (const Violation& b : violations) cases.push_back(zones_of(b));
-      for (const ZoneViolation& c : cases) {
+      std::vector<ZoneViolation> zone_violations;
+      zone_violations.reserve(violations.size());
+      for (const Violation& v : violations) zone_violations.push_back(zones_of(v));
+      for (const ZoneViolation& v : zone_violations) {
         if (round_ > resolve_infeasible_after)
-          resolve_infeasible(c.violation);
+          resolve_infeasible(v.violation);
         else
-          escalate(c);
+          escalate(v);
       }
       apply_zones(violations);
     }

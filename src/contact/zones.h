@@ -1,4 +1,4 @@
-/// Impact zones: the fail-safe that ends with a certificate whatever the input (docs/theory/contact.md, "The
+/// Impact zones: the last resort, which ends with a certificate for any input (docs/theory/contact.md, "The
 /// loop").
 #pragma once
 
@@ -6,9 +6,14 @@
 
 namespace oilskin::contact {
 
-/// Runs zones until a fresh detection is empty, which is the certificate. Work is bounded: every round with
-/// bad pairs lowers the number of zones, spends a nudge, raises a level or gives a particle up. Prescribed
-/// nodes still end where the host proposed when it is called.
+/// Rounds after which zones have ended (Lemma 2 of docs/theory/contact.md): rounds 0 to 24 unite, translate
+/// and hold zones, round 25 carries violating particles along with their triangles, and round 26 removes
+/// those that still violate. Particles of infinite mass that are driven into surfaces can take more rounds.
+constexpr int max_zone_rounds = 27;
+
+/// Runs zones until find_violations() returns none, which is the certificate. Each round with violations
+/// reduces the number of zones, separates a particle, raises a level or resolves a particle as infeasible, so
+/// work is bounded. Before the call, prescribed nodes end where the host proposed.
 void run_zones(Context& context, CandidateSet& candidates);
 
 }  // namespace oilskin::contact

@@ -1,4 +1,4 @@
-/// Values ↔ bytes, both ways by one function, so that what is written and what is read cannot part.
+/// Serialisation: one function both writes and reads, so that the two cannot differ.
 #pragma once
 
 #include <cstring>
@@ -10,11 +10,11 @@
 
 namespace oilskin {
 
-/// Writes values behind each other, or reads them in the same order. After the first refusal everything reads
-/// as zero and empty, so a visit goes on to its end and asks ok() there. Nothing is allocated for more values
-/// than there are bytes left.
+/// Writes values one after the other, or reads them in the same order. After the first refusal all values
+/// read as zero or empty, so a visit runs to its end and checks ok() there. A list is never allocated longer
+/// than the bytes that are left.
 ///
-/// Numbers are copied as they lie in memory; whoever frames the bytes says in which order that is.
+/// Numbers are copied in the byte order of the machine; the caller's header records it.
 class Archive {
  public:
   explicit Archive(std::vector<std::uint8_t>& out) : out_(&out) {}
@@ -24,14 +24,14 @@ class Archive {
   bool ok() const { return status_.ok(); }
   const Status& status() const { return status_; }
   std::size_t left() const { return in_.size() - at_; }
-  /// The first refusal is kept.
+  /// Keeps the first refusal.
   void refuse(std::string why) {
     if (ok()) status_ = Status::refused(std::move(why));
     at_ = in_.size();
   }
-  /// When reading: refuses unless `right`.
-  void require(bool right, const char* what) {
-    if (reading() && !right) refuse(std::string(what) + " makes no sense");
+  /// When reading: refuses unless `valid`.
+  void require(bool valid, const char* what) {
+    if (reading() && !valid) refuse(std::string(what) + " makes no sense");
   }
 
   template <class... T>
@@ -39,7 +39,7 @@ class Archive {
     (value(all), ...);
   }
 
-  /// A list of anything: f(element) visits one, which takes `min_bytes` or more.
+  /// A list of any type: f(element) visits an element, which takes `min_bytes` or more.
   template <class T, class F>
   void list(std::vector<T>& all, std::size_t min_bytes, const F& f) {
     resize(all, min_bytes);
@@ -101,6 +101,6 @@ class Archive {
   Status status_;
 };
 
-static_assert(sizeof(Vec3) == 24 && sizeof(Triangle) == 12, "lists of them are copied as a whole");
+static_assert(sizeof(Vec3) == 24 && sizeof(Triangle) == 12, "lists are copied as one block");
 
 }  // namespace oilskin

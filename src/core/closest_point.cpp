@@ -8,7 +8,7 @@ namespace oilskin {
 
 namespace {
 
-// All corners are relative to the point: the query is the origin.
+// Corners are relative to the query point.
 ClosestPoint from_weights(const Vec3& a, const Vec3& b, const Vec3& c, double wa, double wb, double wc) {
   OILSKIN_ASSERT(std::abs(wa + wb + wc - 1) < 1e-12 || std::isnan(wa + wb + wc));  // NaN in, NaN out
   ClosestPoint r;

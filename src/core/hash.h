@@ -11,7 +11,7 @@ namespace oilskin {
 class Hash64 {
  public:
   void add(std::uint64_t bits) {
-    // One round of the finaliser of MurmurHash3 per word: order-dependent and well mixed.
+    // One round of the finaliser of MurmurHash3 per word. Depends on the order.
     state_ ^= bits + 0x9e3779b97f4a7c15ull + (state_ << 6) + (state_ >> 2);
     state_ ^= state_ >> 33;
     state_ *= 0xff51afd7ed558ccdull;

@@ -1,5 +1,5 @@
-/// What the error bounds of the predicates and "same input, same bits" rest on. Include it where they are
-/// computed.
+/// Checks the arithmetic that the error bounds of the predicates, and reproducible results, require. Include
+/// it where predicates are computed.
 #pragma once
 
 #include <cfloat>

@@ -1,6 +1,5 @@
-/// Parallel loops whose results do not depend on the number of threads: the range is cut into chunks of a
-/// size that the caller fixes, each chunk is computed by one thread, and what chunks produce is combined in
-/// the order of the chunks. The only header that stands between the project and oneTBB.
+/// Parallel loops whose results do not depend on the number of threads: the caller fixes the size of chunks,
+/// one thread computes a chunk, and results of chunks are combined in their order. Wraps oneTBB.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +21,7 @@ class Workers {
 
   int threads() const;
 
-  /// f(begin, end, chunk) for every chunk of [0, n); chunks may run at the same time, in any order.
+  /// Calls f(begin, end, chunk) for every chunk of [0, n), concurrently and in any order.
   template <class F>
   void for_chunks(std::size_t n, std::size_t chunk_size, const F& f) const {
     OILSKIN_ASSERT(chunk_size > 0);
@@ -38,7 +37,7 @@ class Workers {
         &run);
   }
 
-  /// f(i) for every i of [0, n).
+  /// Calls f(i) for every i in [0, n).
   template <class F>
   void for_each(std::size_t n, std::size_t chunk_size, const F& f) const {
     for_chunks(n, chunk_size, [&](std::size_t begin, std::size_t end, std::size_t) {
@@ -46,7 +45,7 @@ class Workers {
     });
   }
 
-  /// Σ f(begin, end) over chunks, added in the order of the chunks. T needs += and a zero.
+  /// Σ f(begin, end) over chunks, added in the order of chunks. T needs +=.
   template <class T, class F>
   T ordered_sum(std::size_t n, std::size_t chunk_size, T zero, const F& f) const {
     OILSKIN_ASSERT(chunk_size > 0);

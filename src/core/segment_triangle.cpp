@@ -7,12 +7,12 @@ namespace oilskin {
 
 namespace {
 
-/// p and q both in the plane of the triangle: no line along an edge or along the segment parts them there.
+/// For p and q in the plane of the triangle: no line along an edge or along the segment separates the two.
 bool touches_in_plane(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& c, const Vec3& normal) {
   Eigen::Index drop = 0;
   normal.cwiseAbs().maxCoeff(&drop);
   const Eigen::Index a = (drop + 1) % 3, b = (drop + 2) % 3;
-  // On which side of the line from → to lies x? 0 on it.
+  // The sign is the side of the line from → to on which x lies; 0 on it.
   const auto turn = [a, b](const Vec3& from, const Vec3& to, const Vec3& x) {
     return (to[a] - from[a]) * (x[b] - from[b]) - (to[b] - from[b]) * (x[a] - from[a]);
   };
@@ -32,8 +32,8 @@ bool segment_touches(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& co
                      const Vec3& normal, double side_p, double side_q) {
   if ((side_p > 0 && side_q > 0) || (side_p < 0 && side_q < 0)) return false;
   if (side_p == 0 && side_q == 0) return touches_in_plane(p, q, corner, normal);
-  // Of the product of three lengths: what a volume may be off by.
-  constexpr double grazes = 1e-14;
+  // Error of a volume, relative to the product of the three lengths.
+  constexpr double volume_error = 1e-14;
   const Vec3 along = q - p;
   const std::array<Vec3, 3> r = {corner[0] - p, corner[1] - p, corner[2] - p};
   const double length2 = along.squaredNorm(),
@@ -44,9 +44,9 @@ bool segment_touches(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& co
     const bool reversed = nodes[k] > nodes[next];
     const std::size_t from = reversed ? next : k, to = reversed ? k : next;
     const double volume = along.dot(r[from].cross(r[to]));
-    // Within rounding of the edge: touched. Else a line through a vertex could slip between the rounding
-    // errors of its edges.
-    if (volume * volume <= grazes * grazes * length2 * l2[from] * l2[to]) continue;
+    // Within rounding of the edge: touched. Otherwise a line through a vertex could pass all its edges by
+    // their rounding errors.
+    if (volume * volume <= volume_error * volume_error * length2 * l2[from] * l2[to]) continue;
     const double sign = reversed ? -volume : volume;
     left &= sign > 0;
     right &= sign < 0;

@@ -1,30 +1,16 @@
 #include "fluid/fluid_solver.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "core/assert.h"
+#include "core/stage_timer.h"
 #include "fluid/occlusion.h"
-#include "fluid/pressure_model.h"
+#include "fluid/pressure/pressure_model.h"
 
 namespace oilskin::fluid {
 
 namespace {
-
-/// Adds the time of its life to a stage.
-class StageTimer {
- public:
-  explicit StageTimer(double& seconds) : seconds_(seconds), start_(Clock::now()) {}
-  ~StageTimer() { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
-  StageTimer(const StageTimer&) = delete;
-  StageTimer& operator=(const StageTimer&) = delete;
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double& seconds_;
-  Clock::time_point start_;
-};
 
 [[maybe_unused]] bool sorted_by_particle(Span<const PredictionContact> contacts) {
   return std::is_sorted(contacts.begin(), contacts.end(),
@@ -64,8 +50,9 @@ struct FluidSolver::Impl {
   std::unique_ptr<PressureModel> model;
 
   // Of checkpoint()
-  PressureModel::Memory saved_memory;
   double saved_previous_dt = 0;
+  PressureModel::Memory saved_model;
+  LoadMemory saved_loads;
 };
 
 FluidSolver::FluidSolver(const FluidSettings& settings, std::shared_ptr<Workers> workers) {
@@ -94,10 +81,11 @@ void FluidSolver::prepare(Particles& particles, StageSeconds& seconds) {
 }
 
 void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles& particles,
-                                 Span<SurfaceMotion* const> surfaces, StageSeconds& seconds) {
+                                 Span<SurfaceMotion* const> surfaces,
+                                 Span<const MeshTopology* const> topologies, StageSeconds& seconds) {
   StepState& state = impl_->state;
   const FluidSettings& settings = impl_->settings;
-  OILSKIN_ASSERT(dt > 0 && particles.size() >= state.size());
+  OILSKIN_ASSERT(dt > 0 && particles.size() >= state.size() && topologies.size() == surfaces.size());
   if (surfaces.empty() || state.size() == 0) return;
   const Span<const Vec3> positions(particles.position.data(), state.size());
   if (settings.occlusion) {
@@ -107,18 +95,20 @@ void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles
   }
   if (settings.boundary == BoundaryModel::mirrored) {
     const StageTimer timer(seconds.boundary);
-    state.boundary.find(dt, particle_mass(), gravity.stableNormalized(), positions, state.neighbours,
-                        support_radius(), surfaces, *impl_->workers);
+    state.boundary.find({dt, particle_mass(), support_radius(), gravity.stableNormalized(), positions,
+                         state.neighbours, surfaces, topologies},
+                        *impl_->workers);
   }
 }
 
 void FluidSolver::record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces) {
   if (impl_->settings.boundary == BoundaryModel::mirrored)
-    impl_->state.boundary.record_host_response(dt, gravity, surfaces);
+    impl_->state.boundary.memory().record_host_response(dt, gravity, surfaces);
 }
 
 void FluidSolver::record_load(double dt, Span<SurfaceMotion* const> surfaces) {
-  if (impl_->settings.boundary == BoundaryModel::mirrored) impl_->state.boundary.record_load(dt, surfaces);
+  if (impl_->settings.boundary == BoundaryModel::mirrored)
+    impl_->state.boundary.memory().record_load(dt, surfaces);
 }
 
 void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
@@ -148,14 +138,14 @@ void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
 
 void FluidSolver::checkpoint() {
   impl_->saved_previous_dt = impl_->state.previous_dt;
-  impl_->saved_memory = impl_->model->memory();
-  impl_->state.boundary.checkpoint();
+  impl_->saved_model = impl_->model->memory();
+  impl_->saved_loads = impl_->state.boundary.memory();
 }
 
 void FluidSolver::roll_back() noexcept {
   impl_->state.previous_dt = impl_->saved_previous_dt;
-  impl_->model->set_memory(impl_->saved_memory);
-  impl_->state.boundary.roll_back();
+  impl_->model->set_memory(impl_->saved_model);
+  impl_->state.boundary.memory().swap(impl_->saved_loads);
 }
 
 void FluidSolver::visit(Archive& archive) {
@@ -163,7 +153,7 @@ void FluidSolver::visit(Archive& archive) {
   archive.value(state.previous_dt);
   archive.require(std::isfinite(state.previous_dt) && state.previous_dt >= 0, "the length of the last step");
   impl_->model->visit(archive);
-  state.boundary.visit(archive);
+  state.boundary.memory().visit(archive);
 }
 
 void FluidSolver::Impl::load(const Particles& particles) {

@@ -4,22 +4,15 @@
 #include <memory>
 
 #include "core/archive.h"
+#include "core/mesh_topology.h"
 #include "core/parallel.h"
 #include "fluid/particles.h"
+#include "fluid/pressure/prediction_contact.h"
 #include "oilskin/report.h"
 #include "oilskin/settings.h"
 #include "oilskin/surface_motion.h"
 
 namespace oilskin::fluid {
-
-/// A one-sided bound on predicted velocities: v*·normal ≥ min_normal_velocity. For a particle at distance
-/// d0 of a sheet of thickness h that moves with v_w: least = v_w·n − max(0, d0 − h)/dt. Keeps the prediction
-/// of PCISPH on its side of the sheet (F.36); gives no impulse to anything.
-struct PredictionContact {
-  std::uint32_t particle = 0;
-  Vec3 normal = Vec3::Zero();
-  double min_normal_velocity = 0;  ///< [m/s]
-};
 
 class FluidSolver {
  public:
@@ -27,7 +20,7 @@ class FluidSolver {
   FluidSolver(const FluidSettings& settings, std::shared_ptr<Workers> workers);
   ~FluidSolver();
 
-  /// Lattice calibrated: ρ0 / Σ W over the cubic lattice of spacing dx [kg].
+  /// Calibrated on the cubic lattice of spacing dx (F.6) [kg].
   double particle_mass() const;
   double support_radius() const;  ///< H [m]
 
@@ -35,29 +28,31 @@ class FluidSolver {
   /// order.
   void prepare(Particles& particles, StageSeconds& seconds);
 
-  /// After prepare(), for the same particles: what the surfaces do to the pair sums, as the settings ask:
-  /// hides neighbours behind them, finds boundary terms. They move from x_t0 to x_t1 within dt [s] and are
-  /// kept until propose(), which may change their velocities and impulses: what boundary terms give to
-  /// particles, nodes lose.
+  /// After prepare(), for the same particles. As the settings say, removes neighbours hidden by surfaces and
+  /// finds the boundary terms. The surfaces move from x_t0 to x_t1 within dt [s]. They are kept until
+  /// propose(), which changes their velocities and impulses: boundary terms give the nodes the momentum
+  /// opposite to that of the particles. `topologies` are those of the surfaces, in their order.
   void apply_surfaces(double dt, const Vec3& gravity, const Particles& particles,
-                      Span<SurfaceMotion* const> surfaces, StageSeconds& seconds);
+                      Span<SurfaceMotion* const> surfaces, Span<const MeshTopology* const> topologies,
+                      StageSeconds& seconds);
 
-  /// What surfaces did with the last step's load, and what load they get in this one: boundary terms foresee
-  /// how light cloth answers. Once per step, after all surfaces were gathered and before they are scattered.
+  /// Load memory of the boundary terms: the hosts' response to the load of the last step, and the load of
+  /// this one. Once per step each, after all surfaces were gathered and before they are scattered. Surfaces
+  /// that are not in the list are forgotten.
   void record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
   void record_load(double dt, Span<SurfaceMotion* const> surfaces);
 
   /// After prepare(), for the same particles: density and pressure of the start positions, and
-  /// velocity ← particles.velocity + dt (gravity + viscosity + pressure). Positions stay. Pair forces are
-  /// antisymmetric and summed in double, so that the fluid's momentum changes by gravity alone, up to 1e-12
-  /// relative. `contacts` sorted by particle. `velocity` has one value per particle and may be
-  /// particles.velocity itself.
+  /// velocity ← particles.velocity + dt (gravity + viscosity + pressure). Positions do not change. Pair
+  /// forces are antisymmetric and summed in double: without boundary terms only gravity changes the fluid's
+  /// momentum, up to 1e-12 relative. `contacts` sorted by particle. `velocity` has one value per
+  /// particle; it may be particles.velocity itself.
   ///
-  /// Particles that were appended since prepare() take no part in the sums; nothing of them changes.
+  /// Particles that were appended since prepare() take no part, and nothing of them changes.
   void propose(double dt, const Vec3& gravity, Particles& particles, Span<const PredictionContact> contacts,
                Span<Vec3> velocity, FluidReport& report, StageSeconds& seconds);
 
-  /// For a step that may fail: checkpoint() copies what is kept from step to step, roll_back() puts it back.
+  /// For a step that may fail: checkpoint() copies what is kept from step to step, roll_back() restores it.
   void checkpoint();
   void roll_back() noexcept;
 

@@ -1,6 +1,6 @@
-/// Smoothing kernels in three dimensions, support radius H: W(r) = c w(q), W'(r) = (c/H) w'(q), q = r/H and
-/// c = norm/H³. The shapes w are written for any scalar that has + − * / and larger(): double or F4. They are
-/// 0 for q ≥ 1 without a branch.
+/// Smoothing kernels in three dimensions with support radius H (F.1): W(r) = c w(q), W'(r) = (c/H) w'(q), q =
+/// r/H and c = norm/H³. The shapes w take any scalar with + − * / and larger(): double or F4. They are 0 for
+/// q ≥ 1 without a branch.
 #pragma once
 
 #include "fluid/simd.h"
@@ -9,8 +9,8 @@ namespace oilskin::fluid {
 
 constexpr double pi = 3.14159265358979323846;
 
-/// What divides by q sees at least this: pairs closer than 1e-6 H feel a force that fades to 0 with r, and
-/// coincident ones none.
+/// Lower bound of q in denominators: the force of pairs closer than 1e-6 H falls to 0 with r, and coincident
+/// particles exert none.
 constexpr float min_q = 1e-6f;
 
 /// [Mueller2003] Eq. 20.
@@ -48,13 +48,12 @@ struct Spiky {
   }
 };
 
-/// [Mueller2003] Eq. 22. W is infinite at 0; only the Laplacian is meant for use.
+/// [Mueller2003] Eq. 22. W is infinite at 0; only the Laplacian is used.
 struct ViscosityKernel {
   static constexpr double norm = 15 / (2 * pi);
   template <class T>
   static T w(T q) {
-    // −q³/2 + q² + 1/(2q) − 1 = (1−q)² ((1+q)/(2q) − q/2 …) loses digits near q = 1; (1−q)³(1+q)/(2q) does
-    // not.
+    // Equal to −q³/2 + q² + 1/(2q) − 1, which cancels near q = 1.
     const T u = larger(T(1) - q, T(0));
     return u * u * u * (T(1) + q) / (T(2) * larger(q, T(min_q)));
   }
@@ -70,7 +69,7 @@ struct ViscosityKernel {
   }
 };
 
-/// [Monaghan1992], (F.3): w = 6(q³−q²)+1 for q ≤ ½, 2(1−q)³ above: both are 2(1−q)³₊ − 8(½−q)³₊.
+/// [Monaghan1992]: w = 6(q³−q²)+1 for q ≤ ½ and 2(1−q)³ above, both as 2(1−q)³₊ − 8(½−q)³₊ (F.3).
 struct CubicSpline {
   static constexpr double norm = 8 / pi;
   template <class T>

@@ -1,5 +1,5 @@
-/// Sums over the cubic lattice, the prototype of a filled neighbourhood: mass, stiffness δ of PCISPH, and how
-/// far δ must be relaxed. Lengths in units of the spacing: `ratio` = H/dx.
+/// Sums over the cubic lattice, the prototype of a full neighbourhood: density, stiffness δ of PCISPH and its
+/// relaxation ω, weights of the viscosity. Lengths in units of the spacing: `ratio` = H/dx.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace oilskin::fluid {
 
-/// Σ_k f(q_k) over the lattice points within the support radius, the origin among them.
+/// Σ_k f(q_k) over the lattice points within the support radius, including the origin.
 template <class F>
 double lattice_sum(double ratio, const F& f) {
   const int n = static_cast<int>(std::ceil(ratio));
@@ -26,7 +26,7 @@ double lattice_sum(double ratio, const F& f) {
   return sum;
 }
 
-/// Density of the lattice with m = ρ0 dx³, relative to ρ0. Dividing dx³ ρ0 by it calibrates the volume (F.4).
+/// Density of the lattice with m = ρ0 dx³, relative to ρ0. V = dx³ over this (F.4).
 template <class Kernel>
 double lattice_density(double ratio) {
   return Kernel::norm / (ratio * ratio * ratio) * lattice_sum(ratio, [](double q) { return Kernel::w(q); });
@@ -38,8 +38,8 @@ double lattice_slope_squares(double ratio) {
   return lattice_sum(ratio, [](double q) { return std::pow(q * Kernel::dw_over_q(q), 2); });
 }
 
-/// What a half-space of the lattice lacks half a spacing off its end: mass of the points beyond, relative to
-/// the whole.
+/// Σ w over the lattice points beyond a plane half a spacing away, relative to the sum over all: the density
+/// that a half-space of the lattice lacks there (B.6).
 template <class Kernel>
 double lattice_mass_beyond(double ratio) {
   double plane = 0;  // through the origin
@@ -52,15 +52,15 @@ double lattice_mass_beyond(double ratio) {
   return 0.5 * (1 - plane / lattice_sum(ratio, [](double q) { return Kernel::w(q); }));
 }
 
-/// Weights of the two parts of the viscous pair term φ(q) = slope (−w'/q)/(q² + 0.01) + hat (1 − q)².
+/// Weights of the two parts of the viscous pair term ψ(q) = slope (−w'/q)/(q² + 0.01) + hat (1 − q)² (F.10).
 struct ViscousWeights {
   double slope = 0, hat = 1;
 };
 
-/// The term is central, so that angular momentum stays, and has its viscosity on the lattice: Σ φ q⁴ = 15,
-/// and, where weights ≥ 0 allow it, Σ φ x⁴ = 3 Σ φ x²y², so that shear feels the same in every direction.
-/// (Monaghan's form, the first part alone, gives shear along the axes at H = 2 dx 0.70 ν, at 45° 1.43 ν: a
-/// fluid that flows in layers is too thin.) Lengths in H.
+/// The conditions (F.11): Σ ψ q⁴ = 15 gives the lattice the viscosity ν, and, where weights ≥ 0 allow it,
+/// Σ ψ x⁴ = 3 Σ ψ x²y² makes it isotropic. (Monaghan's form, the first part alone, has 0.70 ν for shear along
+/// the axes at H = 2 dx and 1.43 ν at 45°.) The term is central, so that it conserves angular momentum.
+/// Lengths in H.
 template <class Kernel>
 ViscousWeights viscous_weights(double ratio) {
   struct Moments {
@@ -87,7 +87,8 @@ ViscousWeights viscous_weights(double ratio) {
   return {w.slope / mean, w.hat / mean};
 }
 
-/// H |Σ ∇W| V over the lattice points beyond a plane half a spacing off: how they pull at the density.
+/// H V |Σ ∇W| over the lattice points beyond a plane half a spacing away (B.6): their part of the density
+/// gradient.
 template <class Kernel>
 double lattice_pull_beyond(double ratio) {
   const int n = static_cast<int>(std::ceil(ratio));
@@ -108,12 +109,12 @@ double pcisph_stiffness(double ratio) {
   return std::pow(ratio, 8) / (2 * Kernel::norm * Kernel::norm * lattice_slope_squares<Kernel>(ratio));
 }
 
-/// max_k R(k): the loop multiplies a pressure mode of wave vector k by 1 − ω R(k) per iteration
-/// (F.21), R = |S|²/(2 Σ|∇W|²), S = Σ_r ∇W(r) sin(k·r). Scanned over k ∈ [0, π/dx]³ with `samples` per axis.
+/// max_ξ Γ(ξ): an iteration multiplies the error of the pressure mode with wave vector ξ by 1 − ω Γ(ξ)
+/// (F.21), Γ = |Z|²/(2 Σ|∇W|²), Z = Σ_r ∇W(r) sin(ξ·r). Scanned over ξ ∈ [0, π/dx]³ with `samples` per axis.
 template <class Kernel>
 double pcisph_max_mode(double ratio, int samples = 41) {
   const int n = static_cast<int>(std::ceil(ratio));
-  std::vector<std::array<double, 2>> wave(static_cast<std::size_t>(samples * (n + 1)));  // cos, sin of k·a
+  std::vector<std::array<double, 2>> wave(static_cast<std::size_t>(samples * (n + 1)));  // cos, sin of ξ a
   for (int s = 0; s < samples; ++s)
     for (int a = 0; a <= n; ++a) {
       const double angle = pi * s / (samples - 1) * a;
@@ -121,9 +122,9 @@ double pcisph_max_mode(double ratio, int samples = 41) {
     }
   struct Site {
     int a, b, c;
-    double slope;  // (w'/q)/ratio × how many of the mirror images are distinct
+    double slope;  // (w'/q)/ratio × number of distinct mirror images
   };
-  std::vector<Site> sites;  // mirror images: sin(k·r) ∇W sums to a product of one sine and two cosines
+  std::vector<Site> sites;  // over mirror images sin(ξ·r) ∇W sums to products of one sine and two cosines
   for (int a = 0; a <= n; ++a)
     for (int b = 0; b <= n; ++b)
       for (int c = 0; c <= n; ++c) {
@@ -135,7 +136,7 @@ double pcisph_max_mode(double ratio, int samples = 41) {
   double largest = 0;
   for (int i = 0; i < samples; ++i)
     for (int j = 0; j <= i; ++j)
-      for (int k = 0; k <= j; ++k) {  // R is symmetric in the components of k
+      for (int k = 0; k <= j; ++k) {  // Γ is symmetric in the components of ξ
         double sx = 0, sy = 0, sz = 0;
         for (const Site& t : sites) {
           const auto& x = wave[static_cast<std::size_t>(i * (n + 1) + t.a)];
@@ -150,8 +151,8 @@ double pcisph_max_mode(double ratio, int samples = 41) {
   return largest / (2 * lattice_slope_squares<Kernel>(ratio));
 }
 
-/// ω = min(1, 1.4/max R) (F.22). The loop converges for ω max R < 2; 1.4 is what the published δ (ω = 1) has
-/// at H = 2 dx, where it is known to be stable with room for compressed regions, whose modes are larger.
+/// ω = min(1, 1.4/max Γ) (F.22). The loop converges for ω max Γ < 2; 1.4 is the value of the published δ (ω =
+/// 1) at H = 2 dx, where it is known to be stable, with a margin for compressed regions, whose Γ is larger.
 template <class Kernel>
 double pcisph_relaxation(double ratio) {
   return std::min(1.0, 1.4 / pcisph_max_mode<Kernel>(ratio));

@@ -12,11 +12,11 @@ constexpr std::size_t sort_chunk = 8192;
 constexpr int digit_bits = 8;
 constexpr std::size_t digits = std::size_t{1} << digit_bits;
 
-/// Cell indices are clamped to ±2²⁰: what lies beyond shares the outermost cells, which costs time, not
-/// neighbours. Three of them and a margin fit 63 bits.
+/// Cell indices are clamped to ±2²⁰: particles beyond share the outermost cells, which costs time but loses
+/// no neighbours. Three indices and a margin fit into 63 bits.
 constexpr double max_cell = (1 << 20) - 2;
 
-/// Where padding points to; far from everything, and its square is a finite float.
+/// The record of the padding: far from everything, and its square is a finite float.
 constexpr Record far_away = {1e18f, 1e18f, 1e18f, 0};
 
 struct CellBox {
@@ -63,7 +63,7 @@ void Neighbours::make_keys(Span<const Vec3> positions, const Workers& workers) {
       workers.ordered_sum(positions.size(), sort_chunk, CellBox{}, [&](std::size_t b, std::size_t e) {
         CellBox part;
         for (std::size_t i = b; i < e; ++i) {
-          OILSKIN_ASSERT(positions[i].allFinite());  // the world quarantines what is not
+          OILSKIN_ASSERT(positions[i].allFinite());  // the world removes particles that are not
           const Cell c = cell_of(positions[i]);
           part += CellBox{c, c};
         }
@@ -83,7 +83,7 @@ void Neighbours::make_keys(Span<const Vec3> positions, const Workers& workers) {
   });
 }
 
-/// Radix sort, least significant digit first: stable, so the result is unique, however it is cut into chunks.
+/// Radix sort, least significant digit first: stable, so the result does not depend on the chunks.
 void Neighbours::sort_keys(const Workers& workers) {
   const std::size_t n = keys_.size(), chunks = (n + sort_chunk - 1) / sort_chunk;
   keys_scratch_.resize(n);
@@ -114,7 +114,7 @@ void Neighbours::sort_keys(const Workers& workers) {
 void Neighbours::search(Span<const Vec3> positions, const Workers& workers) {
   OILSKIN_ASSERT(positions.size() == keys_.size());
   const std::size_t n = positions.size();
-  make_contacts(positions, workers);
+  make_records(positions, workers);
   find_cells();
   find_runs(workers);
   begin_.resize(n);
@@ -126,9 +126,9 @@ void Neighbours::search(Span<const Vec3> positions, const Workers& workers) {
                      [&](std::size_t b, std::size_t e, std::size_t c) { search_chunk(b, e, c); });
 }
 
-/// The origin is the median of a sample: in the bulk, where rounding to float must not be felt, whatever a
-/// few drops do far away.
-void Neighbours::make_contacts(Span<const Vec3> positions, const Workers& workers) {
+/// The origin is the median of a sample: it lies in the bulk, so that rounding to float is small there, even
+/// if a few drops are far away.
+void Neighbours::make_records(Span<const Vec3> positions, const Workers& workers) {
   const std::size_t n = positions.size(), samples = std::min<std::size_t>(n, 255);
   origin_.setZero();
   std::vector<double> sample(samples);
@@ -202,7 +202,7 @@ std::size_t Neighbours::first_row(std::uint64_t row_key) const {
 void Neighbours::remove(Span<const std::pair<std::uint32_t, std::uint32_t>> pairs, const Workers& workers) {
   OILSKIN_ASSERT(std::is_sorted(pairs.begin(), pairs.end()));
   OILSKIN_ASSERT(pairs.empty() || pairs[pairs.size() - 1].first < size());
-  std::vector<std::size_t> first_of;  // the pairs of one particle lie together
+  std::vector<std::size_t> first_of;  // index of each particle's first pair
   for (std::size_t k = 0; k < pairs.size(); ++k)
     if (k == 0 || pairs[k].first != pairs[k - 1].first) first_of.push_back(k);
   workers.for_each(first_of.size(), 64, [&](std::size_t g) {
@@ -273,7 +273,7 @@ void Neighbours::list_neighbours(std::size_t i, std::size_t own, Candidates& c, 
   std::uint32_t* out = list.data() + begin;
   const std::uint32_t* particle = c.particle.data();
   std::size_t found = 0;
-  auto keep = [&](std::size_t k) {  // without a branch: write, and move on only if it counts
+  auto keep = [&](std::size_t k) {  // branch-free: writes always, advances for neighbours only
     out[found] = particle[k];
     found += near[k];
   };

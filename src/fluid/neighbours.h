@@ -1,5 +1,5 @@
-/// Neighbours within the support radius H by a uniform grid of cells of width H. Only occupied cells exist,
-/// in sorted order, so that a few drops far away cost nothing. Results do not depend on the number of
+/// Neighbours within the support radius H by a uniform grid of cells of width H. Only occupied cells are
+/// stored, in sorted order, so that a few drops far away cost nothing. Results do not depend on the number of
 /// threads.
 #pragma once
 
@@ -17,36 +17,35 @@ class Neighbours {
   /// Particles per task; the lists of a task lie together.
   static constexpr std::size_t chunk_size = 512;
 
-  /// The cell order of finite positions: order[i] is the place of the i-th now. Stable: within a cell the
-  /// order stays as it was.
+  /// The cell order of finite positions: order[i] is the present index of the particle that comes i-th.
+  /// Stable within a cell.
   const std::vector<std::uint32_t>& cell_order(Span<const Vec3> positions, double support_radius,
                                                const Workers& workers);
 
-  /// Lists of all neighbours, of the positions of the last cell_order() after they were put into that order.
+  /// Finds the neighbours. `positions` are those of the last cell_order(), in that order.
   void search(Span<const Vec3> positions, const Workers& workers);
 
   std::size_t size() const { return count_.size(); }
   /// Neighbours of particle i without itself. Padded to a multiple of four with size(), the index of a record
-  /// that is too far away to count.
+  /// beyond every support radius.
   const std::uint32_t* list(std::size_t i) const { return lists_[i / chunk_size].data() + begin_[i]; }
   std::uint32_t count(std::size_t i) const { return count_[i]; }
   std::uint32_t blocks(std::size_t i) const { return (count_[i] + 3) / 4; }
-  /// Where values per pair of chunk c may be kept: pair_begin(i) + k, below pair_capacity(c).
+  /// Index for values per pair, counted within the chunk: pair_begin(i) + k < pair_capacity(chunk).
   std::size_t pair_begin(std::size_t i) const { return begin_[i]; }
   std::size_t pair_capacity(std::size_t chunk) const { return used_[chunk]; }
 
-  /// f(begin, end) for runs of particles in the order of now, which hold all whose cells overlap the box [m].
+  /// f(begin, end) for runs of particles in cell order. The runs contain all particles in the box [m], and
+  /// others in cells that overlap it.
   template <class F>
   void for_runs_in(const Box& box, const F& f) const;
 
-  /// Takes neighbour `second` off the list of `first`. Ascending, without repetition; who takes off (i, j)
-  /// must take off (j, i), or forces are not antisymmetric.
+  /// Removes `second` from the list of `first`. Pairs are sorted and unique, and with (i, j) there is (j, i):
+  /// else forces would not be antisymmetric.
   void remove(Span<const std::pair<std::uint32_t, std::uint32_t>> pairs, const Workers& workers);
 
-  /// (x − origin)/H in float, and one more record that is far from everything; w = 0, free for use by pair
-  /// sums.
+  /// (x − origin)/H in float, w = 0, and one more record that is far from everything: the padding.
   const std::vector<Record>& records() const { return records_; }
-  std::vector<Record>& records() { return records_; }
   const Vec3& origin() const { return origin_; }
 
  private:
@@ -68,7 +67,7 @@ class Neighbours {
   std::size_t first_row(std::uint64_t row_key) const;
   void make_keys(Span<const Vec3> positions, const Workers& workers);
   void sort_keys(const Workers& workers);
-  void make_contacts(Span<const Vec3> positions, const Workers& workers);
+  void make_records(Span<const Vec3> positions, const Workers& workers);
   void find_cells();
   void find_runs(const Workers& workers);
   void runs_of_row(std::size_t row);
@@ -78,8 +77,8 @@ class Neighbours {
 
   double support_radius_ = 1, inverse_radius_ = 1;
   Cell first_cell_{}, last_cell_{};  // of all particles
-  std::array<int, 3>
-      bits_{};  // of the cell coordinates in a key: x lowest, so that cells along x are contiguous
+  // Of the cell coordinates in a key: x lowest, so that cells along x are contiguous
+  std::array<int, 3> bits_{};
   std::vector<Key> keys_, keys_scratch_;
   std::vector<std::uint32_t> histogram_;
   std::vector<std::uint32_t> order_;
@@ -101,7 +100,7 @@ void Neighbours::for_runs_in(const Box& box, const F& f) const {
   Cell low = cell_of(box.min), high = cell_of(box.max);
   for (int k = 0; k < 3; ++k) {
     if (low[k] > last_cell_[k] || high[k] < first_cell_[k]) return;
-    low[k] = std::max(low[k], first_cell_[k]) - first_cell_[k] + 1;  // as in the keys
+    low[k] = std::max(low[k], first_cell_[k]) - first_cell_[k] + 1;  // offset by one, as in the keys
     high[k] = std::min(high[k], last_cell_[k]) - first_cell_[k] + 1;
   }
   const auto row_of = [&](std::uint64_t y, std::uint64_t z) { return (z << bits_[1]) | y; };
@@ -112,7 +111,7 @@ void Neighbours::for_runs_in(const Box& box, const F& f) const {
   const auto x0 = static_cast<std::uint64_t>(low[0]), x1 = static_cast<std::uint64_t>(high[0]);
   for (std::size_t r = first_row(row_of(y0, z0)); r < row_key_.size() && row_key_[r] <= row_of(y1, z1);) {
     const std::uint64_t y = row_key_[r] & y_mask, z = row_key_[r] >> bits_[1];
-    if (y < y0 || y > y1) {  // on to the next plane's part of the box, or to this one's
+    if (y < y0 || y > y1) {  // skip to the first row of the box in this plane, or in the next
       r = first_row(row_of(y0, y > y1 ? z + 1 : z));
       continue;
     }

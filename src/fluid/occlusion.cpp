@@ -23,9 +23,9 @@ Box triangle_box(const SurfaceMotion& s, std::uint32_t triangle) {
   return box;
 }
 
-/// Is there water within H on both sides?
-bool parts_water(const SightTest& test, const Box& box, Span<const Vec3> x, double reach,
-                 const Neighbours& neighbours) {
+/// Are there particles within H on both sides?
+bool separates_particles(const SightTest& test, const Box& box, Span<const Vec3> x, double reach,
+                         const Neighbours& neighbours) {
   const double plane_reach = reach * test.normal_length();
   bool front = false, back = false;
   neighbours.for_runs_in(box, [&](std::uint32_t begin, std::uint32_t end) {
@@ -39,7 +39,8 @@ bool parts_water(const SightTest& test, const Box& box, Span<const Vec3> x, doub
   return front && back;
 }
 
-/// Per particle, the dividing triangles within half of H: one end of a pair that a triangle hides is as near.
+/// Per particle, the triangles within H/2 that separate particles: of a hidden pair, one end is as near to
+/// the triangle.
 struct NearTriangles {
   std::vector<std::uint32_t> particle;  // ascending
   std::vector<std::uint32_t> begin;     // one more than particles
@@ -65,7 +66,8 @@ NearTriangles find_dividing_triangles(Span<const Vec3> x, Span<SurfaceMotion* co
             const SightTest test(motion, t);
             if (test.normal_length() == 0) continue;
             const Box box = triangle_box(motion, t);
-            if (!parts_water(test, box.inflated(support_radius), x, support_radius, neighbours)) continue;
+            if (!separates_particles(test, box.inflated(support_radius), x, support_radius, neighbours))
+              continue;
             const Box near = box.inflated(half);
             const double plane_reach = half * test.normal_length();
             neighbours.for_runs_in(near, [&](std::uint32_t run_begin, std::uint32_t run_end) {
@@ -142,7 +144,7 @@ std::uint64_t remove_hidden_neighbours(Span<const Vec3> x, Span<SurfaceMotion* c
   for (const auto& part : hidden) pairs.insert(pairs.end(), part.begin(), part.end());
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  OILSKIN_ASSERT(pairs.size() % 2 == 0);  // each from both sides
+  OILSKIN_ASSERT(pairs.size() % 2 == 0);  // (i, j) and (j, i)
   neighbours.remove(pairs, workers);
   return pairs.size() / 2;
 }

@@ -1,5 +1,5 @@
-/// Nothing acts through a surface: neighbour pairs whose connecting segment meets a triangle are taken off
-/// the neighbour lists, both ways, so that no pair sum of the step sees them (F.8).
+/// Particles do not interact through a surface: pairs whose connecting segment intersects a triangle are
+/// removed from both neighbour lists, so that no pair sum of the step includes them (F.8).
 #pragma once
 
 #include <cmath>
@@ -11,20 +11,21 @@
 
 namespace oilskin::fluid {
 
-/// Does the closed segment meet the closed triangle? Watertight over shared edges and vertices. Triangles
-/// without area hide nothing.
+/// Intersection test of closed segments with one closed triangle. Watertight at shared edges and vertices. A
+/// triangle without area hides nothing.
 class SightTest {
  public:
   SightTest(const SurfaceMotion& surface, std::uint32_t triangle);
 
-  /// Six times the volume over the triangle, signed: the side on which x lies.
+  /// Six times the signed volume of the tetrahedron with x: its sign is the side on which x lies.
   double side(const Vec3& x) const { return normal_.dot(x - corner_[0]); }
   double normal_length() const { return normal_length_; }
-  /// Up to 2.5 degrees. False where one has no area.
+  /// Within 2.5 degrees. False if one of them has no area.
   bool is_parallel_to(const SightTest& other) const {
     return std::abs(normal_.dot(other.normal_)) > 0.999 * normal_length_ * other.normal_length_;
   }
-  /// `side_p`, `side_q` as side() gave them. Symmetric in p and q up to their order; callers fix it.
+  /// Does the segment p q intersect the triangle? side_p = side(p), side_q = side(q). Rounding may depend on
+  /// the order of p and q, which callers therefore fix.
   bool blocks(const Vec3& p, const Vec3& q, double side_p, double side_q) const {
     return segment_touches(p, q, corner_, nodes_, normal_, side_p, side_q);
   }
@@ -36,9 +37,9 @@ class SightTest {
   double normal_length_ = 0;
 };
 
-/// Takes off the lists what the surfaces at x_t0 hide. `x` are the positions that the neighbours were
-/// searched for. Only triangles with water on both sides within H are looked at closely. Returns the number
-/// of pairs.
+/// Removes from the lists the pairs that surfaces at x_t0 hide. `x` are the positions that the neighbours
+/// were searched for. Only triangles with particles within H on both sides are tested. Returns the number of
+/// pairs.
 std::uint64_t remove_hidden_neighbours(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,
                                        double support_radius, Neighbours& neighbours, const Workers& workers);
 

@@ -23,7 +23,7 @@ void permute_array(std::vector<T>& values, Span<const std::uint32_t> order, std:
   values.swap(scratch);
 }
 
-// At least doubles what it has, so that particles that come one by one are not copied each time.
+// At least doubles the capacity, so that particles that come one by one are not copied each time.
 template <class T>
 void reserve_array(std::vector<T>& values, std::size_t count) {
   if (values.capacity() - values.size() < count)

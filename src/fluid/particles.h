@@ -1,4 +1,5 @@
-/// The particles of a fluid: arrays by field. Ids are stable; the storage order may change every step.
+/// The particles of a fluid, as a structure of arrays. Ids are stable; the storage order may change every
+/// step.
 #pragma once
 
 #include "core/archive.h"
@@ -11,7 +12,7 @@ struct Particles {
   std::vector<Vec3> position;    ///< [m]
   std::vector<Vec3> velocity;    ///< [m/s]
   std::vector<double> density;   ///< [kg/m³]
-  std::vector<double> pressure;  ///< [Pa]; of the last step, the warm start of the next
+  std::vector<double> pressure;  ///< [Pa] of the last step: warm start of the next
 
   std::size_t size() const { return id.size(); }
   void push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density);
@@ -19,9 +20,9 @@ struct Particles {
   void reserve_more(std::size_t count);
   /// Keeps those with keep[i] != 0, in order.
   void compress(Span<const std::uint8_t> keep);
-  /// New storage order: the i-th is the one that was at order[i].
+  /// New storage order: the i-th particle is the one that was at order[i].
   void permute(Span<const std::uint32_t> order);
-  /// Everything, in storage order: sums over neighbours depend on it.
+  /// All fields in storage order, on which the rounding of sums depends.
   void visit(Archive& archive);
 };
 

@@ -1,5 +1,5 @@
-// The only file that includes FCL. It stays on the part of FCL whose types hold no transform (trees over
-// axis-aligned boxes, updated and read node by node), and never asks FCL for a verdict.
+// The only file that includes FCL. It uses trees over axis-aligned boxes, which have no transform, updates
+// them and reads them node by node. It uses none of FCL's collision tests.
 #include "proximity/surface_tree.h"
 
 #include <fcl/math/bv/utility.h>
@@ -20,10 +20,10 @@ using Model = fcl::BVHModel<Aabb>;
 
 /// Boxes that share a traversal. Consecutive particles of a sorted fluid lie in a few cells.
 constexpr std::size_t block_size = 16;
-/// Boxes that one thread takes at a time; a multiple of block_size, so that blocks do not depend on chunks.
+/// Boxes per chunk of a thread; a multiple of block_size, so that blocks do not depend on chunks.
 constexpr std::size_t chunk_size = 64 * block_size;
-/// A block that reaches more triangles than this is far larger than its members (long sweeps, or particles
-/// that are not neighbours): testing them all for every member costs more than a traversal each.
+/// A block that overlaps more triangles is far larger than its members (long sweeps, or particles that are
+/// not neighbours). Then a traversal per member is faster than testing all triangles for each.
 constexpr std::size_t block_limit = 48;
 
 constexpr double rebuild_growth = 2;
@@ -38,7 +38,7 @@ double size(const Aabb& b) {
   return (b.max_ - b.min_).sum();
 }
 
-/// Plain comparisons: fcl::AABB has an overlap test of its own, but it stays out of line.
+/// fcl::AABB::overlap is not inlined, so this is faster.
 bool overlap(const Aabb& a, const Box& b) {
   return a.min_[0] <= b.max[0] && b.min[0] <= a.max_[0] && a.min_[1] <= b.max[1] && b.min[1] <= a.max_[1] &&
          a.min_[2] <= b.max[2] && b.min[2] <= a.max_[2];
@@ -61,7 +61,7 @@ bool all_in_range(Span<const Triangle> triangles, std::size_t nodes) {
                      [nodes](const Triangle& t) { return t[0] < nodes && t[1] < nodes && t[2] < nodes; });
 }
 
-/// What one thread needs for its chunk of boxes.
+/// Buffers of one thread.
 struct Scratch {
   std::vector<int> stack;
   std::vector<std::uint32_t> found;
@@ -70,7 +70,7 @@ struct Scratch {
 }  // namespace
 
 struct SurfaceTree::Impl {
-  std::unique_ptr<Model> model;  ///< null: no triangles
+  std::unique_ptr<Model> model;  ///< null without triangles
   std::vector<Triangle> triangles;
   std::vector<Box> boxes;  ///< swept box of each triangle
   std::size_t nodes = 0;
@@ -81,15 +81,15 @@ struct SurfaceTree::Impl {
   void clear();
   void build(Span<const Triangle> tris, Span<const Vec3> x_t1);
   void refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1);
-  bool holds(Span<const Vec3> x_t0, Span<const Vec3> x_t1) const;
+  bool is_fitted_to(Span<const Vec3> x_t0, Span<const Vec3> x_t1) const;
   void read_leaves(double* leaf_size, double* tree_size);
-  bool reach(const Box& box, std::size_t limit, Scratch& scratch) const;
+  bool collect(const Box& box, std::size_t limit, Scratch& scratch) const;
   void query_block(Span<const Box> block, Scratch& scratch, std::uint32_t* counts,
                    std::vector<std::uint32_t>& triangles_out) const;
 };
 
-/// A used model cannot be built again (FCL clears it and goes out of sequence): always a new one. This call
-/// knows one set of positions only, so a refit must follow to get swept boxes.
+/// Always makes a new model, since FCL cannot rebuild one (it clears it and reports a wrong sequence of
+/// calls). Uses one set of positions only, so a refit must follow for swept boxes.
 void SurfaceTree::Impl::build(Span<const Triangle> tris, Span<const Vec3> x_t1) {
   triangles.assign(tris.begin(), tris.end());
   nodes = x_t1.size();
@@ -109,14 +109,14 @@ void SurfaceTree::Impl::refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1) {
   OILSKIN_ASSERT(model && x_t1.size() == nodes && x_t0.size() == nodes);
   check(model->beginUpdateModel(), "begin the update of");
   for (const Vec3& x : x_t1) check(model->updateVertex(x), "update");
-  // FCL would sweep from the positions of its last update. Contact has corrected those since: the motion
-  // starts at x_t0, and a box that starts elsewhere can miss it.
+  // FCL would sweep from the positions of its last update. Contact has changed those since: the motion starts
+  // at x_t0.
   std::copy(x_t0.begin(), x_t0.end(), model->prev_vertices);
   check(model->endUpdateModel(/*refit=*/true, /*bottomup=*/true), "refit");
 }
 
-/// Walls and floors ask for the same motion in every round of every step.
-bool SurfaceTree::Impl::holds(Span<const Vec3> x_t0, Span<const Vec3> x_t1) const {
+/// Is the tree already fitted to this motion? So for walls and floors, which do not move.
+bool SurfaceTree::Impl::is_fitted_to(Span<const Vec3> x_t0, Span<const Vec3> x_t1) const {
   return std::equal(x_t0.begin(), x_t0.end(), model->prev_vertices) &&
          std::equal(x_t1.begin(), x_t1.end(), model->vertices);
 }
@@ -135,12 +135,12 @@ void SurfaceTree::Impl::read_leaves(double* leaf_size, double* tree_size) {
   }
 }
 
-/// Collects what overlaps the box, unordered; false where it stopped at the limit.
-bool SurfaceTree::Impl::reach(const Box& box, std::size_t limit, Scratch& scratch) const {
+/// Collects the triangles whose boxes overlap the box, unordered. False if it stopped at the limit.
+bool SurfaceTree::Impl::collect(const Box& box, std::size_t limit, Scratch& scratch) const {
   scratch.found.clear();
   if (!model || is_empty(box)) return true;
   const Model& m = *model;
-  // An explicit stack on the heap: where centroids crowd geometrically FCL's trees get deep.
+  // An explicit stack on the heap: FCL's trees get deep if centroids converge geometrically.
   std::vector<int>& stack = scratch.stack;
   stack.assign(1, 0);
   while (!stack.empty()) {
@@ -164,17 +164,17 @@ void SurfaceTree::Impl::query_block(Span<const Box> block, Scratch& scratch, std
   Box all;
   for (const Box& b : block)
     if (!is_empty(b)) all.add(b);
-  const bool shared = reach(all, block_limit, scratch);
+  const bool shared = collect(all, block_limit, scratch);
   if (shared) std::sort(scratch.found.begin(), scratch.found.end());
   for (std::size_t i = 0; i < block.size(); ++i) {
     const std::size_t before = out.size();
     if (is_empty(block[i])) {
-      // has none; its infinities must not meet anything
+      // No candidates, although its infinities may pass the comparisons.
     } else if (shared) {
       for (std::uint32_t t : scratch.found)
         if (boxes[t].overlaps(block[i])) out.push_back(t);
     } else {
-      reach(block[i], std::numeric_limits<std::size_t>::max(), scratch);
+      collect(block[i], std::numeric_limits<std::size_t>::max(), scratch);
       std::sort(scratch.found.begin(), scratch.found.end());
       out.insert(out.end(), scratch.found.begin(), scratch.found.end());
     }
@@ -198,10 +198,10 @@ void SurfaceTree::Impl::clear() {
 void SurfaceTree::Impl::update(Span<const Triangle> tris, Span<const Vec3> x_t0, Span<const Vec3> x_t1) {
   double leaf_size = 0, tree_size = 0;
   if (nodes == x_t1.size() && same_triangles(tris, triangles)) {
-    if (holds(x_t0, x_t1)) return;
+    if (is_fitted_to(x_t0, x_t1)) return;
     refit(x_t0, x_t1);
     read_leaves(&leaf_size, &tree_size);
-    // Leaves grow with stretch and speed; the whole tree also where parts that were near have moved apart.
+    // Leaves grow with stretch and speed; inner nodes also if parts that were close have moved apart.
     if (leaf_size <= rebuild_growth * leaf_size_built && tree_size <= rebuild_growth * tree_size_built)
       return;
   }
@@ -235,7 +235,7 @@ Box SurfaceTree::bounds() const {
 
 void SurfaceTree::query(const Box& box, std::vector<std::uint32_t>& triangles) const {
   Scratch scratch;
-  impl_->reach(box, std::numeric_limits<std::size_t>::max(), scratch);
+  impl_->collect(box, std::numeric_limits<std::size_t>::max(), scratch);
   std::sort(scratch.found.begin(), scratch.found.end());
   triangles.insert(triangles.end(), scratch.found.begin(), scratch.found.end());
 }

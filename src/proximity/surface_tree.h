@@ -1,4 +1,5 @@
-/// Which triangles of a moving surface may a moving particle meet? FCL finds candidates; it decides nothing.
+/// Broad phase: finds the triangles of a moving surface whose boxes overlap boxes of particles. FCL finds
+/// candidates; it makes no decision about contact.
 #pragma once
 
 #include <memory>
@@ -8,8 +9,8 @@
 
 namespace oilskin::proximity {
 
-/// Candidate triangles per particle, in compressed rows: those of particle i are
-/// triangle[begin[i]] … triangle[begin[i + 1] − 1], ascending.
+/// Candidate triangles per box: those of box i are triangle[begin[i]] … triangle[begin[i + 1] − 1],
+/// ascending.
 struct Candidates {
   std::vector<std::uint32_t> begin;  ///< n + 1
   std::vector<std::uint32_t> triangle;
@@ -27,22 +28,22 @@ class SurfaceTree {
   SurfaceTree(SurfaceTree&&) noexcept;
   SurfaceTree& operator=(SurfaceTree&&) noexcept;
 
-  /// Fits every leaf to x_t0 ∪ x_t1 of its triangle exactly (no inflation, no rounding). Builds a new tree
-  /// when the triangles are not those of the last call, or when the leaves or the whole tree have grown to
-  /// more than twice their size after the last build; else refits. What queries find does not depend on which
-  /// of the two it was. Finite positions, indices in range (asserted). Throws std::runtime_error where FCL
-  /// refuses (out of memory); after any exception the tree has no triangles, and the next call builds it.
+  /// Fits each leaf to x_t0 ∪ x_t1 of its triangle exactly (no inflation, no rounding). Builds a new tree if
+  /// the triangles differ from those of the last call, or if the leaves or the nodes have grown to more than
+  /// twice their size after the last build; otherwise refits. Query results are the same for both. Positions
+  /// must be finite and indices in range (asserted). Throws std::runtime_error if FCL fails (out of memory);
+  /// after any exception the tree has no triangles, and the next call builds it.
   void update(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1);
 
-  std::size_t builds() const;  ///< how often a tree was built, for tests and reports
-  Box bounds() const;          ///< of everything, empty for no triangles
+  std::size_t builds() const;  ///< number of builds, for tests and reports
+  Box bounds() const;          ///< of all triangles; empty without triangles
 
-  /// All triangles whose swept box overlaps `box` (closed), appended in ascending order. Safe from several
-  /// threads.
+  /// Appends all triangles whose swept box overlaps the closed `box`, in ascending order. Thread-safe.
   void query(const Box& box, std::vector<std::uint32_t>& triangles) const;
 
-  /// For each of n boxes, exactly the triangles whose swept boxes overlap it. One traversal serves a block of
-  /// consecutive boxes, so boxes should be in a spatially coherent order. An empty box (min > max) has none.
+  /// For each of n boxes, exactly the triangles whose swept boxes overlap it. A block of consecutive boxes
+  /// shares a traversal, so the order of boxes should be spatially coherent. An empty box (min > max) has no
+  /// candidates.
   void query(Span<const Box> boxes, const Workers& workers, Candidates& candidates) const;
 
  private:

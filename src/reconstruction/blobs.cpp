@@ -1,12 +1,13 @@
 #include "reconstruction/blobs.h"
 
 #include "core/assert.h"
+#include "core/disjoint_sets.h"
 
 namespace oilskin::reconstruction {
 
 namespace {
 
-/// A number for each node of a field, one for each solid block.
+/// Numbers the nodes of blocks with values; a solid block has one number.
 class NodeNumbers {
  public:
   explicit NodeNumbers(const Grid& grid) : grid_(grid), solid_(grid.inside_bits.size() * nodes) {}
@@ -51,7 +52,7 @@ double six_volumes(const RawMesh& mesh, const Triangle& t, const std::array<floa
   return at(t[0]).dot(at(t[1]).cross(at(t[2])));
 }
 
-std::size_t remove_blobs(const Grid& grid, double minimum, RawMesh& mesh) {
+std::size_t remove_blobs(const Grid& grid, double min_volume, RawMesh& mesh) {
   OILSKIN_ASSERT(mesh.inside_nodes.size() == mesh.positions.size());
   if (mesh.positions.empty()) return 0;
   const NodeNumbers number(grid);
@@ -68,7 +69,7 @@ std::size_t remove_blobs(const Grid& grid, double minimum, RawMesh& mesh) {
   std::vector<std::uint32_t> renumbered(mesh.positions.size(), none);
   std::uint32_t kept = 0;
   for (std::size_t v = 0; v < piece.size(); ++v) {
-    if (volume[piece[v]] < minimum) {
+    if (volume[piece[v]] < min_volume) {
       removed += !counted[piece[v]];
       counted[piece[v]] = 1;
       continue;
@@ -78,7 +79,7 @@ std::size_t remove_blobs(const Grid& grid, double minimum, RawMesh& mesh) {
     mesh.inside_nodes[kept++] = mesh.inside_nodes[v];
   }
   for (std::uint32_t& first : mesh.first_vertex) {
-    // The first vertex kept from here on.
+    // The first kept vertex at or after it.
     while (first < piece.size() && renumbered[first] == none) ++first;
     first = first < piece.size() ? renumbered[first] : kept;
   }

@@ -1,16 +1,15 @@
-/// Stray pieces of water that are too small to be shown.
+/// Removes pieces of water that are too small.
 #pragma once
 
 #include "reconstruction/polygonise.h"
 
 namespace oilskin::reconstruction {
 
-/// Takes out of the mesh the pieces of water (nodes joined by edges of the grid that are not cut) that
-/// enclose less than `least` [m³], bubbles in them included. The mesh needs its inside_nodes. Returns how
-/// many pieces.
-std::size_t remove_blobs(const Grid& grid, double minimum, RawMesh& mesh);
+/// Removes pieces of water that enclose less than `min_volume` [m³] without their bubbles; a piece is a set
+/// of nodes joined by uncut grid edges. The mesh needs its inside_nodes. Returns the number of pieces.
+std::size_t remove_blobs(const Grid& grid, double min_volume, RawMesh& mesh);
 
-/// Six times the volume over a triangle [m³].
+/// Six times the signed volume of the tetrahedron of a triangle and `origin` [m³].
 double six_volumes(const RawMesh& mesh, const Triangle& t, const std::array<float, 3>& origin);
 
 }  // namespace oilskin::reconstruction

@@ -1,9 +1,10 @@
-// The acceptance test of a mesh: closed, manifold, and nothing of an obstacle in it or near it.
+// The acceptance test of a mesh: closed, manifold, no obstacle inside it or closer than the gap.
 #include <algorithm>
 #include <cmath>
 #include <mutex>
 
 #include "core/assert.h"
+#include "core/disjoint_sets.h"
 #include "oilskin/reconstruction.h"
 #include "reconstruction/blobs.h"
 #include "reconstruction/obstacle_field.h"
@@ -13,11 +14,11 @@ namespace oilskin {
 
 namespace {
 
-using namespace reconstruction;  // NOLINT: the room of this file
+using namespace reconstruction;  // NOLINT: the module of this file
 
 struct PairCounts {
-  std::size_t intersecting = 0, near = 0;
-  double minimum = std::numeric_limits<double>::infinity();
+  std::size_t intersecting = 0, too_close = 0;
+  double min_distance = std::numeric_limits<double>::infinity();
 };
 
 void count_pairs(const WaterMesh& mesh, const Obstacles& obstacles, double gap, const Workers& workers,
@@ -25,7 +26,7 @@ void count_pairs(const WaterMesh& mesh, const Obstacles& obstacles, double gap, 
   Box box;
   for (const auto& p : mesh.positions) box.add(Vec3(p[0], p[1], p[2]));
   const double extent = mesh.positions.empty() ? 0 : (box.max - box.min).maxCoeff();
-  // Sums of whole numbers and a minimum: the order of threads does not matter.
+  // Integer sums and a minimum do not depend on the order of threads.
   std::mutex mutex;
   for_near_pairs(mesh.positions, mesh.triangles, nullptr, obstacles, gap + 1e-3 * extent, workers,
                  [&](std::uint32_t t, Span<const std::uint32_t> candidates) {
@@ -34,18 +35,18 @@ void count_pairs(const WaterMesh& mesh, const Obstacles& obstacles, double gap, 
                    for (std::uint32_t c : candidates) {
                      const double d = certified_distance(own, obstacles.corners(c));
                      counts.intersecting += !(d > 0);
-                     counts.near += !(d > gap);
-                     counts.minimum = std::min(counts.minimum, d);
+                     counts.too_close += !(d > gap);
+                     counts.min_distance = std::min(counts.min_distance, d);
                    }
                    const std::lock_guard<std::mutex> lock(mutex);
                    check.intersecting_pairs += counts.intersecting;
-                   check.near_pairs += counts.near;
-                   check.min_distance = std::min(check.min_distance, counts.minimum);
+                   check.near_pairs += counts.too_close;
+                   check.min_distance = std::min(check.min_distance, counts.min_distance);
                  });
 }
 
 void count_edges(const WaterMesh& mesh, MeshCheck& check) {
-  std::vector<std::uint64_t> edges;  // lower vertex, higher vertex; the lowest bit: passed from high to low
+  std::vector<std::uint64_t> edges;  // lower vertex, higher vertex; lowest bit: from the higher to the lower
   edges.reserve(3 * mesh.triangles.size());
   for (const Triangle& t : mesh.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -64,7 +65,7 @@ void count_edges(const WaterMesh& mesh, MeshCheck& check) {
   }
 }
 
-/// Triangles of one vertex, as (next, previous): from next to previous they must lead round, through all.
+/// The triangles of a vertex, as (next, previous) vertices: following `previous` must visit all of them.
 void count_pinched(const WaterMesh& mesh, MeshCheck& check) {
   struct Corner {
     std::uint32_t vertex, next, previous;
@@ -85,7 +86,7 @@ void count_pinched(const WaterMesh& mesh, MeshCheck& check) {
       const auto found =
           std::find_if(corners.begin() + std::ptrdiff_t(i), corners.begin() + std::ptrdiff_t(end),
                        [at](const Corner& c) { return c.next == at; });
-      if (found == corners.begin() + std::ptrdiff_t(end)) break;  // an open edge, counted as such
+      if (found == corners.begin() + std::ptrdiff_t(end)) break;  // an open edge, counted elsewhere
       at = found->previous;
       ++steps;
     } while (at != corners[i].next && steps <= end - i);
@@ -129,7 +130,7 @@ MeshCheck check_mesh(const WaterMesh& mesh, Span<const ObstacleMesh> obstacle_me
   for (const auto& piece : obstacles.pieces()) {
     const bool leaves_box = std::any_of(piece.begin(), piece.end(),
                                         [&](std::uint32_t v) { return !box.contains(obstacles.vertex(v)); });
-    if (leaves_box) continue;  // that point is outside
+    if (leaves_box) continue;  // it has a point outside the mesh
     check.submerged_components +=
         std::abs(winding_number(mesh.positions, mesh.triangles, obstacles.vertex(piece[0]), workers)) > 0.5;
   }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t chunk = 8;
 
-/// Of two nodes, the one nearer to an obstacle; the first if both are as near.
+/// The node with the smaller distance to obstacles; a if equal.
 NodeRef nearer(const Grid& grid, NodeRef a, NodeRef b) {
   return grid.distance(b) < grid.distance(a) ? b : a;
 }

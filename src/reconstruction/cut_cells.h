@@ -1,11 +1,10 @@
-/// Cells that an obstacle cuts. Corners joined by edges that are not cut form parts; each part is polygonised
-/// by itself, as if all other corners were outside. So the water's surface may follow a sheet on both sides,
-/// however near the grid's nodes are to it.
+/// Cells that obstacles cut. Corners joined by uncut edges form parts. Each part is polygonised separately,
+/// with all other corners outside, so the mesh can follow a sheet on both sides at any distance from the
+/// nodes.
 ///
-/// Two cells at a face draw the same lines there, if no cut edge has both of its ends inside and in the same
-/// part of one of its cells: then the inside corners of a face that share a part are joined by edges of the
-/// face that are not cut, or lie on a diagonal, which is parted anyway. clear_joined_edges() establishes
-/// that.
+/// Two cells draw the same lines on their common face if no cut edge has both ends inside and in the same
+/// part of one of its cells: then the inside corners of a face that share a part are joined along uncut edges
+/// of the face, or lie on a diagonal, which the table separates. clear_joined_edges() establishes this.
 #pragma once
 
 #include "core/parallel.h"
@@ -14,16 +13,16 @@
 
 namespace oilskin::reconstruction {
 
-/// Signs and cuts of a block's 9³ nodes.
+/// Signs of a block's 9³ nodes and cuts of their edges.
 struct BlockRows {
   Rows inside;
   std::array<Rows, 3> cut{};
   bool has_cuts = false;
 
   void gather(const Grid& grid, std::uint32_t block);
-  /// Neither a change of sign nor a cut edge with an end inside: no surface here.
+  /// No change of sign and no cut edge with an end inside, so no surface.
   bool empty() const;
-  /// Bit i: cell (i, j, k) may hold surface.
+  /// Bit i: cell (i, j, k) may contain surface.
   std::uint8_t cells(int j, int k) const;
   std::uint8_t corners(int i, int j, int k) const;  ///< inside corners of a cell
   std::uint16_t cuts(int i, int j, int k) const;    ///< cut edges of a cell, bit e of cell_edges
@@ -32,7 +31,7 @@ struct BlockRows {
 /// Corners that are joined to `corner` by edges that are not cut.
 std::uint8_t part_of(int corner, std::uint16_t cuts);
 
-/// f(mask) for the inside corners of every part that has some.
+/// Calls f(mask) with the inside corners of each part that has inside corners.
 template <class F>
 void for_parts(std::uint8_t inside, std::uint16_t cuts, const F& f) {
   if (cuts == 0) {
@@ -47,7 +46,7 @@ void for_parts(std::uint8_t inside, std::uint16_t cuts, const F& f) {
   }
 }
 
-/// f(i, j, k) for every cell of the block that may hold surface.
+/// Calls f(i, j, k) for every cell of the block that may contain surface.
 template <class F>
 void for_surface_cells(const BlockRows& rows, const F& f) {
   for (int k = 0; k < side; ++k)
@@ -55,12 +54,12 @@ void for_surface_cells(const BlockRows& rows, const F& f) {
       for (unsigned bits = rows.cells(j, k); bits != 0; bits &= bits - 1) f(__builtin_ctz(bits), j, k);
 }
 
-/// Sets outside the end nearer to an obstacle of every cut edge whose ends are both inside and in one part of
-/// a cell (an obstacle's border lies there). Returns how many nodes.
+/// For each cut edge with both ends inside and in one part of a cell (at an obstacle's border): sets the end
+/// that is nearer to an obstacle outside. Returns the number of nodes.
 std::size_t clear_joined_edges(Grid& grid, const Workers& workers);
 
-/// Sets nodes outside that were asked for by several threads, in any order and repeatedly; those that are
-/// outside already stay. Returns how many.
+/// Sets the nodes outside that several threads found, in any order and with repetitions. Returns the number
+/// of nodes that were inside.
 std::size_t set_outside(Grid& grid, const std::vector<std::vector<NodeRef>>& found);
 
 /// Corner c of cell (i, j, k).
@@ -68,7 +67,7 @@ inline NodeRef corner_node(const Grid& grid, std::uint32_t block, int i, int j, 
   return grid.node(block, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2 & 1));
 }
 
-/// The value that a cleared node gets [cells]: its neighbours' vertices keep off half of their edges.
+/// The value of a node that is set outside [cells]: vertices stay off about half of the edges to it.
 constexpr float cleared_value = 0.5f;
 
 }  // namespace oilskin::reconstruction

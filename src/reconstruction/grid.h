@@ -1,5 +1,5 @@
 /// The sparse grid: blocks of 8³ nodes at world multiples of the cell. Only blocks that the surface may pass
-/// hold values; the nodes of all others are alike.
+/// have values; all nodes of other blocks are inside, or all are outside.
 #pragma once
 
 #include <cmath>
@@ -8,12 +8,14 @@
 
 #include "core/assert.h"
 #include "oilskin/types.h"
-#include "reconstruction/disjoint_sets.h"
 
 namespace oilskin::reconstruction {
 
-constexpr int side = 8;                    ///< nodes along an edge of a block
-constexpr int nodes = side * side * side;  ///< of a block
+constexpr int side = 8;                      ///< nodes along an edge of a block
+constexpr int nodes = side * side * side;    ///< nodes of a block
+constexpr std::uint32_t none = 0xffffffffu;  ///< no number
+/// x of the nodes of a row [cells].
+constexpr float row_nodes[side] = {0, 1, 2, 3, 4, 5, 6, 7};
 
 struct Int3 {
   int x = 0, y = 0, z = 0;
@@ -22,7 +24,7 @@ struct Int3 {
   Int3 operator-(const Int3& o) const { return {x - o.x, y - o.y, z - o.z}; }
 };
 
-/// 21 bits each, z first: sorted keys run along x.
+/// 21 bits per coordinate, z first, so that sorted keys run along x.
 inline std::uint64_t key_of(const Int3& b) {
   const auto part = [](int v) { return static_cast<std::uint64_t>(v + (1 << 20)) & 0x1fffff; };
   return part(b.z) << 42 | part(b.y) << 21 | part(b.x);
@@ -37,7 +39,7 @@ inline int node_index(int i, int j, int k) {
   return i + side * (j + side * k);
 }
 
-/// Keys to numbers, open addressing. Never iterated over.
+/// Maps keys to numbers, by open addressing.
 class KeyMap {
  public:
   explicit KeyMap(std::size_t expected = 0) { resize(expected); }
@@ -48,7 +50,7 @@ class KeyMap {
       if (keys_[i] == key) return values_[i];
     }
   }
-  /// The value of the key; `value` where it is new.
+  /// The value of the key; a new key gets `value`.
   std::uint32_t insert(std::uint64_t key, std::uint32_t value) {
     OILSKIN_ASSERT(value != none);
     if (2 * (size_ + 1) > keys_.size()) resize(2 * size_ + 8);
@@ -85,28 +87,30 @@ class KeyMap {
   std::size_t mask_ = 0, size_ = 0;
 };
 
-/// A crossing of a grid edge by obstacles: nearest to its low and to its high end, as shares of the edge.
+/// Crossings of a grid edge by obstacles: those nearest to its low and to its high end, as fractions of the
+/// edge.
 struct CutEdge {
   std::uint16_t edge = 0;  ///< axis · 512 + node of the low end
   float first = 0, last = 0;
 };
 
-/// What a block knows of the obstacles near it.
+/// Obstacles near a block.
 struct NearBlock {
-  std::vector<std::uint32_t> triangles;  ///< all that come within reach of the block, ascending
-  std::vector<float> distance;     ///< of each node [cells], infinite beyond the band; empty: everywhere
+  std::vector<std::uint32_t> triangles;  ///< those within reach of the block, ascending
+  std::vector<float> distance;     ///< per node [cells], infinite beyond the band; empty: infinite everywhere
   std::vector<CutEdge> cut_edges;  ///< ascending
-  std::array<std::array<std::uint64_t, side>, 3> cut{};  ///< bit per node of a slice: its edge along the axis
+  std::array<std::array<std::uint64_t, side>, 3>
+      cut{};  ///< per axis and slice, a bit per node: its edge is cut
 
   const CutEdge* find_cut(int axis, int node) const;
 };
 
 struct Block {
   Int3 at;
-  std::uint32_t field = none;  ///< number of its 512 values; none: all nodes are alike
+  std::uint32_t field = none;  ///< number of its 512 values; none: all nodes are inside or all are outside
   std::uint32_t near = none;   ///< number of its NearBlock; none: no obstacle within reach
-  bool solid = false;          ///< without values: inside, else outside
-  /// The blocks towards +x (bit 0), +y (bit 1), +z (bit 2); [0] is the block itself. None: outside.
+  bool solid = false;          ///< without values: all nodes are inside
+  /// Neighbours towards +x (bit 0), +y (bit 1), +z (bit 2); [0] is the block itself. None: outside.
   std::array<std::uint32_t, 8> plus{};
 };
 
@@ -118,19 +122,19 @@ struct NodeRef {
 class Grid {
  public:
   double cell = 0;            ///< [m]
-  float clearance = 0;        ///< distance from obstacles at which the surface is meant to lie [cells]
+  float clearance = 0;        ///< d*: aimed distance of the mesh from obstacles [cells]
   float outside = 0;          ///< value of nodes that no particle reaches [cells]
-  float inside = 0;           ///< value of nodes of solid blocks
+  float inside = 0;           ///< value of nodes of solid blocks [cells]
   std::vector<Block> blocks;  ///< ascending by key
   KeyMap index;
-  std::vector<float> values;                                 ///< 512 for each field [cells]; < 0 is inside
-  std::vector<std::array<std::uint64_t, side>> inside_bits;  ///< for each field, a word per slice
+  std::vector<float> values;                                 ///< 512 per field [cells]; < 0 is inside
+  std::vector<std::array<std::uint64_t, side>> inside_bits;  ///< per field, a word per slice
   std::vector<NearBlock> nears;
 
   Vec3 origin(const Block& b) const {
     return Vec3(double(b.at.x) * side * cell, double(b.at.y) * side * cell, double(b.at.z) * side * cell);
   }
-  /// Nodes 0 … 8 in each direction.
+  /// For i, j, k in 0 … 8.
   NodeRef node(std::uint32_t block, int i, int j, int k) const {
     const std::uint32_t b = blocks[block].plus[static_cast<std::size_t>(i >> 3 | j >> 3 << 1 | k >> 3 << 2)];
     return {b, node_index(i & 7, j & 7, k & 7)};
@@ -147,7 +151,7 @@ class Grid {
     if (b.field == none) return b.solid;
     return inside_bits[b.field][std::size_t(n.node >> 6)] >> (n.node & 63) & 1;
   }
-  /// Infinite where no obstacle is within the band.
+  /// Infinite if no obstacle is within the band.
   float distance(NodeRef n) const {
     if (n.block == none || blocks[n.block].near == none) return std::numeric_limits<float>::infinity();
     const NearBlock& near = nears[blocks[n.block].near];
@@ -167,10 +171,10 @@ class Grid {
   }
 };
 
-/// A bit per node or edge of a block's 9³ nodes: row [j + 9k], bit i.
+/// A bit per node or edge of a block's 9³ nodes: bit i of row [j + 9k].
 using Rows = std::array<std::uint16_t, 81>;
 
-/// `slice(block, k)`: 64 bits of a slice of a block (none allowed).
+/// `slice(block, k)`: the 64 bits of a slice; block may be `none`.
 template <class Slice>
 Rows gather_rows(const Block& b, const Slice& slice) {
   Rows rows;

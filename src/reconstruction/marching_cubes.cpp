@@ -10,8 +10,8 @@ namespace {
 
 using Polygon = std::vector<std::uint8_t>;
 
-/// next[e]: the edge at which the line through a face ends that starts at edge e. Each cut edge starts one
-/// line, in one of its two faces, and ends one in the other.
+/// next[e]: the edge at which the line ends that starts at edge e. Each cut edge starts a line in one of its
+/// two faces and ends one in the other.
 std::array<std::int8_t, 12> lines_of(int mask) {
   std::array<std::int8_t, 12> next;
   next.fill(-1);
@@ -46,12 +46,12 @@ std::vector<Polygon> polygons_of(int mask) {
   return polygons;
 }
 
-/// May a triangulation of the polygon draw a line from corner i to corner j?
+/// May a triangulation of the polygon have the edge from corner i to corner j?
 bool allowed(const Polygon& p, std::size_t i, std::size_t j) {
   return j == i + 1 || (i == 0 && j + 1 == p.size()) || !share_a_face(p[i], p[j]);
 }
 
-/// Triangulates corners i … j, which have a line between i and j; the first way that works.
+/// Triangulates corners i … j below the edge i–j with the first triangulation that is allowed.
 bool triangulate(const Polygon& p, std::size_t i, std::size_t j, CellCase& out) {
   if (j == i + 1) return true;
   for (std::size_t m = i + 1; m < j; ++m) {

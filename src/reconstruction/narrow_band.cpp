@@ -8,7 +8,7 @@ namespace oilskin::reconstruction {
 
 namespace {
 
-/// Working memory: of a block, of its values (with bits and numbers of vertices), of the mesh that leaves it.
+/// Working memory of a block, of its values (with bits and numbers of vertices), and of its part of the mesh.
 constexpr double block_bytes = sizeof(Block) + 64, field_bytes = nodes * sizeof(float) + 600,
                  mesh_bytes = 5000;
 
@@ -23,7 +23,6 @@ struct Blocks {
   }
 };
 
-/// f(at) for each.
 template <class F>
 void for_blocks(const Blocks& b, const F& f) {
   for (int z = b.first.z; z <= b.last.z; ++z)
@@ -31,7 +30,7 @@ void for_blocks(const Blocks& b, const F& f) {
       for (int x = b.first.x; x <= b.last.x; ++x) f(Int3{x, y, z});
 }
 
-/// Blocks that particles of block b, at `low` … `high` within it, reach.
+/// Blocks that the particles of block b reach.
 Blocks reached(const ParticleBlocks& p, std::size_t b, float reach) {
   float low[3] = {1e30f, 1e30f, 1e30f}, high[3] = {-1e30f, -1e30f, -1e30f};
   const std::vector<float>* const coordinates[3] = {&p.x, &p.y, &p.z};
@@ -46,31 +45,33 @@ Blocks reached(const ParticleBlocks& p, std::size_t b, float reach) {
           at + Int3{block_of(high[0] + reach), block_of(high[1] + reach), block_of(high[2] + reach)}};
 }
 
-/// Of the block's nodes 0 … 8.
+/// The box of the block's nodes 0 … 8.
 Box box_of(const Grid& grid, const Block& b) {
   const Vec3 low = grid.origin(b);
   return {low, low + Vec3::Constant(side * grid.cell)};
 }
 
-/// Blocks whose nodes 0 … 8 may meet the box, and a few more.
+/// A range that contains all blocks whose nodes 0 … 8 may be in the box.
 Blocks blocks_of(const Grid& grid, const Box& box) {
-  static constexpr double maximum = 1 << 21, rounding = 1e-3;  // [blocks]; most: beyond them all
-  const auto at = [&](const Vec3& x, double more) {
-    const Vec3 b = (x / (side * grid.cell)).array() + more;
-    const auto part = [](double v) { return static_cast<int>(std::floor(std::clamp(v, -maximum, maximum))); };
+  static constexpr double beyond_all = 1 << 21, rounding = 1e-3;  // [blocks]
+  const auto at = [&](const Vec3& x, double margin) {
+    const Vec3 b = (x / (side * grid.cell)).array() + margin;
+    const auto part = [](double v) {
+      return static_cast<int>(std::floor(std::clamp(v, -beyond_all, beyond_all)));
+    };
     return Int3{part(b.x()), part(b.y()), part(b.z())};
   };
   return {at(box.min, -1 - rounding), at(box.max, rounding)};
 }
 
-/// Layers of coarse nodes at the far end of a neighbour in direction d (−1, 0, 1 along each axis).
-std::uint64_t facing(const Int3& d) {
+/// The coarse nodes of a neighbour in direction d (−1, 0, 1 along each axis) that adjoin the block.
+std::uint64_t adjoining_nodes(const Int3& d) {
   std::uint64_t mask = 0;
-  const auto meets = [](int direction, int i) { return direction == 0 || i == (direction > 0 ? 0 : 3); };
+  const auto adjoins = [](int direction, int i) { return direction == 0 || i == (direction > 0 ? 0 : 3); };
   for (int k = 0; k < 4; ++k)
     for (int j = 0; j < 4; ++j)
       for (int i = 0; i < 4; ++i)
-        if (meets(d.x, i) && meets(d.y, j) && meets(d.z, k)) mask |= 1ull << (i + 4 * (j + 4 * k));
+        if (adjoins(d.x, i) && adjoins(d.y, j) && adjoins(d.z, k)) mask |= 1ull << (i + 4 * (j + 4 * k));
   return mask;
 }
 
@@ -90,7 +91,7 @@ Status MemoryPlan::refusal(const std::string& what) const {
 
 Status find_blocks(const ParticleBlocks& particles, const FieldParameters& field,
                    const std::optional<Box>& clip, Grid& grid, MemoryPlan& memory) {
-  // A node is reached by particles within R; one cell more against rounding.
+  // Particles reach nodes within R; one cell more covers rounding.
   const float reach = field.kernel_radius + 1;
   std::vector<std::uint64_t> keys;
   const auto add = [&](const Int3& at) {
@@ -127,14 +128,14 @@ Status find_blocks(const ParticleBlocks& particles, const FieldParameters& field
 }
 
 void find_near_triangles(const Obstacles& obstacles, double reach, Grid& grid) {
-  const double by = reach * grid.cell;
+  const double margin = reach * grid.cell;  // [m]
   std::vector<std::vector<std::uint32_t>> found(grid.blocks.size());
   for (std::uint32_t t = 0; t < obstacles.size(); ++t) {
     const Box triangle = obstacles.box(t);
     const auto add = [&](std::uint32_t b) {
-      if (triangle.overlaps(box_of(grid, grid.blocks[b]).inflated(by))) found[b].push_back(t);
+      if (triangle.overlaps(box_of(grid, grid.blocks[b]).inflated(margin))) found[b].push_back(t);
     };
-    const Blocks range = blocks_of(grid, triangle.inflated(by));
+    const Blocks range = blocks_of(grid, triangle.inflated(margin));
     if (range.count() > double(grid.blocks.size()))
       for (std::uint32_t b = 0; b < grid.blocks.size(); ++b) add(b);
     else
@@ -152,7 +153,7 @@ void find_near_triangles(const Obstacles& obstacles, double reach, Grid& grid) {
 
 Status choose_fields(const ParticleBlocks& particles, const FieldParameters& field,
                      const std::optional<Box>& clip, Grid& grid, MemoryPlan& memory, const Workers& workers) {
-  std::vector<std::uint64_t> good(grid.blocks.size(), 0);
+  std::vector<std::uint64_t> deep(grid.blocks.size(), 0);  // bit per coarse node
   std::vector<std::uint8_t> is_reached(grid.blocks.size(), 0);
   const std::vector<float> no_volumes;
   workers.for_chunks(grid.blocks.size(), chunk, [&](std::size_t from, std::size_t to, std::size_t) {
@@ -161,22 +162,22 @@ Status choose_fields(const ParticleBlocks& particles, const FieldParameters& fie
     for (std::size_t b = from; b < to; ++b) {
       near.gather(particles, no_volumes, grid.blocks[b].at, 0, side - 1, field.kernel_radius);
       is_reached[b] = near.count > 0;
-      // Half of what fills the block alone: not worth a closer look.
+      // With less than half of the particles of a full block it cannot be solid.
       if (static_cast<float>(near.count) < 0.5f * field.rest_count) continue;
       if (grid.blocks[b].near != none || cut_by(clip, box_of(grid, grid.blocks[b]), grid.cell)) continue;
-      good[b] = evaluator.coarse_inside(near);
+      deep[b] = evaluator.coarse_inside(near);
     }
   });
   std::uint32_t fields = 0;
   for (std::size_t b = 0; b < grid.blocks.size(); ++b) {
-    bool solid = good[b] == ~0ull;
+    bool solid = deep[b] == ~0ull;
     for (int dz = -1; dz <= 1 && solid; ++dz)
       for (int dy = -1; dy <= 1 && solid; ++dy)
         for (int dx = -1; dx <= 1 && solid; ++dx) {
           const std::uint32_t o = grid.index.find(key_of(grid.blocks[b].at + Int3{dx, dy, dz}));
-          const std::uint64_t mask = facing({dx, dy, dz});
-          // A neighbour near an obstacle is evaluated anyway.
-          solid = o != none && (grid.blocks[o].near != none || (good[o] & mask) == mask);
+          const std::uint64_t mask = adjoining_nodes({dx, dy, dz});
+          // A neighbour near an obstacle has values.
+          solid = o != none && (grid.blocks[o].near != none || (deep[o] & mask) == mask);
         }
     grid.blocks[b].solid = solid;
     if (!solid && is_reached[b]) grid.blocks[b].field = fields++;

@@ -1,4 +1,4 @@
-/// Which blocks the surface may pass: those that a particle reaches, less those deep inside the water.
+/// Finds the blocks that the surface may pass: those that a particle reaches, without those in deep water.
 #pragma once
 
 #include "reconstruction/field.h"
@@ -6,7 +6,7 @@
 
 namespace oilskin::reconstruction {
 
-/// Bytes that the work will take, and what is allowed.
+/// Working memory: planned bytes and their limit.
 class MemoryPlan {
  public:
   explicit MemoryPlan(double limit) : limit_(limit) {}
@@ -19,16 +19,16 @@ class MemoryPlan {
   double limit_, bytes_ = 0;
 };
 
-/// Fills `grid` with blocks: all that a particle reaches and their neighbours towards −x, −y, −z (which own
-/// edges and cells of theirs), each linked to its neighbours. Blocks beyond `clip` are left out.
+/// Fills `grid` with the blocks that a particle reaches and their neighbours towards −x, −y, −z, which own
+/// some of their edges and cells, and links them. Omits blocks beyond `clip`.
 Status find_blocks(const ParticleBlocks& particles, const FieldParameters& field,
                    const std::optional<Box>& clip, Grid& grid, MemoryPlan& memory);
 
-/// Fills `nears`: the triangles that come within `reach` [cells] of each block.
+/// Fills Grid::nears: the triangles within `reach` [cells] of each block.
 void find_near_triangles(const Obstacles& obstacles, double reach, Grid& grid);
 
-/// Numbers the blocks that need values; the others are `solid` or outside. A block is solid if its nodes and
-/// the next around it lie well inside the water, no obstacle is near, and the clip box does not cut it.
+/// Numbers the blocks that need values; the others are solid or outside. A block is solid if its nodes and
+/// one ring of nodes around it are in deep water, no obstacle is near, and the clip box does not cut it.
 Status choose_fields(const ParticleBlocks& particles, const FieldParameters& field,
                      const std::optional<Box>& clip, Grid& grid, MemoryPlan& memory, const Workers& workers);
 

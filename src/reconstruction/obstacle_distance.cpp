@@ -5,13 +5,14 @@
 
 #include "core/assert.h"
 #include "core/closest_point.h"
-#include "reconstruction/lanes.h"
+#include "core/simd.h"
 
 namespace oilskin::reconstruction {
 
+using simd::F8;
+
 namespace {
 
-/// Bounds of a triangle [cells].
 struct Bounds {
   double low[3], high[3];
 
@@ -28,7 +29,7 @@ struct Bounds {
   }
 };
 
-/// Nodes 0 … 7 of the block that the inflated box covers.
+/// Nodes 0 … 7 of the block in the inflated box.
 struct Covered {
   int first[3], last[3];
 
@@ -42,24 +43,24 @@ struct Covered {
   bool empty() const { return first[0] > last[0] || first[1] > last[1] || first[2] > last[2]; }
 };
 
-/// A triangle as the row of nodes at (j, k) sees it: over its face, or at least so far away.
+/// Distances of a row of nodes from a triangle.
 struct RowView {
-  Lanes min_squared;        ///< of the distance
-  std::uint32_t over_face;  ///< bit i: the plane's distance is the triangle's
+  F8 min_squared;           ///< lower bounds of the squared distances
+  std::uint32_t over_face;  ///< bit i: the distance is that from the plane
 };
 
-/// The triangle's plane, and the planes through its sides that stand on it and face out.
+/// The triangle's plane, and the planes through its edges that are perpendicular to it, with outward normals.
 class TrianglePlanes {
  public:
   explicit TrianglePlanes(const Corners& c) {
     const Vec3 cross = (c[1] - c[0]).cross(c[2] - c[0]);
-    double size = 2 * side, longest = 0;
+    double size = 2 * side, longest_edge = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       size = std::max(size, c[k].cwiseAbs().maxCoeff());
-      longest = std::max(longest, (c[(k + 1) % 3] - c[k]).norm());
+      longest_edge = std::max(longest_edge, (c[(k + 1) % 3] - c[k]).norm());
     }
-    // A sliver's planes are not known well enough: zeros say nothing.
-    if (!(cross.norm() > 1e-9 * size * size * longest)) return;
+    // The planes of a sliver are too inaccurate; zeros give the bound 0.
+    if (!(cross.norm() > 1e-9 * size * size * longest_edge)) return;
     const Vec3 n = cross.normalized();
     planes_[0] = {n, n.dot(c[0])};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -68,14 +69,14 @@ class TrianglePlanes {
     }
   }
   RowView row(int j, int k) const {
-    const Lanes i = Lanes::load(node_numbers);
-    Lanes above[4];
+    const F8 i = F8::load(row_nodes);
+    F8 above[4];
     for (std::size_t p = 0; p < 4; ++p)
       above[p] = i * static_cast<float>(planes_[p].normal.x()) + static_cast<float>(planes_[p].at(0, j, k));
-    const Lanes beyond = largest(largest(above[1], above[2]), above[3]),
-                off = positive_part(largest(above[0], 0.0f - above[0]) - rounding),
-                beside = positive_part(beyond - rounding);
-    return {off * off + beside * beside, larger(-rounding, beyond)};
+    const F8 beyond = larger(larger(above[1], above[2]), above[3]),
+             off = positive_part(larger(above[0], 0.0f - above[0]) - rounding),
+             beside = positive_part(beyond - rounding);
+    return {off * off + beside * beside, greater_mask(-rounding, beyond)};
   }
   double distance_to_plane(int i, int j, int k) const { return std::abs(planes_[0].at(i, j, k)); }
 
@@ -89,8 +90,8 @@ class TrianglePlanes {
   std::array<Plane, 4> planes_;
 };
 
-/// Distances of a block's nodes. What lies over a face is done at once, and lets most other triangles
-/// go without a closer look, which comes last.
+/// Distances of a block's nodes. Those over a face are computed at once; with them, lower bounds exclude most
+/// of the other pairs, which finish() computes.
 class NodeDistances {
  public:
   NodeDistances(double band, std::vector<float>& distance) : band_(band), distance_(distance) {}
@@ -99,17 +100,17 @@ class NodeDistances {
     const Covered s(bounds, band_);
     if (s.empty()) return;
     if (distance_.empty()) distance_.assign(nodes, std::numeric_limits<float>::infinity());
-    const auto maximum = static_cast<float>(band_ * band_ * (1 + 1e-6));
+    const auto band_squared = static_cast<float>(band_ * band_ * (1 + 1e-6));
     const TrianglePlanes planes(c);
     const unsigned covered = (2u << s.last[0]) - (1u << s.first[0]);
-    bool kept = false;
+    bool any_waiting = false;
     for (int k = s.first[2]; k <= s.last[2]; ++k)
       for (int j = s.first[1]; j <= s.last[1]; ++j) {
         float* const row = &distance_[std::size_t(node_index(0, j, k))];
-        const Lanes now = Lanes::load(row);
+        const F8 now = F8::load(row);
         const RowView view = planes.row(j, k);
-        const std::uint32_t may =
-            covered & ~(larger(view.min_squared, now * now) | larger(view.min_squared, maximum));
+        const std::uint32_t may = covered & ~(greater_mask(view.min_squared, now * now) |
+                                              greater_mask(view.min_squared, band_squared));
         for (std::uint32_t bits = may & view.over_face; bits != 0; bits &= bits - 1) {
           const int i = __builtin_ctz(bits);
           lower(row[i], planes.distance_to_plane(i, j, k));
@@ -117,17 +118,18 @@ class NodeDistances {
         if (const std::uint32_t rest = may & ~view.over_face; rest != 0) {
           waiting_.push_back(
               {view.min_squared, rest, static_cast<std::uint32_t>(waiting_corners_.size()), j, k});
-          kept = true;
+          any_waiting = true;
         }
       }
-    if (kept) waiting_corners_.push_back(c);
+    if (any_waiting) waiting_corners_.push_back(c);
   }
   void finish() {
     for (const Waiting& w : waiting_) {
       float* const row = &distance_[std::size_t(node_index(0, w.j, w.k))];
-      const Lanes now = Lanes::load(row);
+      const F8 now = F8::load(row);
       const Corners& c = waiting_corners_[w.corners];
-      for (std::uint32_t bits = w.nodes & ~larger(w.min_squared, now * now); bits != 0; bits &= bits - 1) {
+      for (std::uint32_t bits = w.nodes & ~greater_mask(w.min_squared, now * now); bits != 0;
+           bits &= bits - 1) {
         const int i = __builtin_ctz(bits);
         lower(row[i], closest_point(Vec3(i, w.j, w.k), c[0], c[1], c[2]).distance);
       }
@@ -139,7 +141,7 @@ class NodeDistances {
     if (to <= band_) d = std::min(d, static_cast<float>(to));
   }
   struct Waiting {
-    Lanes min_squared;
+    F8 min_squared;
     std::uint32_t nodes, corners;
     int j, k;
   };
@@ -154,8 +156,8 @@ struct Hit {
   float at;
 };
 
-/// Crossings of the triangle with the grid lines along `axis`, as long as they lie on the block's edges. The
-/// closed triangle counts: a line through an edge meets both triangles there.
+/// Crossings of the closed triangle with grid lines along `axis`, on edges that the block owns. A line
+/// through an edge of the mesh crosses both triangles there.
 void add_crossings(const Corners& c, const Bounds& bounds, const Covered& s, int axis,
                    std::vector<Hit>& hits) {
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;

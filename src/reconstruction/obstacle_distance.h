@@ -1,4 +1,4 @@
-/// How far the nodes of a block are from obstacles, and which of its edges obstacles cross. Lengths in cells.
+/// Distances of a block's nodes from obstacles, and crossings of its edges. Lengths in cells.
 #pragma once
 
 #include "reconstruction/grid.h"
@@ -6,7 +6,8 @@
 
 namespace oilskin::reconstruction {
 
-/// Fills distance (up to `band`, infinite beyond) and, if wanted, the cut edges of a block at `origin` [m].
+/// Fills the distances (up to `band`, infinite beyond) and, with `cut_edges`, the cut edges of a block at
+/// `origin` [m].
 void measure_obstacles(const Obstacles& obstacles, const Vec3& origin, double cell, double band,
                        bool cut_edges, NearBlock& near);
 

@@ -11,11 +11,10 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-/// The surface is aimed at this much more than the gap [cells], so that bends of a sheet leave little to
-/// repair.
-constexpr double slack = 0.15;
+/// The aimed distance exceeds the gap by this [cells], so that bends of a sheet leave little to repair.
+constexpr double clearance_margin = 0.15;
 
-/// A node nearer than this lies on the obstacle, up to rounding [cells].
+/// A node nearer than this is on the obstacle, up to rounding [cells].
 constexpr float on_obstacle = 1e-4f;
 
 struct CellAt {
@@ -31,7 +30,6 @@ CellAt cell_at(const Grid& grid, const Vec3& x) {
   return {grid.index.find(key_of({i >> 3, j >> 3, k >> 3})), i & 7, j & 7, k & 7};
 }
 
-/// Corners of the cell that are inside.
 std::uint8_t inside_corners(const Grid& grid, const CellAt& c) {
   unsigned inside = 0;
   for (int corner = 0; corner < 8; ++corner)
@@ -46,38 +44,38 @@ ContactParameters contact_parameters(const ReconstructionOptions& o) {
   const double cell = o.cell * o.spacing;
   p.mode = o.contact;
   p.gap = o.gap;
-  p.clearance = o.gap / cell + slack;
+  p.clearance = o.gap / cell + clearance_margin;
   p.touch_range = o.touch_range / o.cell;
   p.depth = o.overlap_depth / cell;
   if (o.contact == ObstacleMode::reset) p.clearance = std::max(o.gap / cell, 0.5);
-  // touch looks no farther than it draws, overlap at the neighbours of what it draws, too.
+  // touch needs distances up to its range, overlap also at neighbours of the nodes that it changes.
   p.band = p.clearance + 1.25;
   if (o.contact == ObstacleMode::touch) p.band = std::max(p.band, p.touch_range);
   if (o.contact == ObstacleMode::overlap) p.band = std::max(p.band, std::max(p.touch_range, p.depth) + 1);
-  // Sight, distances, and corners that repair may set outside: they must have values of their own.
+  // For visibility, for distances, and for corners that repair may set outside, which must have values.
   p.reach = std::max({o.kernel_radius / o.cell, p.band, o.gap / cell + 1.8});
   return p;
 }
 
-float value_at_contact(const ContactParameters& p, float seen, float all, float distance) {
+float value_at_contact(const ContactParameters& p, float visible, float all, float distance) {
   OILSKIN_ASSERT(distance >= 0);
   const auto clearance = static_cast<float>(p.clearance), range = static_cast<float>(p.touch_range);
-  // A node on an obstacle sees nothing. The surface passes it at the clearance, as it does beside it.
+  // A node on an obstacle sees no particle. The surface passes it at the clearance, as it does beside it.
   if (p.promises() && distance < on_obstacle) return clearance;
-  const float drawn = distance < range ? seen - (range - distance) : seen;
+  const float drawn = distance < range ? visible - (range - distance) : visible;
   switch (p.mode) {
     case ObstacleMode::none:
       break;
     case ObstacleMode::reset:
-      return distance < clearance ? std::max(seen, cleared_value) : seen;
+      return distance < clearance ? std::max(visible, cleared_value) : visible;
     case ObstacleMode::gap:
-      return std::max(seen, clearance - distance);
+      return std::max(visible, clearance - distance);
     case ObstacleMode::touch:
       return std::max(drawn, clearance - distance);
     case ObstacleMode::overlap:
       return std::min(drawn, std::max(distance - static_cast<float>(p.depth), all - distance - range));
   }
-  return seen;
+  return visible;
 }
 
 double winding_number(const std::vector<std::array<float, 3>>& positions,
@@ -103,7 +101,7 @@ bool is_submerged(const Obstacles& obstacles, const std::vector<std::uint32_t>& 
   OILSKIN_ASSERT(!piece.empty());
   for (std::uint32_t v : piece) {
     const CellAt c = cell_at(grid, obstacles.vertex(v));
-    // No corner inside, no surface in the cell: all of it is outside.
+    // A cell without inside corners has no surface and is outside.
     if (c.block == none || inside_corners(grid, c) == 0) return false;
   }
   return std::abs(winding_number(mesh.positions, mesh.triangles, obstacles.vertex(piece[0]), workers)) > 0.5;

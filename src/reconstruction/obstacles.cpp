@@ -1,12 +1,12 @@
 #include "reconstruction/obstacles.h"
 
 #include <algorithm>
-#include <numeric>
-#include <sstream>
 
 #include "core/assert.h"
+#include "core/disjoint_sets.h"
+#include "core/refuse.h"
 #include "oilskin/surface_motion.h"
-#include "reconstruction/disjoint_sets.h"
+#include "reconstruction/grid.h"
 
 namespace oilskin::reconstruction {
 
@@ -31,21 +31,19 @@ Status validate_obstacles(const std::vector<ObstacleMesh>& obstacles) {
     const ObstacleMesh& mesh = obstacles[m];
     const std::string name = "obstacle " + std::to_string(m);
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-      if (!mesh.vertices[v].allFinite())
-        return Status::refused(name + ": vertex " + std::to_string(v) + " is not finite");
+      if (!mesh.vertices[v].allFinite()) return refuse(name, ": vertex ", v, " is not finite");
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       for (std::uint32_t i : mesh.triangles[t])
         if (i >= mesh.vertices.size())
-          return Status::refused(name + ": triangle " + std::to_string(t) + " names vertex " +
-                                 std::to_string(i) + "; there are " + std::to_string(mesh.vertices.size()));
+          return refuse(name, ": triangle ", t, " names vertex ", i, "; there are ", mesh.vertices.size());
   }
   return {};
 }
 
 double rounding_of(const Corners& c) {
-  double maximum = 0;
-  for (const Vec3& x : c) maximum = std::max(maximum, (stored(x, Storage::float32) - x).norm());
-  return maximum * (1 + 1e-9);
+  double max_error = 0;
+  for (const Vec3& x : c) max_error = std::max(max_error, (stored(x, Storage::float32) - x).norm());
+  return max_error * (1 + 1e-9);
 }
 
 Status validate_resolution(const std::vector<ObstacleMesh>& obstacles, const Box& region, double cell) {
@@ -53,15 +51,13 @@ Status validate_resolution(const std::vector<ObstacleMesh>& obstacles, const Box
     for (std::size_t t = 0; t < obstacles[m].triangles.size(); ++t) {
       const Corners c = corners_of(obstacles[m], t);
       if (!box_of(c).overlaps(region)) continue;
-      double far = 0;
-      for (const Vec3& x : c) far = std::max(far, x.cwiseAbs().maxCoeff());
-      // What separation.cpp takes off a distance, and a margin.
-      if (std::max(rounding_of(c), 64 * 0x1p-53 * far) <= 0.5 * cell) continue;
-      std::ostringstream text;
-      text << "obstacle " << m << ": triangle " << t << " has a corner at " << far
-           << " m, where numbers are too coarse for a cell of " << cell
-           << " m. Leave it out, or bring it nearer";
-      return Status::refused(text.str());
+      double max_coordinate = 0;
+      for (const Vec3& x : c) max_coordinate = std::max(max_coordinate, x.cwiseAbs().maxCoeff());
+      // Twice the rounding term of (R.19).
+      if (std::max(rounding_of(c), 64 * 0x1p-53 * max_coordinate) <= 0.5 * cell) continue;
+      return refuse("obstacle ", m, ": triangle ", t, " has a corner at ", max_coordinate,
+                    " m, where numbers are too coarse for a cell of ", cell,
+                    " m. Leave it out, or bring it nearer");
     }
   return {};
 }

@@ -1,4 +1,4 @@
-/// All triangles of all obstacles under one numbering, and which of them may be near a box.
+/// All triangles of all obstacles under one numbering, with queries by box.
 #pragma once
 
 #include "oilskin/reconstruction.h"
@@ -8,20 +8,20 @@ namespace oilskin::reconstruction {
 
 using Corners = std::array<Vec3, 3>;
 
-/// The first fault of the obstacles, in words.
+/// Refuses vertices that are not finite and indices out of range.
 Status validate_obstacles(const std::vector<ObstacleMesh>& obstacles);
 
-/// By how much rounding to float moves a triangle's corners at most (R.18) [m].
+/// The largest displacement of a triangle's corners by rounding to float (R.18) [m].
 double rounding_of(const Corners& c);
 
-/// Refuses triangles that come into the region from so far away that their corners, as floats, or distances
-/// to them are not known to half a cell.
+/// Refuses triangles in the region with corners so far away that floats, or certified distances, are
+/// inaccurate by more than half a cell.
 Status validate_resolution(const std::vector<ObstacleMesh>& obstacles, const Box& region, double cell);
 
 class Obstacles {
  public:
   Obstacles() = default;
-  /// Valid obstacles. Triangles keep their order; the vertices of mesh m follow those of mesh m − 1.
+  /// Meshes must be valid. Triangles keep their order; the vertices of mesh m follow those of mesh m − 1.
   explicit Obstacles(Span<const ObstacleMesh> meshes) : Obstacles(meshes, everywhere()) {}
   /// Only triangles whose boxes overlap the region.
   Obstacles(Span<const ObstacleMesh> meshes, const Box& region);
@@ -39,13 +39,13 @@ class Obstacles {
     for (std::uint32_t v : triangles_[t]) box.add(vertices_[v]);
     return box;
   }
-  /// Builds what query() and bounds() look into.
+  /// Builds the tree for query() and bounds().
   void prepare_queries() { tree_.update(triangles_, vertices_, vertices_); }
   Box bounds() const { return tree_.bounds(); }
   /// Triangles whose boxes overlap the box, ascending.
   void query(const Box& box, std::vector<std::uint32_t>& triangles) const { tree_.query(box, triangles); }
 
-  /// Connected pieces (over shared vertices): the vertices that triangles use, piece by piece.
+  /// The vertices of each connected piece; triangles that share a vertex are connected.
   std::vector<std::vector<std::uint32_t>> pieces() const;
 
  private:

@@ -12,7 +12,7 @@ constexpr std::uint64_t no_block = ~0ull;
 
 std::uint64_t block_key(const Vec3& p, double per_cell) {
   const Vec3 q = p * per_cell;
-  // Also false for what is not finite.
+  // The comparison is false for NaN, too.
   if (!(std::abs(q.x()) < 0x1p20 && std::abs(q.y()) < 0x1p20 && std::abs(q.z()) < 0x1p20)) return no_block;
   const auto part = [](double v) { return static_cast<int>(std::floor(v)) >> 3; };
   return key_of({part(q.x()), part(q.y()), part(q.z())});
@@ -20,39 +20,45 @@ std::uint64_t block_key(const Vec3& p, double per_cell) {
 
 }  // namespace
 
-ParticleBlocks sort_into_blocks(Span<const Vec3> positions, double cell, const Workers& workers) {
-  OILSKIN_ASSERT(cell > 0 && positions.size() < none);
-  ParticleBlocks out;
-  const double per_cell = 1 / cell;
-  const auto key_at = [&](std::size_t i) { return block_key(positions[i], per_cell); };
+namespace {
 
-  // Blocks in order of first appearance, counted; then numbered by key.
-  KeyMap first_seen;
+/// Blocks in the order in which their first particles come.
+struct BlocksByAppearance {
   std::vector<std::uint64_t> keys;
-  std::vector<std::uint32_t> count, block(positions.size(), none);
-  std::uint64_t last_key = no_block;
-  std::uint32_t last = none;
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const std::uint64_t key = key_at(i);
-    if (key == no_block) {
-      ++out.skipped;
-      continue;
-    }
-    if (key != last_key) {
-      last_key = key;
-      last = first_seen.insert(key, static_cast<std::uint32_t>(keys.size()));
-      if (last == keys.size()) {
-        keys.push_back(key);
-        count.push_back(0);
+  std::vector<std::uint32_t> count;     // particles per block
+  std::vector<std::uint32_t> block_of;  // per position; none: skipped
+  std::size_t skipped = 0;
+
+  BlocksByAppearance(Span<const Vec3> positions, double per_cell) : block_of(positions.size(), none) {
+    KeyMap numbers;
+    std::uint64_t last_key = no_block;
+    std::uint32_t last = none;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const std::uint64_t key = block_key(positions[i], per_cell);
+      if (key == no_block) {
+        ++skipped;
+        continue;
       }
+      if (key != last_key) {
+        last_key = key;
+        last = numbers.insert(key, static_cast<std::uint32_t>(keys.size()));
+        if (last == keys.size()) {
+          keys.push_back(key);
+          count.push_back(0);
+        }
+      }
+      block_of[i] = last;
+      ++count[last];
     }
-    block[i] = last;
-    ++count[last];
   }
+};
+
+/// Numbers the blocks by key, and orders the particles by block.
+void order_by_key(const BlocksByAppearance& found, ParticleBlocks& out) {
+  const std::vector<std::uint64_t>& keys = found.keys;
   std::vector<std::uint32_t> order(keys.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; });
-
   out.index = KeyMap(keys.size());
   out.begin.assign(1, 0);
   std::vector<std::uint32_t> next(keys.size());
@@ -60,17 +66,25 @@ ParticleBlocks sort_into_blocks(Span<const Vec3> positions, double cell, const W
     next[b] = out.begin.back();
     out.index.insert(keys[b], static_cast<std::uint32_t>(out.blocks.size()));
     out.blocks.push_back(block_of_key(keys[b]));
-    out.begin.push_back(out.begin.back() + count[b]);
+    out.begin.push_back(out.begin.back() + found.count[b]);
   }
-  const std::size_t n = out.begin.back();
-  out.source.resize(n);
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    if (block[i] != none) out.source[next[block[i]]++] = static_cast<std::uint32_t>(i);
-  std::vector<std::uint32_t>().swap(block);
+  out.source.resize(out.begin.back());
+  for (std::size_t i = 0; i < found.block_of.size(); ++i)
+    if (found.block_of[i] != none) out.source[next[found.block_of[i]]++] = static_cast<std::uint32_t>(i);
+}
 
-  out.x.resize(n);
-  out.y.resize(n);
-  out.z.resize(n);
+}  // namespace
+
+ParticleBlocks sort_into_blocks(Span<const Vec3> positions, double cell, const Workers& workers) {
+  OILSKIN_ASSERT(cell > 0 && positions.size() < none);
+  const double per_cell = 1 / cell;
+  ParticleBlocks out;
+  {
+    const BlocksByAppearance found(positions, per_cell);
+    out.skipped = found.skipped;
+    order_by_key(found, out);
+  }
+  for (std::vector<float>* v : {&out.x, &out.y, &out.z}) v->resize(out.size());
   const double edge = side * cell;
   workers.for_each(out.blocks.size(), 64, [&](std::size_t b) {
     const Vec3 origin(out.blocks[b].x * edge, out.blocks[b].y * edge, out.blocks[b].z * edge);

@@ -1,6 +1,5 @@
-/// The particles sorted by block of the grid, as floats relative to their block. The unit of length is the
-/// cell here and wherever the grid is spoken of: nodes have whole coordinates, and no scale is too small for
-/// floats.
+/// The particles sorted by block of the grid, as floats relative to their block. Lengths are in cells, as for
+/// all data of the grid: nodes have integer coordinates, and floats suffice at any scale.
 #pragma once
 
 #include "core/parallel.h"
@@ -10,10 +9,10 @@ namespace oilskin::reconstruction {
 
 struct ParticleBlocks {
   std::vector<Int3> blocks;          ///< those with particles, ascending by key
-  std::vector<std::uint32_t> begin;  ///< one more than blocks
-  KeyMap index;
-  /// By block, within a block in the order of the input.
-  std::vector<float> x, y, z;         ///< from the block's origin [cells]
+  std::vector<std::uint32_t> begin;  ///< first particle of each block, and the number of particles
+  KeyMap index;                      ///< numbers of blocks by key
+  // By block, within a block in the order of the input
+  std::vector<float> x, y, z;         ///< relative to the block's origin [cells]
   std::vector<std::uint32_t> source;  ///< number in the input
   std::size_t skipped = 0;
 
@@ -21,21 +20,20 @@ struct ParticleBlocks {
   Box bounds() const;  ///< of the blocks [cells]
 };
 
-/// Particles that are not finite or lie farther out than 2²⁰ cells are skipped.
+/// Skips particles that are not finite or have a coordinate of 2²⁰ cells or more.
 ParticleBlocks sort_into_blocks(Span<const Vec3> positions, double cell, const Workers& workers);
 
-/// What one thread gathers around one block, relative to that block's origin. Padded with particles far away
-/// to a multiple of 8.
+/// Particles around one block, relative to its origin, padded with distant particles to a multiple of 8.
 struct NearParticles {
   std::vector<float> x, y, z, volume;
   std::vector<std::uint32_t> particle;  ///< number in ParticleBlocks
   std::size_t count = 0;                ///< without padding
 
-  /// Those within `reach` of the box [low, high]³ of the block at `at`, in order of blocks. `volumes` may be
-  /// empty: 1 each.
+  /// Gathers the particles within `reach` of the box [low, high]³ of the block at `at`, in order of blocks.
+  /// Empty `volumes` stand for volumes of 1.
   void gather(const ParticleBlocks& particles, const std::vector<float>& volumes, const Int3& at, float low,
               float high, float reach);
-  /// Of another gathering, those within `reach` of the cube of edge `edge` at `low`. Coordinates only.
+  /// Selects from `from` the particles within `reach`, on each axis, of the cube of edge `edge` at `low`.
   void select(const NearParticles& from, const std::array<float, 3>& low, float edge, float reach);
 
  private:

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t chunk = 8;
 
-/// Vertices keep this share of an edge from its ends: two of them never share a place.
-constexpr double end_share = 0.01;
+/// Vertices stay this fraction of an edge away from its ends, so that no two coincide.
+constexpr double end_margin = 0.01;
 
 Int3 step(int axis) {
   return {axis == 0, axis == 1, axis == 2};
@@ -23,8 +23,8 @@ NodeRef high_end(const Grid& grid, const VertexRef& v) {
   return grid.node(v.block, (v.node & 7) + s.x, (v.node >> 3 & 7) + s.y, (v.node >> 6) + s.z);
 }
 
-/// Share of the edge from the inside end at which the vertex lies, (R.15) and (R.16).
-double share_from(const Grid& grid, const VertexRef& v) {
+/// Position of the vertex as a fraction of the edge from its inside end, (R.15) and (R.16).
+double fraction_from_inside_end(const Grid& grid, const VertexRef& v) {
   const NodeRef low{v.block, v.node}, high = high_end(grid, v);
   const NodeRef own = v.of_high_end ? high : low, other = v.of_high_end ? low : high;
   const double here = grid.value(own);
@@ -32,16 +32,16 @@ double share_from(const Grid& grid, const VertexRef& v) {
   const std::uint32_t near = grid.blocks[v.block].near;
   const CutEdge* cut = near == none ? nullptr : grid.nears[near].find_cut(v.axis, v.node);
   if (!cut) return here / (here - grid.value(other));
-  // Behind the obstacle the value goes on as the distance does; and if the sheet is plane, the distance falls
+  // Behind the obstacle the value continues like the distance. For a plane sheet the distance decreases
   // linearly to zero at the crossing.
   const double clearance = grid.clearance;
   const double behind = clearance + std::min<double>(grid.distance(other), 2.0);
   const double crossing = v.of_high_end ? 1.0 - cut->last : double(cut->first);
-  const double away = grid.distance(own);
-  return std::min(here / (here - behind), crossing * std::max(0.0, 1 - clearance / away));
+  const double own_distance = grid.distance(own);
+  return std::min(here / (here - behind), crossing * std::max(0.0, 1 - clearance / own_distance));
 }
 
-/// Which of a block's edges hold vertices, and their numbers. Words [end][axis][slice].
+/// The vertices of a block, by edge and end, and their numbers. Words [end][axis][slice].
 struct VertexMasks {
   std::array<std::uint64_t, 48> word{};
   std::array<std::uint16_t, 48> before{};
@@ -106,8 +106,8 @@ void add_triangles(const Grid& grid, std::uint32_t block, const BlockRows& rows,
 }  // namespace
 
 std::array<float, 3> vertex_position(const Grid& grid, const VertexRef& v) {
-  const double share = std::min(std::max(share_from(grid, v), end_share), 1 - end_share);
-  const double t = v.of_high_end ? 1 - share : share;
+  const double fraction = std::min(std::max(fraction_from_inside_end(grid, v), end_margin), 1 - end_margin);
+  const double t = v.of_high_end ? 1 - fraction : fraction;
   const Int3 at = grid.blocks[v.block].at, s = step(v.axis);
   const double x = double(at.x) * side + (v.node & 7) + s.x * t,
                y = double(at.y) * side + (v.node >> 3 & 7) + s.y * t,
@@ -121,7 +121,6 @@ NodeRef inside_end(const Grid& grid, const VertexRef& v) {
 }
 
 RawMesh polygonise(const Grid& grid, bool with_nodes, const Workers& workers) {
-  // Blocks with surface, in order.
   std::vector<std::uint8_t> has_surface(grid.blocks.size());
   workers.for_chunks(grid.blocks.size(), chunk, [&](std::size_t from, std::size_t to, std::size_t) {
     BlockRows rows;

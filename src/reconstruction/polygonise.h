@@ -1,12 +1,12 @@
-/// From signs to triangles: vertices on edges of the grid, keyed by the edge and its end inside.
+/// Makes triangles from signs: vertices lie on edges of the grid and belong to the edge and its inside end.
 #pragma once
 
 #include "reconstruction/cut_cells.h"
 
 namespace oilskin::reconstruction {
 
-/// The vertex on an edge of the grid that belongs to one of its ends. `node` is the low end in `block`, which
-/// owns the edge. Both ends have one where an obstacle cuts the edge and both are inside.
+/// The vertex on a grid edge that belongs to one of its ends. `node` is the low end in `block`, which owns
+/// the edge. A cut edge with both ends inside has two vertices.
 struct VertexRef {
   std::uint32_t block;
   int node;
@@ -14,10 +14,10 @@ struct VertexRef {
   bool of_high_end;
 };
 
-/// The position as it will be written.
+/// The position as it is returned in the mesh.
 std::array<float, 3> vertex_position(const Grid& grid, const VertexRef& v);
 
-/// The vertex on edge `edge` of cell (i, j, k) of a part with these inside corners.
+/// The vertex on edge `edge` of cell (i, j, k) for a part with the inside corners `part`.
 inline VertexRef cell_vertex(const Grid& grid, std::uint32_t block, int i, int j, int k, int edge,
                              std::uint8_t part) {
   const CellEdge& e = cell_edges[std::size_t(edge)];
@@ -25,19 +25,19 @@ inline VertexRef cell_vertex(const Grid& grid, std::uint32_t block, int i, int j
   return {low.block, low.node, e.axis, !(part >> e.low & 1)};
 }
 
-/// The end inside to which a vertex belongs.
+/// The inside end to which a vertex belongs.
 NodeRef inside_end(const Grid& grid, const VertexRef& v);
 
 struct RawMesh {
   std::vector<std::array<float, 3>> positions;
   std::vector<Triangle> triangles;
-  /// Of each block, the number of its first vertex: blocks own vertices in order, one more than blocks.
+  /// Number of the first vertex of each block, and the number of vertices. Blocks own vertices in order.
   std::vector<std::uint32_t> first_vertex;
-  /// Of each vertex, the node inside to which it belongs.
+  /// Per vertex, its inside end.
   std::vector<NodeRef> inside_nodes;
 };
 
-/// The whole mesh, in the order of blocks; `with_nodes` fills inside_nodes.
+/// The mesh, in the order of blocks. `with_nodes` fills inside_nodes.
 RawMesh polygonise(const Grid& grid, bool with_nodes, const Workers& workers);
 
 }  // namespace oilskin::reconstruction

@@ -1,8 +1,9 @@
-// The stages in order: blocks, field, contact, mesh, what vertices carry.
-#include <chrono>
+// The stages in order: blocks, field, obstacles, mesh, vertex data.
 #include <cmath>
 
 #include "core/assert.h"
+#include "core/refuse.h"
+#include "core/stage_timer.h"
 #include "reconstruction/blobs.h"
 #include "reconstruction/narrow_band.h"
 #include "reconstruction/obstacle_distance.h"
@@ -14,27 +15,12 @@ namespace oilskin {
 
 namespace {
 
-using namespace reconstruction;  // NOLINT: the room of this file
-
-class Stopwatch {
- public:
-  /// Seconds since the last lap.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
+using namespace reconstruction;  // NOLINT: the module of this file
 
 Status validate_input(const ReconstructionInput& input) {
   const std::size_t n = input.positions.size();
   const auto wrong_count = [n](const std::string& name, std::size_t count) {
-    return Status::refused(name + " has " + std::to_string(count) + " values; there are " +
-                           std::to_string(n) + " positions");
+    return refuse(name, " has ", count, " values; there are ", n, " positions");
   };
   if (n >= 0xfffffff0u) return Status::refused("positions: more than 2^32 − 16");
   if (!input.velocities.empty() && input.velocities.size() != n)
@@ -43,8 +29,7 @@ Status validate_input(const ReconstructionInput& input) {
     const ParticleAttribute& attribute = input.attributes[a];
     const std::string name = "attribute " + std::to_string(a);
     if (attribute.components < 1)
-      return Status::refused(name + ": components is " + std::to_string(attribute.components) +
-                             "; it must be ≥ 1");
+      return refuse(name, ": components is ", attribute.components, "; it must be ≥ 1");
     if (attribute.values.size() != n * std::size_t(attribute.components))
       return wrong_count(name + " of " + std::to_string(attribute.components) + " components",
                          attribute.values.size());
@@ -52,13 +37,13 @@ Status validate_input(const ReconstructionInput& input) {
   return validate_obstacles(input.obstacles);
 }
 
-/// Distance beyond the clip box [cells], negative within: the larger of it and the field is the clipped
+/// Distance beyond the clip box [cells], negative inside it. The clipped field is the maximum of it and the
 /// field.
 float beyond(const Box& clip, const Vec3& x, double cell) {
   return static_cast<float>(std::max((clip.min - x).maxCoeff(), (x - clip.max).maxCoeff()) / cell);
 }
 
-/// One run: what the stages share.
+/// Input, options and data of one run.
 struct Reconstruction {
   Reconstruction(const ReconstructionInput& i, const ReconstructionOptions& o, ReconstructionReport& r)
       : input(i), options(o), report(r), workers(o.threads) {}
@@ -70,7 +55,7 @@ struct Reconstruction {
   double cell = options.cell * options.spacing;  ///< [m]
   FieldParameters field = field_parameters(options);
   ContactParameters contact = contact_parameters(options);
-  Obstacles obstacles;  ///< near the water, if it sees any
+  Obstacles obstacles;  ///< near the water; none in mode `none`
   MemoryPlan memory{options.memory_limit};
   ParticleBlocks particles;
   std::vector<float> volumes;
@@ -79,14 +64,17 @@ struct Reconstruction {
   Status gather_obstacles();
   Status find_narrow_band();
   void evaluate_field();
-  void evaluate_block(std::uint32_t b, FieldBlock& evaluator, NearParticles& near, BlockSight& sight);
-  RawMesh mesh_at_contact();
+  std::vector<std::uint8_t> blocks_at_values() const;
+  std::vector<std::uint8_t> blocks_with_needed_volumes() const;
+  void evaluate_block(std::uint32_t b, FieldBlock& evaluator, NearParticles& near,
+                      BlockVisibility& visibility);
+  RawMesh mesh_at_obstacles();
   void finish(RawMesh&& raw, WaterMesh* mesh);
 };
 
 Status Reconstruction::gather_obstacles() {
-  if (!contact.sees()) return {};
-  // A block that a particle reaches, one more beside it, and what is within reach of that.
+  if (!contact.uses_visibility()) return {};
+  // Blocks that a particle reaches, one block more, and the reach of obstacles.
   const Box water = particles.bounds().inflated(field.kernel_radius + 1 + 2 * side + contact.reach);
   const Box region{cell * water.min, cell * water.max};
   if (Status s = validate_resolution(input.obstacles, region, cell); !s.ok()) return s;
@@ -113,9 +101,9 @@ Status Reconstruction::find_narrow_band() {
   return choose_fields(particles, field, options.clip, grid, memory, workers);
 }
 
-/// Values of a block, with what obstacles and the clip box do to them.
+/// Values of a block, changed by obstacles and the clip box.
 void Reconstruction::evaluate_block(std::uint32_t b, FieldBlock& evaluator, NearParticles& near,
-                                    BlockSight& sight) {
+                                    BlockVisibility& visibility) {
   const Block& block = grid.blocks[b];
   OILSKIN_ASSERT(block.field != none);
   float* const values = &grid.values[std::size_t(block.field) * nodes];
@@ -125,8 +113,8 @@ void Reconstruction::evaluate_block(std::uint32_t b, FieldBlock& evaluator, Near
     evaluator.evaluate(near, nullptr, values);
   } else {
     const NearBlock& obstacle = grid.nears[block.near];
-    sight.set(obstacles, obstacle.triangles, origin, cell, field.kernel_radius);
-    evaluator.evaluate(near, &sight, values);
+    visibility.set(obstacles, obstacle.triangles, origin, cell, field.kernel_radius);
+    evaluator.evaluate(near, &visibility, values);
     std::array<float, nodes> all;
     if (contact.mode == ObstacleMode::overlap) evaluator.evaluate(near, nullptr, all.data());
     if (!obstacle.distance.empty())
@@ -146,44 +134,53 @@ void Reconstruction::evaluate_block(std::uint32_t b, FieldBlock& evaluator, Near
   }
 }
 
-void Reconstruction::evaluate_field() {
-  // Blocks without values of their own matter at edges that they share with others.
-  std::vector<std::uint8_t> matters(grid.blocks.size(), 0);
+/// Blocks with values, and those that share edges with them.
+std::vector<std::uint8_t> Reconstruction::blocks_at_values() const {
+  std::vector<std::uint8_t> result(grid.blocks.size(), 0);
   for (std::size_t b = 0; b < grid.blocks.size(); ++b)
     for (const std::uint32_t o : grid.blocks[b].plus) {
       if (o == none || (grid.blocks[b].field == none && grid.blocks[o].field == none)) continue;
-      matters[b] = matters[o] = 1;
+      result[b] = result[o] = 1;
     }
+  return result;
+}
+
+/// Blocks of particles that reach a block with values.
+std::vector<std::uint8_t> Reconstruction::blocks_with_needed_volumes() const {
+  std::vector<std::uint8_t> needed(particles.blocks.size(), 0);
+  const int ring = static_cast<int>(std::ceil(field.kernel_radius / side));
+  workers.for_each(particles.blocks.size(), 64, [&](std::size_t p) {
+    for (int z = -ring; z <= ring; ++z)
+      for (int y = -ring; y <= ring; ++y)
+        for (int x = -ring; x <= ring; ++x) {
+          const std::uint32_t b = grid.index.find(key_of(particles.blocks[p] + Int3{x, y, z}));
+          if (b != none && grid.blocks[b].field != none) needed[p] = 1;
+        }
+  });
+  return needed;
+}
+
+void Reconstruction::evaluate_field() {
+  const std::vector<std::uint8_t> measured = blocks_at_values();
   workers.for_each(grid.blocks.size(), 8, [&](std::size_t b) {
     const Block& block = grid.blocks[b];
-    if (block.near != none && matters[b])
+    if (block.near != none && measured[b])
       measure_obstacles(obstacles, grid.origin(block), cell, contact.band, contact.promises(),
                         grid.nears[block.near]);
   });
-  if (field.needs_volumes()) {
-    std::vector<std::uint8_t> wanted(particles.blocks.size(), 0);
-    const int ring = static_cast<int>(std::ceil(field.kernel_radius / side));
-    workers.for_each(particles.blocks.size(), 64, [&](std::size_t p) {
-      for (int z = -ring; z <= ring; ++z)
-        for (int y = -ring; y <= ring; ++y)
-          for (int x = -ring; x <= ring; ++x) {
-            const std::uint32_t b = grid.index.find(key_of(particles.blocks[p] + Int3{x, y, z}));
-            if (b != none && grid.blocks[b].field != none) wanted[p] = 1;
-          }
-    });
-    volumes = particle_volumes(particles, field, wanted, workers);
-  }
+  if (field.needs_volumes())
+    volumes = particle_volumes(particles, field, blocks_with_needed_volumes(), workers);
   workers.for_chunks(grid.blocks.size(), 8, [&](std::size_t from, std::size_t to, std::size_t) {
     FieldBlock evaluator(field);
     NearParticles near;
-    BlockSight sight;
+    BlockVisibility visibility;
     for (auto b = static_cast<std::uint32_t>(from); b < to; ++b)
-      if (grid.blocks[b].field != none) evaluate_block(b, evaluator, near, sight);
+      if (grid.blocks[b].field != none) evaluate_block(b, evaluator, near, visibility);
   });
 }
 
-/// Repairs until no triangle is too near and no piece of an obstacle lies inside the water.
-RawMesh Reconstruction::mesh_at_contact() {
+/// Repairs until no triangle is too close and no piece of an obstacle is inside the water.
+RawMesh Reconstruction::mesh_at_obstacles() {
   const bool with_nodes = options.min_blob > 0;
   if (!contact.promises() || obstacles.empty()) return polygonise(grid, with_nodes, workers);
   for (const NearBlock& near : grid.nears) report.cut_edges += near.cut_edges.size();
@@ -192,7 +189,7 @@ RawMesh Reconstruction::mesh_at_contact() {
   std::vector<std::uint32_t> only;
   Stopwatch watch;
   for (;;) {
-    const RepairReport repaired = repair(obstacles, options.gap, grid, only, workers);
+    const RepairReport repaired = repair(obstacles, options.gap, grid, std::move(only), workers);
     report.repair_rounds += repaired.rounds;
     report.nodes_cleared += repaired.nodes;
     report.seconds.contact += watch.lap();
@@ -213,13 +210,13 @@ RawMesh Reconstruction::mesh_at_contact() {
 }
 
 void Reconstruction::finish(RawMesh&& raw, WaterMesh* mesh) {
-  const bool keeps = contact.promises() && !obstacles.empty();
-  if (keeps && options.smoothing_iterations > 0) obstacles.prepare_queries();
-  report.vertices_held = smooth(options.smoothing_iterations, keeps ? &obstacles : nullptr, options.gap, cell,
-                                options.clip, raw, workers)
+  const bool keep_gap = contact.promises() && !obstacles.empty();
+  if (keep_gap && options.smoothing_iterations > 0) obstacles.prepare_queries();
+  report.vertices_held = smooth(options.smoothing_iterations, keep_gap ? &obstacles : nullptr, options.gap,
+                                cell, options.clip, raw, workers)
                              .held;
   WaterMesh result;
-  interpolate(input, particles, field, obstacles, contact.sees(), grid, raw, result, workers);
+  interpolate(input, particles, field, obstacles, contact.uses_visibility(), grid, raw, result, workers);
   result.normals = vertex_normals(raw);
   for (const Triangle& t : raw.triangles) report.volume += six_volumes(raw, t, raw.positions[0]) / 6;
   result.positions = std::move(raw.positions);
@@ -241,7 +238,7 @@ Status reconstruct_surface(const ReconstructionInput& input, const Reconstructio
   local.seconds.blocks = watch.lap();
   run.evaluate_field();
   local.seconds.field = watch.lap();
-  RawMesh raw = run.mesh_at_contact();
+  RawMesh raw = run.mesh_at_obstacles();
   if (options.min_blob > 0)
     local.blobs_removed = remove_blobs(run.grid, options.min_blob * std::pow(options.spacing, 3), raw);
   local.seconds.mesh = watch.lap() - local.seconds.contact;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t chunk = 4;
 
-/// The triangles near a block's cells, with what the tests read of them.
+/// The triangles near a block's cells, prepared for the tests.
 class NearTriangles {
  public:
   void set(const Obstacles& obstacles, const NearBlock& near, double gap, const Box& cells) {
@@ -24,18 +24,18 @@ class NearTriangles {
       item.limit = gap + rounding_of(item.corners);
       item.box = item.box.inflated(item.limit * (1 + 1e-9));
       if (!item.box.overlaps(cells)) continue;
-      item.look_along_normal();
+      item.project_on_normal();
       items_.push_back(item);
     }
   }
-  /// Keeps those whose inflated boxes meet the box.
+  /// Selects those whose inflated boxes overlap the box.
   void select(const Box& box) {
     selected_.clear();
     for (const Item& item : items_)
       if (item.box.overlaps(box)) selected_.push_back(&item);
   }
   bool any_selected() const { return !selected_.empty(); }
-  bool too_near(const Corners& t) const {
+  bool too_close(const Corners& t) const {
     Box box;
     for (const Vec3& x : t) box.add(x);
     for (const Item* item : selected_)
@@ -51,20 +51,20 @@ class NearTriangles {
     Box box;
     double limit;
     Vec3 normal;
-    double low, high;  ///< where the corners lie along the normal, from the first one; the limit added
+    double low, high;  ///< interval of the corners along the normal, from the first one, widened by the limit
 
-    void look_along_normal() {
+    void project_on_normal() {
       const Vec3 ab = corners[1] - corners[0], ac = corners[2] - corners[0];
       normal = ab.cross(ac);
       const double length = normal.norm();
       if (length > 0) normal /= length;
       const double b = normal.dot(ab), c = normal.dot(ac);
-      // More than certified_apart() takes off.
+      // Exceeds the rounding term of certified_apart().
       const double clear = limit * (1 + 1e-9) + 1e-12 * (box.max - box.min).maxCoeff();
       low = std::min({0.0, b, c}) - clear;
       high = std::max({0.0, b, c}) + clear;
     }
-    /// What certified_apart() tries first, for most triangles enough.
+    /// The first direction of certified_apart(), which suffices for most triangles.
     bool is_off_plane(const Corners& t) const {
       const double a = normal.dot(t[0] - corners[0]), b = normal.dot(t[1] - corners[0]),
                    c = normal.dot(t[2] - corners[0]);
@@ -75,7 +75,7 @@ class NearTriangles {
   std::vector<const Item*> selected_;
 };
 
-/// The positions that a cell's triangles have once they are written.
+/// The vertices of a cell's triangles as they are returned in the mesh.
 struct CellVertices {
   std::array<Vec3, 12> at;
   std::array<VertexRef, 12> ref;
@@ -88,35 +88,36 @@ struct CellVertices {
         done |= 1u << e;
         ref[e] = cell_vertex(grid, block, i, j, k, e, part);
         const auto p = vertex_position(grid, ref[e]);
-        // stored(): the compiler must not keep more digits than the mesh will have.
+        // stored(): the compiler must not keep more digits than the mesh has.
         at[e] = stored(Vec3(p[0], p[1], p[2]), Storage::float32);
       }
   }
 };
 
-/// Of the inside corners that a triangle hangs on, the nearest to an obstacle.
+/// Of the inside corners on which a triangle depends, the nearest to an obstacle.
 NodeRef nearest_end(const Grid& grid, const CellVertices& v, const std::array<std::uint8_t, 3>& edges) {
   NodeRef best;
-  float minimum = 0;
+  float min_distance = 0;
   for (std::uint8_t e : edges) {
     const NodeRef n = inside_end(grid, v.ref[e]);
     const float d = grid.distance(n);
-    if (best.block == none || d < minimum ||
-        (d == minimum && (n.block < best.block || (n.block == best.block && n.node < best.node)))) {
+    if (best.block == none || d < min_distance ||
+        (d == min_distance && (n.block < best.block || (n.block == best.block && n.node < best.node)))) {
       best = n;
-      minimum = d;
+      min_distance = d;
     }
   }
   return best;
 }
 
-void find_faults(const Obstacles& obstacles, double gap, const Grid& grid, std::uint32_t b, BlockRows& rows,
-                 NearTriangles& near, std::vector<NodeRef>& faults) {
+/// Appends a node to set outside for each triangle of block b that is too close to an obstacle.
+void find_nodes_to_clear(const Obstacles& obstacles, double gap, const Grid& grid, std::uint32_t b,
+                         BlockRows& rows, NearTriangles& near, std::vector<NodeRef>& found) {
   if (grid.blocks[b].near == none) return;
   rows.gather(grid, b);
   if (rows.empty()) return;
   const Vec3 origin = grid.origin(grid.blocks[b]);
-  // Rounding to float may push a vertex out of its cell by an ulp.
+  // Rounding to float may move a vertex out of its cell by an ulp.
   const auto cells = [&](const Vec3& low, double count) {
     return Box{low, low + Vec3::Constant(count * grid.cell)}.inflated(0.01 * grid.cell);
   };
@@ -130,8 +131,8 @@ void find_faults(const Obstacles& obstacles, double gap, const Grid& grid, std::
       vertices.set(grid, b, i, j, k, part, c);
       for (std::size_t t = 0; t < c.count; ++t) {
         const auto& e = c.triangles[t];
-        if (near.too_near({vertices.at[e[0]], vertices.at[e[1]], vertices.at[e[2]]}))
-          faults.push_back(nearest_end(grid, vertices, e));
+        if (near.too_close({vertices.at[e[0]], vertices.at[e[1]], vertices.at[e[2]]}))
+          found.push_back(nearest_end(grid, vertices, e));
       }
     });
   });
@@ -142,9 +143,10 @@ void find_faults(const Obstacles& obstacles, double gap, const Grid& grid, std::
 std::vector<std::uint32_t> blocks_around(const Grid& grid, const std::vector<NodeRef>& changed) {
   std::vector<std::uint32_t> blocks;
   for (const NodeRef& n : changed) {
-    const int reaches = (n.node & 7 ? 0 : 1) | (n.node >> 3 & 7 ? 0 : 2) | (n.node >> 6 ? 0 : 4);
+    // Bit per axis: the node is on the low face of its block, so cells of the block before it have it, too.
+    const int low_faces = (n.node & 7 ? 0 : 1) | (n.node >> 3 & 7 ? 0 : 2) | (n.node >> 6 ? 0 : 4);
     for (int o = 0; o < 8; ++o) {
-      if ((o & reaches) != o) continue;
+      if ((o & low_faces) != o) continue;
       const std::uint32_t b =
           grid.index.find(key_of(grid.blocks[n.block].at - Int3{o & 1, o >> 1 & 1, o >> 2 & 1}));
       if (b != none) blocks.push_back(b);
@@ -163,19 +165,19 @@ RepairReport repair(const Obstacles& obstacles, double gap, Grid& grid, std::vec
     for (std::uint32_t b = 0; b < grid.blocks.size(); ++b)
       if (grid.blocks[b].near != none) only.push_back(b);
   while (!only.empty()) {
-    std::vector<std::vector<NodeRef>> faults((only.size() + chunk - 1) / chunk);
+    std::vector<std::vector<NodeRef>> found((only.size() + chunk - 1) / chunk);
     workers.for_chunks(only.size(), chunk, [&](std::size_t from, std::size_t to, std::size_t c) {
       BlockRows rows;
       NearTriangles near;
       for (std::size_t k = from; k < to; ++k)
-        find_faults(obstacles, gap, grid, only[k], rows, near, faults[c]);
+        find_nodes_to_clear(obstacles, gap, grid, only[k], rows, near, found[c]);
     });
     ++report.rounds;
     std::vector<NodeRef> changed;
-    for (const auto& part : faults) changed.insert(changed.end(), part.begin(), part.end());
-    const std::size_t cleared = set_outside(grid, faults);
-    OILSKIN_ASSERT((cleared == 0) == changed.empty());
-    report.nodes += cleared;
+    for (const auto& part : found) changed.insert(changed.end(), part.begin(), part.end());
+    const std::size_t count = set_outside(grid, found);
+    OILSKIN_ASSERT((count == 0) == changed.empty());
+    report.nodes += count;
     only = blocks_around(grid, changed);
   }
   return report;

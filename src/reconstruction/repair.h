@@ -1,9 +1,9 @@
-/// The loop that ends with no triangle of the water nearer to an obstacle than the gap.
+/// The repair loop: afterwards no triangle of the water is closer to an obstacle than the gap.
 ///
-/// A patch lies in its cell and depends on the cell's corners alone. Where a triangle cannot be shown to be
-/// farther away than the gap, one of the inside corners it hangs on is set outside, and the cells around are
-/// looked at again. Nodes only ever go outside, so it ends; and it ends only when every triangle, with the
-/// floats that will be written, has passed.
+/// A patch lies in its cell and depends on the cell's corners only. If a triangle is not certified to be
+/// farther away than the gap, one of the inside corners on which it depends is set outside, and the cells
+/// around it are tested again. Nodes change from inside to outside only, so the loop ends. It ends only if
+/// every triangle, with the floats that are returned, has passed.
 #pragma once
 
 #include "reconstruction/polygonise.h"
@@ -13,14 +13,14 @@ namespace oilskin::reconstruction {
 
 struct RepairReport {
   int rounds = 0;
-  std::size_t nodes = 0;
+  std::size_t nodes = 0;  ///< set outside
 };
 
-/// `gap` [m]. `only`: blocks to begin with; empty: all.
+/// `gap` [m]. `only`: blocks to test first; empty: all.
 RepairReport repair(const Obstacles& obstacles, double gap, Grid& grid, std::vector<std::uint32_t> only,
                     const Workers& workers);
 
-/// Blocks that have a cell with one of these nodes as a corner, ascending.
+/// Blocks with a cell of which one of these nodes is a corner, ascending.
 std::vector<std::uint32_t> blocks_around(const Grid& grid, const std::vector<NodeRef>& changed);
 
 }  // namespace oilskin::reconstruction

@@ -18,7 +18,7 @@ constexpr std::size_t chunk = 1 << 12;
 
 using Float3 = std::array<float, 3>;
 
-/// Of each vertex the next one of each of its triangles: in a closed mesh each neighbour once.
+/// For each vertex, the next vertex in each of its triangles: in a closed mesh, each neighbour once.
 struct Neighbours {
   std::vector<std::uint32_t> begin, next;
 
@@ -33,68 +33,68 @@ struct Neighbours {
   }
 };
 
-/// What triangles have to spare towards an obstacle, a cell at most.
-class Spare {
+/// Distances of triangles to obstacles beyond the limit (R.18), at most a cell.
+class SpareDistance {
  public:
-  Spare(const Obstacles& obstacles, double gap, double cell) : obstacles_(obstacles), cell_(cell) {
+  SpareDistance(const Obstacles& obstacles, double gap, double cell) : obstacles_(obstacles), cell_(cell) {
     walls_.reserve(obstacles.size());
     for (std::uint32_t t = 0; t < obstacles.size(); ++t) {
       const Corners c = obstacles.corners(t);
       walls_.push_back({TrianglePrism(c), gap + rounding_of(c)});
     }
   }
-  /// Accepts the cheap lower bound if it is within `loss` of the best exact distance.
+  /// Accepts the inexpensive lower bound if it is within `loss` of the best exact distance.
   double of(const Corners& own, Span<const std::uint32_t> candidates) const {
     std::vector<std::pair<double, std::uint32_t>> order;
     order.reserve(candidates.size());
-    double minimum = cell_;
+    double spare = cell_;
     for (std::uint32_t c : candidates) {
       const TrianglePrism::Distance d = walls_[c].prism.distance_from(own);
-      const double bound = d.at_least - walls_[c].limit;
-      if (d.is_exact) minimum = std::min(minimum, bound);
-      if (bound < minimum) order.emplace_back(bound, c);
+      const double bound = d.lower_bound - walls_[c].limit;
+      if (d.is_exact) spare = std::min(spare, bound);
+      if (bound < spare) order.emplace_back(bound, c);
     }
     std::sort(order.begin(), order.end());
     for (const auto& [bound, c] : order) {
-      if (bound >= (1 - loss) * minimum) return std::min(minimum, bound);
+      if (bound >= (1 - loss) * spare) return std::min(spare, bound);
       const double limit = walls_[c].limit;
       const double exact =
-          certified_distance(own, obstacles_.corners(c), (minimum + limit) * (1 + 1e-9)) - limit;
-      minimum = std::min(minimum, std::max(bound, exact));
+          certified_distance(own, obstacles_.corners(c), (spare + limit) * (1 + 1e-9)) - limit;
+      spare = std::min(spare, std::max(bound, exact));
     }
-    return std::max(0.0, minimum);
+    return std::max(0.0, spare);
   }
 
  private:
   static constexpr double loss = 0.2;
   struct Wall {
     TrianglePrism prism;
-    double limit;  ///< the gap, and what rounding may take
+    double limit;  ///< (R.18) [m]
   };
   const Obstacles& obstacles_;
   double cell_;
   std::vector<Wall> walls_;
 };
 
-/// How far vertices may move (R.22) [m]: as far as the nearest of their triangles has to spare, and a cell at
-/// most, so that what is farther away does not matter.
+/// Largest displacements of vertices (R.22) [m]: the smallest spare distance of their triangles, at most a
+/// cell, so that only obstacles within a cell of the limit matter.
 struct Budgets {
-  std::vector<float> of_vertex;     ///< none where nothing limits them
-  std::vector<std::uint32_t> near;  ///< the triangles that have less than a cell to spare
+  std::vector<float> of_vertex;     ///< empty: no limits
+  std::vector<std::uint32_t> near;  ///< triangles with less than a cell to spare
 
   Budgets() = default;
   Budgets(const Obstacles& obstacles, double gap, double cell, const RawMesh& mesh, const Workers& workers) {
-    const Spare spares(obstacles, gap, cell);
-    const auto maximum = static_cast<float>(cell);
-    std::vector<float> spare(mesh.triangles.size(), maximum);
+    const SpareDistance spare_distance(obstacles, gap, cell);
+    const auto max_spare = static_cast<float>(cell);
+    std::vector<float> spare(mesh.triangles.size(), max_spare);
     for_near_pairs(mesh.positions, mesh.triangles, nullptr, obstacles, gap + 1.01 * cell, workers,
                    [&](std::uint32_t t, Span<const std::uint32_t> candidates) {
                      const Corners own = stored_corners(mesh.positions, mesh.triangles[t]);
-                     spare[t] = static_cast<float>(spares.of(own, candidates));
+                     spare[t] = static_cast<float>(spare_distance.of(own, candidates));
                    });
-    of_vertex.assign(mesh.positions.size(), maximum);
+    of_vertex.assign(mesh.positions.size(), max_spare);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      if (spare[t] == maximum) continue;
+      if (spare[t] == max_spare) continue;
       near.push_back(t);
       for (std::uint32_t v : mesh.triangles[t]) of_vertex[v] = std::min(of_vertex[v], spare[t]);
     }
@@ -106,12 +106,12 @@ struct Budgets {
   }
 };
 
-// How far a vertex may go without leaving the box; 0 on its sides, which stay flat.
-float room_in(const Box& clip, const Float3& p, double margin) {
-  double room = std::numeric_limits<double>::infinity();
+// Distance of a vertex to the sides of the box; 0 within `margin`, so that the sides stay flat.
+float distance_to_sides(const Box& clip, const Float3& p, double margin) {
+  double distance = std::numeric_limits<double>::infinity();
   for (int a = 0; a < 3; ++a)
-    room = std::min({room, p[std::size_t(a)] - clip.min[a], clip.max[a] - p[std::size_t(a)]});
-  return room > margin ? static_cast<float>(room) : 0.0f;
+    distance = std::min({distance, p[std::size_t(a)] - clip.min[a], clip.max[a] - p[std::size_t(a)]});
+  return distance > margin ? static_cast<float>(distance) : 0.0f;
 }
 
 void move(double factor, const Neighbours& neighbours, const std::vector<Float3>& start,
@@ -129,16 +129,16 @@ void move(double factor, const Neighbours& neighbours, const std::vector<Float3>
     const Vec3 origin(start[v][0], start[v][1], start[v][2]);
     Vec3 displacement = x + factor / (end - begin) * sum - origin;
     if (budget) {
-      const double length = displacement.norm(), maximum = (*budget)[v];
-      if (length > maximum) displacement *= maximum / length;
+      const double length = displacement.norm(), max_length = (*budget)[v];
+      if (length > max_length) displacement *= max_length / length;
     }
     const Vec3 at = origin + displacement;
     to[v] = {static_cast<float>(at.x()), static_cast<float>(at.y()), static_cast<float>(at.z())};
   });
 }
 
-/// Puts back what does not pass, which only rounding could be the cause of; a vertex put back may spoil a
-/// neighbour's triangle, so until all pass.
+/// Puts back the vertices of triangles that fail the predicate, which only rounding can cause. A vertex put
+/// back may make a neighbouring triangle fail, so this repeats until all pass.
 std::size_t put_back(const Obstacles& obstacles, double gap, const std::vector<std::uint32_t>& near,
                      const std::vector<Float3>& start, RawMesh& mesh, const Workers& workers) {
   std::vector<std::uint8_t> held(mesh.positions.size(), 0);
@@ -179,7 +179,7 @@ SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, d
   if (clip) {
     if (budget.empty()) budget.assign(start.size(), static_cast<float>(cell));
     for (std::size_t v = 0; v < start.size(); ++v)
-      budget[v] = std::min(budget[v], room_in(*clip, start[v], 0.05 * cell));
+      budget[v] = std::min(budget[v], distance_to_sides(*clip, start[v], 0.05 * cell));
   }
   const std::vector<float>* limit = budget.empty() ? nullptr : &budget;
   std::vector<Float3> other(start.size());

@@ -1,5 +1,6 @@
-/// Smoothing that keeps the promise. If every vertex moves by less than its triangles have distance to spare,
-/// no point of a triangle comes nearer than the gap: points move by means of what their corners move.
+/// Smoothing that keeps the promise. A point of a triangle moves by a convex combination of its corners'
+/// moves. So if each vertex moves by less than the spare distance of its triangles, no point comes closer
+/// than the gap.
 #pragma once
 
 #include "reconstruction/obstacles.h"
@@ -8,11 +9,11 @@
 namespace oilskin::reconstruction {
 
 struct SmoothingReport {
-  std::size_t held = 0;  ///< vertices put back because a triangle of theirs did not pass the final test
+  std::size_t held = 0;  ///< vertices put back since one of their triangles failed the final test
 };
 
-/// λ|μ smoothing [Taubin1995] (R.21), `iterations` pairs of steps. `obstacles` may be null: nothing to keep
-/// away from. Vertices on the sides of `clip` stay.
+/// λ|μ smoothing [Taubin1995] (R.21) with `iterations` pairs of steps. `obstacles` may be null. Vertices on
+/// the sides of `clip` do not move.
 SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, double cell,
                        const std::optional<Box>& clip, RawMesh& mesh, const Workers& workers);
 

@@ -10,8 +10,8 @@ namespace oilskin::reconstruction {
 
 namespace {
 
-/// (R.19). The gap between the projections on n, less what rounding may have added; negative where they
-/// overlap. All corners are relative to a point of one of the triangles; `size` bounds their coordinates.
+/// (R.19). The gap between the projections on n, less the rounding error; negative if they overlap. Corners
+/// are relative to a corner of one triangle; `size` bounds their coordinates.
 double gap_along(const Vec3& n, const Corners& t, const Corners& c, double size) {
   const double length = n.norm();
   if (!(length > 0 && std::isfinite(length))) return -1;
@@ -97,12 +97,13 @@ TrianglePrism::TrianglePrism(const Corners& c) : origin_(c[0]) {
     low_ = std::min(low_, along);
     high_ = std::max(high_, along);
   }
-  is_whole_ = true;
+  is_complete_ = true;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 edge = relative[(k + 1) % 3] - relative[k], out = edge.cross(normal_);
-    // The normal of a sliver may be anything: a plane counts only if it is certain to stand on the layer.
+    // The normal of a sliver is inaccurate: a side is used only if it is certainly perpendicular to the
+    // layer.
     if (!(out.squaredNorm() > 0.25 * edge.squaredNorm())) {
-      is_whole_ = false;
+      is_complete_ = false;
       continue;
     }
     out_[k] = out.normalized();
@@ -127,10 +128,10 @@ TrianglePrism::Distance TrianglePrism::distance_from(const Corners& t) const {
                off = std::max({0.0, low - high_, low_ - high}), to_side = std::max(0.0, beside.maxCoeff());
   bool over_face = false;
   for (std::size_t j = 0; j < 3; ++j) over_face |= beyond[j] <= 0 && along[j] == (low > high_ ? low : high);
-  // As in gap_along(), twice; and the planes stand on each other to some ulps only.
+  // Twice the term of gap_along(), and a margin since the planes are perpendicular only to some ulps.
   constexpr double rounding = 96 * 0x1p-53;
   const double distance = std::sqrt(off * off + to_side * to_side);
-  return {std::max(0.0, distance * (1 - rounding) - rounding * size), is_whole_ && off > 0 && over_face};
+  return {std::max(0.0, distance * (1 - rounding) - rounding * size), is_complete_ && off > 0 && over_face};
 }
 
 double certified_distance(const Corners& triangle, const Corners& other, double enough) {

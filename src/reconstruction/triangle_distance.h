@@ -1,41 +1,41 @@
-/// How far are two triangles apart, at least? A direction along which both project to intervals with a gap
-/// proves that gap, however the direction was found. So the answer is safe where closest features are ill
-/// conditioned: at worst it is too small.
+/// Certified lower bounds of the distance of two triangles. A gap between their projections on a direction
+/// proves that distance, for any direction. So the bound is safe for ill-conditioned closest features: at
+/// worst it is too small.
 #pragma once
 
 #include "reconstruction/obstacles.h"
 
 namespace oilskin::reconstruction {
 
-/// A lower bound of the distance of two closed triangles [m], rounding included; 0 where none was found.
-/// Within rounding of the distance itself for triangles that are not slivers of a few ulp, unless it is
-/// `enough`: then what was found first will do.
+/// A lower bound of the distance of two closed triangles [m], rounding included; 0 if none was found. Within
+/// rounding of the distance for triangles that are not slivers of a few ulp, unless a bound of `enough` is
+/// found first.
 double certified_distance(const Corners& t, const Corners& c,
                           double enough = std::numeric_limits<double>::infinity());
 
-/// What contains a triangle: the layer between two planes across its normal, and the inner sides of three
-/// planes through its edges that stand on it. As these stand on those, the distances to both together bound
-/// the triangle's (R.23); at little cost, and without loss where the nearest corner lies over the face.
+/// A prism around a triangle: the layer between two planes across its normal, cut by the three planes through
+/// its edges that are perpendicular to it. The distances to layer and sides are orthogonal and together bound
+/// the distance to the triangle (R.23). Exact if the nearest corner is over the face.
 class TrianglePrism {
  public:
   explicit TrianglePrism(const Corners& c);
   struct Distance {
-    double at_least;  ///< [m], rounding included
-    bool is_exact;    ///< no more than rounding below the distance
+    double lower_bound;  ///< [m], rounding included
+    bool is_exact;       ///< within rounding of the distance
   };
-  /// Of a triangle from the prism's.
+  /// Distance of t from the prism's triangle.
   Distance distance_from(const Corners& t) const;
 
  private:
   Vec3 origin_;
-  Vec3 normal_ = Vec3::Zero();  ///< zero where the triangle has none: then nothing is said
+  Vec3 normal_ = Vec3::Zero();  ///< zero for a triangle without area: the bound is 0
   std::array<Vec3, 3> out_ = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   double low_ = 0, high_ = 0, size_ = 0;
-  std::array<double, 3> reach_ = {0, 0, 0};  ///< of the triangle along out_
-  bool is_whole_ = false;                    ///< all four directions are known
+  std::array<double, 3> reach_ = {0, 0, 0};  ///< extent of the triangle along out_
+  bool is_complete_ = false;                 ///< all four directions are known
 };
 
-/// Is it certain that the distance is more than `limit`? The same answer as certified_distance() > limit.
+/// The same as certified_distance(t, c) > limit, with early exits.
 bool certified_apart(const Corners& t, const Corners& c, double limit);
 
 }  // namespace oilskin::reconstruction

@@ -15,7 +15,7 @@ void for_near_pairs(const std::vector<std::array<float, 3>>& positions,
     std::vector<std::uint32_t> candidates, own;
     std::vector<Box> candidate_boxes;
     for (std::size_t k = from; k < to; k += chunk) {
-      // Neighbours in the list are neighbours in space: one search for a few of them.
+      // Consecutive triangles are close in space, so they share a query.
       Box all;
       std::array<Box, chunk> boxes;
       const std::size_t end = std::min(to, k + chunk);

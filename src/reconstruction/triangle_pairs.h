@@ -1,4 +1,4 @@
-/// Pairs of a mesh's triangles with obstacles' triangles near them.
+/// Pairs of triangles of the mesh and of obstacles that are close to each other.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 
 namespace oilskin::reconstruction {
 
-/// The corners as they are stored: floats, whatever the compiler makes of conversions.
+/// The corners as stored, in float precision for any compiler.
 inline Corners stored_corners(const std::vector<std::array<float, 3>>& positions, const Triangle& t) {
   Corners c;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -18,8 +18,8 @@ inline Corners stored_corners(const std::vector<std::array<float, 3>>& positions
   return c;
 }
 
-/// f(t, candidates) for each of the mesh's triangles (of `only`, if that is not null) that have obstacles'
-/// triangles whose boxes are within `reach` [m] of theirs, from several threads.
+/// Calls f(t, candidates) from several threads, for each triangle t of the mesh (of `only`, if not null) with
+/// triangles of obstacles whose boxes are within `reach` [m] of its box.
 void for_near_pairs(const std::vector<std::array<float, 3>>& positions,
                     const std::vector<Triangle>& triangles, const std::vector<std::uint32_t>* only,
                     const Obstacles& obstacles, double reach, const Workers& workers,

@@ -9,11 +9,10 @@ namespace oilskin::reconstruction {
 
 namespace {
 
-/// Added to the particles' covariance [spacings²]: where they lie in a plane the slope across it is taken as
-/// 0.
+/// Added to the particles' covariance [dx²]: if they lie in a plane, the slope across it becomes 0.
 constexpr double ridge = 0.002;
 
-/// Particles that a vertex sees, with the weights that give a quantity there.
+/// Particles that a vertex sees, with their weights.
 struct Sample {
   std::vector<std::uint32_t> particle;  ///< number in the input
   std::vector<Vec3> offset;             ///< from the vertex [cells]
@@ -39,7 +38,7 @@ struct Sample {
     const Vec3 slope = covariance.inverse() * (-mean);
     for (std::size_t i = 0; i < weight.size(); ++i) weight[i] *= (1 + slope.dot(offset[i] - mean)) / sum;
   }
-  /// `value(particle)`; 0 without particles.
+  /// The weighted sum of value(particle); 0 without particles.
   template <class F>
   float of(const F& value) const {
     if (weight.empty()) return 0;
@@ -55,57 +54,57 @@ struct Sample {
   }
 };
 
-/// Vertices of one block.
+/// Samples the particles around the vertices of one block.
 class BlockSampler {
  public:
   BlockSampler(const ParticleBlocks& particles, const FieldParameters& field)
       : particles_(particles), field_(field) {}
 
-  void set(const Grid& grid, const Block& block, const Obstacles& obstacles, bool sees) {
-    // Vertices lie on edges of the block, and smoothing may have moved them by a cell.
+  void set(const Grid& grid, const Block& block, const Obstacles& obstacles, bool use_visibility) {
+    // Vertices lie on edges of the block; smoothing may have moved them by a cell.
     gathered_.gather(particles_, {}, block.at, -1, side + 1, field_.kernel_radius);
-    sight_ = BlockSight();
-    if (sees && block.near != none)
-      sight_.set(obstacles, grid.nears[block.near].triangles, grid.origin(block), grid.cell,
-                 field_.kernel_radius + 3);
+    visibility_ = BlockVisibility();
+    if (use_visibility && block.near != none)
+      visibility_.set(obstacles, grid.nears[block.near].triangles, grid.origin(block), grid.cell,
+                      field_.kernel_radius + 3);
     front_.clear();
     back_.clear();
-    if (sight_.empty()) return;
-    open_.resize(sight_.words());
+    if (visibility_.empty()) return;
+    open_.resize(visibility_.words());
     for (std::size_t c = 0; c < gathered_.count; ++c) {
       const std::array<float, 3> q = {gathered_.x[c], gathered_.y[c], gathered_.z[c]};
-      sight_.sides(q, own_front_, own_back_);
+      visibility_.sides(q, own_front_, own_back_);
       front_.insert(front_.end(), own_front_.begin(), own_front_.end());
       back_.insert(back_.end(), own_back_.begin(), own_back_.end());
     }
   }
   /// `x` relative to the block [cells].
   void sample(const std::array<float, 3>& x, Sample& out) {
-    collect(x, !sight_.empty(), out);
-    if (out.weight.empty()) collect(x, false, out);        // squeezed in between sheets: what is near, then
-    const double s = std::cbrt(field_.rest_count) / side;  // cell / spacing
+    collect(x, !visibility_.empty(), out);
+    // A vertex between close sheets may see no particle: then those nearby count.
+    if (out.weight.empty()) collect(x, false, out);
+    const double s = std::cbrt(field_.rest_count) / side;  // cell / dx
     out.make_linear(ridge / (s * s));
   }
 
  private:
-  void collect(const std::array<float, 3>& x, bool look, Sample& out) {
+  void collect(const std::array<float, 3>& x, bool visible_only, Sample& out) {
     out.clear();
     const float scale = 1 / (field_.kernel_radius * field_.kernel_radius);
-    if (look) {
-      sight_.sides(x, own_front_, own_back_);
-    }
+    if (visible_only) visibility_.sides(x, own_front_, own_back_);
     std::uint32_t last = none;
     for (std::size_t c = 0; c < gathered_.count; ++c) {
       const float dx = gathered_.x[c] - x[0], dy = gathered_.y[c] - x[1], dz = gathered_.z[c] - x[2];
       const float u = 1 - (dx * dx + dy * dy + dz * dz) * scale;
       if (!(u > 0)) continue;
-      const std::size_t at = c * sight_.words();
+      const std::size_t at = c * visibility_.words();
       const std::array<float, 3> q = {gathered_.x[c], gathered_.y[c], gathered_.z[c]};
-      if (look &&
-          sight_.may_hide(own_front_.data(), own_back_.data(), &front_[at], &back_[at],
-                          {std::min(q[0], x[0]), std::min(q[1], x[1]), std::min(q[2], x[2])},
-                          {std::max(q[0], x[0]), std::max(q[1], x[1]), std::max(q[2], x[2])}, open_.data()) &&
-          sight_.hides(x, q, open_.data(), last))
+      if (visible_only &&
+          visibility_.may_hide(own_front_.data(), own_back_.data(), &front_[at], &back_[at],
+                               {std::min(q[0], x[0]), std::min(q[1], x[1]), std::min(q[2], x[2])},
+                               {std::max(q[0], x[0]), std::max(q[1], x[1]), std::max(q[2], x[2])},
+                               open_.data()) &&
+          visibility_.hides(x, q, open_.data(), last))
         continue;
       out.particle.push_back(particles_.source[gathered_.particle[c]]);
       out.offset.emplace_back(dx, dy, dz);
@@ -116,7 +115,7 @@ class BlockSampler {
   const ParticleBlocks& particles_;
   const FieldParameters& field_;
   NearParticles gathered_;
-  BlockSight sight_;
+  BlockVisibility visibility_;
   Words front_, back_, own_front_, own_back_, open_;
 };
 
@@ -143,8 +142,8 @@ std::vector<std::array<float, 3>> vertex_normals(const RawMesh& mesh) {
 }
 
 void interpolate(const ReconstructionInput& input, const ParticleBlocks& particles,
-                 const FieldParameters& field, const Obstacles& obstacles, bool sees, const Grid& grid,
-                 const RawMesh& raw, WaterMesh& mesh, const Workers& workers) {
+                 const FieldParameters& field, const Obstacles& obstacles, bool use_visibility,
+                 const Grid& grid, const RawMesh& raw, WaterMesh& mesh, const Workers& workers) {
   const std::size_t n = raw.positions.size();
   OILSKIN_ASSERT(raw.first_vertex.size() == grid.blocks.size() + 1 && raw.first_vertex.back() == n);
   if (!input.velocities.empty()) mesh.velocities.resize(n);
@@ -157,7 +156,7 @@ void interpolate(const ReconstructionInput& input, const ParticleBlocks& particl
     for (std::size_t b = from; b < to; ++b) {
       const std::uint32_t begin = raw.first_vertex[b], end = raw.first_vertex[b + 1];
       if (begin == end) continue;
-      sampler.set(grid, grid.blocks[b], obstacles, sees);
+      sampler.set(grid, grid.blocks[b], obstacles, use_visibility);
       const Vec3 origin = grid.origin(grid.blocks[b]);
       for (std::uint32_t v = begin; v < end; ++v) {
         const auto& p = raw.positions[v];

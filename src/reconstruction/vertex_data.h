@@ -1,4 +1,4 @@
-/// What vertices carry: normals, and the quantities of the particles around them.
+/// Vertex data: normals, and quantities interpolated from particles.
 #pragma once
 
 #include "reconstruction/field.h"
@@ -8,11 +8,11 @@ namespace oilskin::reconstruction {
 
 std::vector<std::array<float, 3>> vertex_normals(const RawMesh& mesh);
 
-/// Velocities and attributes of the particles that a vertex can see, by moving least squares of first order
-/// (R.24): a field that is linear in space comes out as it is, also where all particles lie on one side. What
-/// that would extrapolate is limited to half of the particles' range beyond it.
+/// Velocities and attributes of the particles that a vertex sees, by moving least squares of first order
+/// (R.24): linear fields are reproduced, also if all particles are on one side. Extrapolation is limited to
+/// half of the particles' range beyond it.
 void interpolate(const ReconstructionInput& input, const ParticleBlocks& particles,
-                 const FieldParameters& field, const Obstacles& obstacles, bool sees, const Grid& grid,
-                 const RawMesh& raw, WaterMesh& mesh, const Workers& workers);
+                 const FieldParameters& field, const Obstacles& obstacles, bool use_visibility,
+                 const Grid& grid, const RawMesh& raw, WaterMesh& mesh, const Workers& workers);
 
 }  // namespace oilskin::reconstruction

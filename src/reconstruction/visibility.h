@@ -1,10 +1,11 @@
-/// What a node of a block can see: a particle counts only if the segment between the two touches no triangle
-/// ([Huber2013] section 4).
+/// Visibility of particles from the nodes of a block: a particle counts only if the segment between particle
+/// and node touches no triangle ([Huber2013] section 4).
 ///
-/// Almost every pair lies on the same side of every triangle's plane nearby. So each triangle of the block is
-/// a bit: a particle has the bits of the planes that it is in front of and behind, a row of nodes those that
-/// all of its nodes are; a table by coordinate has the bits of the triangles that a box may meet. What
-/// remains of a pair is looked at closely, the triangle that was hit last first.
+/// Most pairs are on the same side of every plane nearby. So each triangle of the block is a bit. A particle
+/// has the bits of the planes in front of which, and behind which, it is; a row of nodes has the bits of the
+/// planes for which this holds for all its nodes; a table by coordinate has the bits of the triangles that
+/// may overlap a box. Triangles that remain for a pair are tested one by one, the last one that was hit
+/// first.
 #pragma once
 
 #include "reconstruction/grid.h"
@@ -14,33 +15,33 @@ namespace oilskin::reconstruction {
 
 using Words = std::vector<std::uint64_t>;
 
-/// Does the closed segment p q touch the closed triangle? Watertight over shared edges: an edge's side of the
-/// segment is computed from its node of lower index, whatever triangle asks, and what passes an edge within
-/// rounding touches it. Triangles without area hide nothing.
-bool segment_touches(const Vec3& p, const Vec3& q, const Corners& c, const Triangle& indices);
+/// Does the closed triangle touch the closed segment p–q, by segment_touches() of core? Triangles without
+/// area hide nothing.
+bool hides_segment(const Vec3& p, const Vec3& q, const Corners& c, const Triangle& indices);
 
-class BlockSight {
+class BlockVisibility {
  public:
-  /// `triangles` of the obstacles. Points will be relative to `origin`, in cells, their coordinates from
-  /// −margin to 8 + margin.
+  /// `triangles`: numbers in `obstacles`. Points of queries are relative to `origin` [cells] with coordinates
+  /// from −margin to 8 + margin.
   void set(const Obstacles& obstacles, const std::vector<std::uint32_t>& triangles, const Vec3& origin,
            double cell, double margin);
 
   std::size_t words() const { return words_; }
   bool empty() const { return words_ == 0; }
 
-  /// The planes that the point is in front of and behind, `words()` words each.
+  /// Bits of the planes in front of which, and behind which, the point is; words() words each.
   void sides(const std::array<float, 3>& point, Words& front, Words& back) const;
-  /// The planes that all nodes of row (j, k) are in front of and behind, for all rows j + 8k.
+  /// The same for all nodes of row (j, k), for each row j + 8k.
   void row_sides(Words& front, Words& back) const;
 
-  /// Of `words()` words: triangles that overlap [from, to] along an axis, as far as slabs tell.
+  /// Bits of the triangles that may overlap [from, to] along an axis, to the resolution of slabs; words()
+  /// words.
   void overlapping(std::size_t axis, float from, float to, std::uint64_t* out) const {
     const std::uint64_t *s = starts(axis, to), *e = ends(axis, from);
     for (std::size_t w = 0; w < words_; ++w) out[w] = s[w] & e[w];
   }
-  /// Leaves in `open` the triangles that may come between a point with sides a and one with sides b, both in
-  /// the box; false if there is none.
+  /// Sets `open` to the triangles that may be between a point with sides a and one with sides b, both in the
+  /// box. False if there are none.
   bool may_hide(const std::uint64_t* front_a, const std::uint64_t* back_a, const std::uint64_t* front_b,
                 const std::uint64_t* back_b, const std::array<float, 3>& low,
                 const std::array<float, 3>& high, std::uint64_t* open) const {
@@ -53,14 +54,14 @@ class BlockSight {
     }
     return any != 0;
   }
-  /// May any triangle meet the box, as far as slabs tell?
-  bool may_meet(const std::array<float, 3>& low, const std::array<float, 3>& high) const;
+  /// May a triangle overlap the box, to the resolution of slabs?
+  bool may_overlap(const std::array<float, 3>& low, const std::array<float, 3>& high) const;
 
-  /// Does one of the open triangles hide p from q? `last`: the one that was hit last, updated.
+  /// Does one of the open triangles hide p from q? `last`: the last triangle that was hit, updated.
   bool hides(const std::array<float, 3>& p, const std::array<float, 3>& q, const std::uint64_t* open,
              std::uint32_t& last) const;
 
-  /// Does this one triangle?
+  /// Does triangle k hide p from q?
   bool touches(std::size_t k, const std::array<float, 3>& p, const std::array<float, 3>& q) const;
 
   std::size_t size() const { return corners_.size(); }
@@ -73,7 +74,7 @@ class BlockSight {
     const int i = static_cast<int>(x + margin_);
     return static_cast<std::size_t>(i < 0 ? 0 : (i < slabs_ ? i : slabs_ - 1));
   }
-  /// Triangles that begin at or before this coordinate, as far as slabs tell …
+  /// Triangles that begin at or before this coordinate, to the resolution of slabs …
   const std::uint64_t* starts(std::size_t axis, float x) const {
     return &starts_[(axis * std::size_t(slabs_) + slab(x)) * words_];
   }
@@ -85,10 +86,10 @@ class BlockSight {
   struct FloatBox {
     float low[3], high[3];
   };
-  /// Planes with unit normals; zeros beyond the last triangle, up to a whole number of words.
+  // Planes with unit normals, padded with zeros to a multiple of 64
   std::vector<float> normal_x_, normal_y_, normal_z_, offset_;
   std::vector<FloatBox> boxes_;
-  std::vector<Corners> corners_;  ///< relative to the origin [cells]
+  std::vector<Corners> corners_;  // relative to the origin [cells]
   std::vector<Triangle> indices_;
   Words starts_, ends_;
   std::size_t words_ = 0;
@@ -96,31 +97,28 @@ class BlockSight {
   float tolerance_ = 0, margin_ = 0;
 };
 
-/// What lies in the shadow of triangles, as seen from one particle, a row of nodes at a time.
-///
-/// With the corners a, b, c seen from the particle, the plane through it and an edge has the normal a×b, b×c
-/// or c×a. A point d behind all three, on the triangle's side, is in the shadow if it is beyond the triangle:
-/// (a×b + b×c + c×a)·d ≥ a·(b×c) (R.9). Floats tell this but for what is near one of the planes; that is left
-/// to segment_touches().
+/// Shadows of triangles as seen from one particle, for a row of nodes at a time (R.9). Floats decide except
+/// close to one of the planes, where hides_segment() decides.
 class Shadows {
  public:
-  /// The sight must stay as it is while it is used here.
-  void set(const BlockSight& sight, const std::array<float, 3>& particle);
+  /// `visibility` must not change while it is used here.
+  void set(const BlockVisibility& visibility, const std::array<float, 3>& particle);
 
-  /// Of the nodes `wanted` of row (j, k), those that open triangles hide.
-  std::uint32_t hidden(int j, int k, std::uint32_t wanted, const std::uint64_t* open);
+  /// Which of the `queried` nodes of row (j, k) open triangles hide.
+  std::uint32_t hidden(int j, int k, std::uint32_t queried, const std::uint64_t* open);
 
  private:
   struct Shadow {
-    float normal[3][3];
-    float beyond, tolerance;
-    std::uint32_t made_for;  ///< number of the particle
+    float normal[3][3];             // a×b, b×c, c×a
+    float volume;                   // |a·(b×c)|
+    float tolerance;                // of the tests
+    std::uint32_t particle_number;  // for which it was computed
   };
   const Shadow& shadow(std::size_t triangle);
 
-  const BlockSight* sight_ = nullptr;
+  const BlockVisibility* visibility_ = nullptr;
   std::array<float, 3> particle_{};
-  std::uint32_t number_ = 0;
+  std::uint32_t particle_number_ = 0;
   std::vector<Shadow> shadows_;
 };
 

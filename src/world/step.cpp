@@ -79,7 +79,8 @@ void World::Impl::run_interval(IntervalContext& interval) {
                             step.surfaces.geometry, contact_buffers, interval.report, seconds);
   pass.find();
   // hidden neighbours, boundary terms
-  fluid->apply_surfaces(interval.dt, settings.gravity, state.particles, step.surfaces.motion, seconds);
+  fluid->apply_surfaces(interval.dt, settings.gravity, state.particles, step.surfaces.motion,
+                        step.surfaces.topology, seconds);
   predict_contacts(interval, pass);  // bounds for the pressure solver
   propose_motion(interval);          // pressure, viscosity → x_t1
   pass.solve();                      // impulses, impacts, zones → certificate
@@ -90,7 +91,7 @@ void World::Impl::run_interval(IntervalContext& interval) {
 }
 
 void World::Impl::gather(StepContext& step) {
-  contact::StageTimer timer(step.report.seconds.gather);
+  StageTimer timer(step.report.seconds.gather);
   step.surfaces = attachments.gather(step.dt, settings, fluid_settings, step.report);
   fluid->record_host_response(step.dt, settings.gravity, step.surfaces.motion);
   world::relocate_particles(step.surfaces, state.particles, state.next_particle_id, *workers, step.report,
@@ -139,7 +140,7 @@ std::vector<std::uint8_t> find_blocked_starts(const std::vector<fluid::Start>& s
 
 void World::Impl::emit(IntervalContext& interval) {
   StepContext& step = interval.step;
-  contact::StageTimer timer(step.report.seconds.other_fluid);
+  StageTimer timer(step.report.seconds.other_fluid);
   fluid::Particles& particles = state.particles;
   interval.live = particles.size();
   interval.remaining.assign(interval.live, interval.dt);
@@ -212,7 +213,7 @@ void World::Impl::propose_motion(IntervalContext& interval) {
   fluid->propose(interval.dt, settings.gravity, state.particles, interval.prediction, interval.velocity,
                  found, step.report.seconds);
   step.report.fluid = interval.is_first ? found : worst_of(step.report.fluid, found);
-  contact::StageTimer timer(step.report.seconds.other_fluid);
+  StageTimer timer(step.report.seconds.other_fluid);
   double change = 0;  // squared
   for (std::size_t i = 0; i < interval.velocity.size(); ++i) {
     const Vec3 &x_t0 = state.particles.position[i], &before = state.particles.velocity[i];
@@ -235,7 +236,7 @@ void World::Impl::propose_motion(IntervalContext& interval) {
 
 void World::Impl::verify(IntervalContext& interval, const ParticleMotion& motion) const {
   if (!contact_settings.verify) return;
-  contact::StageTimer timer(interval.step.report.seconds.verify);
+  StageTimer timer(interval.step.report.seconds.verify);
   interval.report.crossings_found_by_verify =
       ContactSolver::count_crossings(motion, interval.step.surfaces.motion, &interval.report.verified_pairs);
 }
@@ -263,7 +264,7 @@ void World::Impl::notify_observer(IntervalContext& interval) {
 
 void World::Impl::commit(IntervalContext& interval) {
   StepContext& step = interval.step;
-  contact::StageTimer timer(step.report.seconds.other_fluid);
+  StageTimer timer(step.report.seconds.other_fluid);
   fluid::Particles& particles = state.particles;
   OILSKIN_ASSERT(interval.x_t1.size() == particles.size() && interval.velocity.size() == particles.size());
   OILSKIN_ASSERT(all_finite(interval.x_t1) && all_finite(interval.velocity));
@@ -288,7 +289,7 @@ void World::Impl::commit(IntervalContext& interval) {
 }
 
 void World::Impl::scatter(StepContext& step) {
-  contact::StageTimer timer(step.report.seconds.gather);
+  StageTimer timer(step.report.seconds.gather);
   step.paths.end();
   fluid->record_load(step.dt, step.surfaces.motion);
   world::Attachments::scatter(step.surfaces, step.report);

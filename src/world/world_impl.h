@@ -3,7 +3,7 @@
 
 #include "contact/contact_pass.h"
 #include "core/archive.h"
-#include "fluid/emission.h"
+#include "fluid/emission/emission.h"
 #include "fluid/fluid_solver.h"
 #include "oilskin/world.h"
 #include "world/attachments.h"

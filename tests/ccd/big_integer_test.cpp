@@ -1,4 +1,4 @@
-// The library's exact arithmetic, held against the oracle's.
+// The library's exact arithmetic against the oracle's.
 #include "ccd/big_integer.h"
 
 #include <gtest/gtest.h>
@@ -25,26 +25,26 @@ using exact::Integer;
 Integer to_integer(const BigInteger& a) {
   Integer x;
   for (int i = a.size - 1; i >= 0; --i) {
-    for (int shift = ccd::detail::kLimbBits - 16; shift >= 0; shift -= 16) {
+    for (int shift = ccd::detail::limb_bits - 16; shift >= 0; shift -= 16) {
       x = (x << 16) + Integer(static_cast<std::int64_t>((a.limbs[i] >> shift) & 0xffff));
     }
   }
   return a.sign < 0 ? -x : x;
 }
 
-/// Whole numbers up to 2^600, sparse and dense.
-double whole_double(Random& random) {
+/// Integers up to 2^600, sparse and dense.
+double integral_double(Random& random) {
   const double mantissa =
       random.integer(0, 3) == 0 ? random.integer(-3, 3) : std::floor(random.uniform(-0x1p53, 0x1p53));
   return std::ldexp(mantissa, random.integer(0, 547));
 }
 
-TEST(WholeNumbers, AgreeWithTheOraclesIntegers) {
+TEST(BigIntegers, AgreeWithTheOraclesIntegers) {
   const auto workspace = std::make_unique<Workspace>();
   Random random(31);
   for (int i = 0; i < 20000; ++i) {
     const Workspace::Scope scope(workspace.get());
-    const double x = whole_double(random), y = whole_double(random), z = whole_double(random);
+    const double x = integral_double(random), y = integral_double(random), z = integral_double(random);
     const BigInteger a = workspace->from_double(x, 0), b = workspace->from_double(y, 0),
                      c = workspace->from_double(z, 0);
     const Integer p = Integer::from_double(x, 0), q = Integer::from_double(y, 0),
@@ -96,7 +96,7 @@ TEST(FixedNumbers, AgreeWithTheOraclesIntegers) {
 }
 #endif
 
-TEST(WholeNumbers, HoldEveryFiniteDouble) {
+TEST(BigIntegers, HoldEveryFiniteDouble) {
   const auto workspace = std::make_unique<Workspace>();
   const BigInteger maximum = workspace->from_double(std::numeric_limits<double>::max(), -1074),
                    minimum = workspace->from_double(-0x1p-1074, -1074);
@@ -106,7 +106,7 @@ TEST(WholeNumbers, HoldEveryFiniteDouble) {
   EXPECT_EQ(ccd::detail::decompose(0x1p-1074).exponent, -1074);
 }
 
-TEST(WholeNumbers, AFullBlockIsReported) {
+TEST(BigIntegers, AFullBlockIsReported) {
   const auto workspace = std::make_unique<Workspace>();
   BigInteger a = workspace->from_double(0x1p1000, 0);
   for (int i = 0; i < 20; ++i) a = workspace->product(a, a);
@@ -123,8 +123,8 @@ Polynomial polynomial(Workspace* workspace, const std::array<int, 4>& c) {
   return f;
 }
 
-/// (2 t − 1)(t² + t − 1): roots ½ and the inverse of the golden ratio, which its own quadratic must know.
-TEST(WholeNumbers, SignsAtSurdsAreExact) {
+/// (2 t − 1)(t² + t − 1) has the roots ½ and the inverse of the golden ratio, a root of the quadratic.
+TEST(BigIntegers, SignsAtSurdsAreExact) {
   const auto workspace = std::make_unique<Workspace>();
   Algebra algebra(workspace.get());
   const Function golden(polynomial(workspace.get(), {-1, 1, 1, 0})),
@@ -132,8 +132,8 @@ TEST(WholeNumbers, SignsAtSurdsAreExact) {
   const auto roots = algebra.roots_of(golden.exact);
   ASSERT_EQ(roots.count, 2);
   const double ratio = 0.61803398874989484820;
-  EXPECT_NEAR(roots.at[1].near, ratio, 0x1p-47);
-  EXPECT_NEAR(roots.at[0].near, -1 / ratio, 0x1p-46);
+  EXPECT_NEAR(roots.at[1].approximate, ratio, 0x1p-47);
+  EXPECT_NEAR(roots.at[0].approximate, -1 / ratio, 0x1p-46);
   EXPECT_EQ(algebra.sign_at(golden, roots.at[1]), 0);
   EXPECT_EQ(algebra.sign_at(cubic, roots.at[1]), 0);
   const Surd half = algebra.fraction(workspace->small(-3), workspace->small(-6));
@@ -150,34 +150,35 @@ TEST(WholeNumbers, SignsAtSurdsAreExact) {
   }
 }
 
-/// (t − ⅓)³ 27 on [⅓ − 2⁻³⁰, ⅓ + 2⁻³⁰] or so: as a polynomial in t its values there are lost in rounding, as
-/// one in s they are not.
-TEST(WholeNumbers, StretchedPolynomialsKeepTheirSigns) {
+/// 27 (t − ⅓)³ on about [⅓ − 2⁻³⁰, ⅓ + 2⁻³⁰]: its values are below rounding as a polynomial in t, but not as
+/// one in s.
+TEST(BigIntegers, StretchedPolynomialsKeepTheirSigns) {
   const auto workspace = std::make_unique<Workspace>();
   Algebra algebra(workspace.get());
   const Function cubic(polynomial(workspace.get(), {-1, 9, -27, 27}));
   constexpr double kGrid = 0x1p52, kWidth = 0x1p23;
   const double start = std::floor(kGrid / 3) - 0x1p22;
-  const auto whole = [&](double x) { return workspace->from_double(x, 0); };
-  const Polynomial stretched = algebra.stretched(cubic.exact, whole(start), whole(kWidth), whole(kGrid));
-  const RoundedPolynomial rounded(stretched);
+  const auto integer = [&](double x) { return workspace->from_double(x, 0); };
+  const Polynomial on_part =
+      algebra.reparametrised(cubic.exact, integer(start), integer(kWidth), integer(kGrid));
+  const RoundedPolynomial rounded(on_part);
   int certain = 0;
   for (int i = 0; i <= 1024; ++i) {
     const double s = i / 1024.0, t = (start + s * kWidth) / kGrid;
     EXPECT_EQ(cubic.rounded.sign_between(t, t), 0);
     const int sign = rounded.sign_between(s, s);
-    const Surd exact = algebra.fraction(whole(start + s * kWidth), whole(kGrid));
+    const Surd exact = algebra.fraction(integer(start + s * kWidth), integer(kGrid));
     EXPECT_TRUE(sign == 0 || sign == algebra.sign_at(cubic, exact)) << i;
     certain += sign != 0 ? 1 : 0;
   }
   EXPECT_GE(certain, 1020);
-  EXPECT_EQ(algebra.stretched({}, whole(1), whole(1), whole(1)).degree, -1);
+  EXPECT_EQ(algebra.reparametrised({}, integer(1), integer(1), integer(1)).degree, -1);
   // 1 + 2 t on [3, 5] / 4 is (10 + 4 s) / 4.
   const Polynomial line =
-      algebra.stretched(polynomial(workspace.get(), {1, 2, 0, 0}), whole(3), whole(2), whole(4));
+      algebra.reparametrised(polynomial(workspace.get(), {1, 2, 0, 0}), integer(3), integer(2), integer(4));
   ASSERT_EQ(line.degree, 1);
-  EXPECT_EQ(compare_magnitudes(line.c[0], whole(10)), 0);
-  EXPECT_EQ(compare_magnitudes(line.c[1], whole(4)), 0);
+  EXPECT_EQ(compare_magnitudes(line.c[0], integer(10)), 0);
+  EXPECT_EQ(compare_magnitudes(line.c[1], integer(4)), 0);
 }
 
 }  // namespace

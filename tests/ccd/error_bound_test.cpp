@@ -1,5 +1,4 @@
-// The error bounds of the cubic and of separating directions, held against the true values in quadruple
-// precision.
+// The error bounds of the cubic and of separating directions against true values in quadruple precision.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,25 +13,25 @@
 namespace oilskin::test {
 namespace {
 
-__extension__ using PointTriangle = __float128;
-using QuadVector = std::array<PointTriangle, 3>;
+__extension__ using Quad = __float128;
+using QuadVector = std::array<Quad, 3>;
 
 QuadVector difference_at(const Corners& x, int i, int j, double t) {
   QuadVector d;
   for (int k = 0; k < 3; ++k) {
-    const PointTriangle start = static_cast<PointTriangle>(x[i][k]) - x[j][k],
-                        end = static_cast<PointTriangle>(x[4 + i][k]) - x[4 + j][k];
+    const Quad start = static_cast<Quad>(x[i][k]) - x[j][k],
+               end = static_cast<Quad>(x[4 + i][k]) - x[4 + j][k];
     d[k] = t == 0 ? start : (t == 1 ? end : start + t * (end - start));
   }
   return d;
 }
 
-PointTriangle determinant(const QuadVector& e, const QuadVector& f, const QuadVector& w) {
+Quad determinant(const QuadVector& e, const QuadVector& f, const QuadVector& w) {
   return (e[1] * f[2] - e[2] * f[1]) * w[0] + (e[2] * f[0] - e[0] * f[2]) * w[1] +
          (e[0] * f[1] - e[1] * f[0]) * w[2];
 }
 
-using QuadCoefficients = std::array<PointTriangle, 4>;
+using QuadCoefficients = std::array<Quad, 4>;
 
 QuadCoefficients true_coefficients(const Corners& x) {
   std::array<QuadVector, 2> e, f, w;
@@ -50,9 +49,9 @@ QuadCoefficients true_coefficients(const Corners& x) {
 }
 
 /// The blossom: affine in each time; its values at ends of a part are the coefficients there.
-PointTriangle blossom(QuadCoefficients k, const std::array<double, 3>& times) {
+Quad blossom(QuadCoefficients k, const std::array<double, 3>& times) {
   for (int level = 0; level < 3; ++level) {
-    const PointTriangle t = times[level];
+    const Quad t = times[level];
     for (int i = 0; i + level < 3; ++i) k[i] = (1 - t) * k[i] + t * k[i + 1];
   }
   return k[0];
@@ -69,23 +68,23 @@ ccd::detail::RelativeMotion relative(const Corners& x) {
   return r;
 }
 
-/// The greatest error of a coefficient, on the whole step, on a part or of a value, as a part of the bound.
-double share_of_bound(const Corners& x, double begin, double end) {
+/// The largest error of a coefficient on the step, of one on a part, or of a value, relative to the bound.
+double ratio_to_bound(const Corners& x, double begin, double end) {
   const ccd::detail::CoplanarityCubic cubic(to_motion(x), relative(x));
   if (!cubic.bounded()) return 0;
   const QuadCoefficients k = true_coefficients(x);
   const ccd::detail::Coefficients part = cubic.on({begin, end});
-  double maximum = 0;
-  const auto compare = [&](PointTriangle truth, double computed) {
-    const auto error = static_cast<double>(truth - static_cast<PointTriangle>(computed));
-    maximum = std::max(maximum, std::abs(error) / cubic.error());
+  double max_ratio = 0;
+  const auto compare = [&](Quad truth, double computed) {
+    const auto error = static_cast<double>(truth - static_cast<Quad>(computed));
+    max_ratio = std::max(max_ratio, std::abs(error) / cubic.error());
   };
   for (int i = 0; i < 4; ++i) compare(k[i], cubic.coefficients().k[i]);
   for (int i = 0; i < 4; ++i) {
     compare(blossom(k, {i > 2 ? end : begin, i > 1 ? end : begin, i > 0 ? end : begin}), part.k[i]);
   }
   compare(blossom(k, {begin, begin, begin}), cubic.value(begin));
-  return maximum;
+  return max_ratio;
 }
 
 bool within_range_of_quads(const Family& family) {
@@ -96,25 +95,25 @@ TEST(CoplanarityCubic, ErrorsStayWithinTheBound) {
   Random random(23);
   for (const Family& family : families()) {
     if (!within_range_of_quads(family)) continue;
-    double maximum = 0;
+    double max_ratio = 0;
     for (int i = 0; i < 3000; ++i) {
       const Corners x = family.make(random);
-      maximum = std::max(maximum, share_of_bound(x, random.uniform(0, 1), random.uniform(0, 1)));
+      max_ratio = std::max(max_ratio, ratio_to_bound(x, random.uniform(0, 1), random.uniform(0, 1)));
     }
-    std::cout << "  " << family.name << ": " << maximum << " of the bound\n";
-    EXPECT_LE(maximum, 1);
+    std::cout << "  " << family.name << ": " << max_ratio << " of the bound\n";
+    EXPECT_LE(max_ratio, 1);
   }
 }
 
-/// Climbs to the greatest share by changing one number at a time.
-template <class Share>
-double climb(std::vector<double> x, Random& random, int steps, Share share) {
-  double best = share(x);
+/// Searches for the largest ratio by changing one number at a time.
+template <class Ratio>
+double climb(std::vector<double> x, Random& random, int steps, Ratio ratio) {
+  double best = ratio(x);
   for (int i = 0; i < steps; ++i) {
     double& one = x[random.integer(0, static_cast<int>(x.size()) - 1)];
     const double before = one;
     one = random.integer(0, 1) == 0 ? random.uniform(-1, 1) : one * (1 + random.power_of_ten(-16, -1));
-    const double found = share(x);
+    const double found = ratio(x);
     if (found < best) {
       one = before;
     } else {
@@ -124,61 +123,59 @@ double climb(std::vector<double> x, Random& random, int steps, Share share) {
   return best;
 }
 
-/// Random input has errors that cancel each other. A search for those that add up shows what the bound is
-/// worth: were the constant too small by the share that is found, this would fail.
+/// Errors of random input cancel. A search for errors that add up shows how tight the bound is: with a
+/// constant smaller by the ratio that is found, this test would fail.
 TEST(CoplanarityCubic, TheBoundIsNeededToAQuarterAtLeast) {
   Random random(37);
-  double maximum = 0;
+  double max_ratio = 0;
   for (int start = 0; start < 60; ++start) {
     std::vector<double> numbers(26);
     for (double& x : numbers) x = random.uniform(-1, 1);
-    maximum = std::max(maximum, climb(numbers, random, 1500, [](const std::vector<double>& v) {
-                         Corners x;
-                         for (int i = 0; i < 24; ++i) x[i / 3][i % 3] = v[i];
-                         const auto time = [](double t) { return std::min(std::abs(t), 1.0); };
-                         return share_of_bound(x, time(v[24]), time(v[25]));
-                       }));
+    max_ratio = std::max(max_ratio, climb(numbers, random, 1500, [](const std::vector<double>& v) {
+                           Corners x;
+                           for (int i = 0; i < 24; ++i) x[i / 3][i % 3] = v[i];
+                           const auto time = [](double t) { return std::min(std::abs(t), 1.0); };
+                           return ratio_to_bound(x, time(v[24]), time(v[25]));
+                         }));
   }
-  std::cout << "  greatest error found: " << maximum << " of the bound\n";
-  EXPECT_LE(maximum, 1);
-  EXPECT_GT(maximum, 0.25);
+  std::cout << "  largest error found: " << max_ratio << " of the bound\n";
+  EXPECT_LE(max_ratio, 1);
+  EXPECT_GT(max_ratio, 0.25);
 }
 
 /// d·A between the ends of the step, for numbers whose rounding errors were made to add up.
 TEST(Separation, DotProductsStayAboveTheirBoundAndNeedAQuarterOfIt) {
   Random random(41);
-  double maximum = 0;
+  double max_ratio = 0;
   // v: d, the corner and the point at both ends, the time
-  const auto share = [](const std::vector<double>& v) {
+  const auto ratio = [](const std::vector<double>& v) {
     const std::array<double, 3> d{v[0], v[1], v[2]};
     const double t = std::min(std::abs(v[15]), 1.0);
     double bound[2], a[2][3];
-    PointTriangle truth = 0, allowed = 0;
+    Quad truth = 0, allowed = 0;
     for (int end = 0; end < 2; ++end) {
-      const PointTriangle weight =
-          end == 1 ? static_cast<PointTriangle>(t) : 1 - static_cast<PointTriangle>(t);
+      const Quad weight = end == 1 ? static_cast<Quad>(t) : 1 - static_cast<Quad>(t);
       for (int k = 0; k < 3; ++k) {
         const double corner = v[3 + 6 * end + k], point = v[6 + 6 * end + k];
         a[end][k] = corner - point;
-        const PointTriangle term =
-            static_cast<PointTriangle>(d[k]) * (static_cast<PointTriangle>(corner) - point);
+        const Quad term = static_cast<Quad>(d[k]) * (static_cast<Quad>(corner) - point);
         truth += weight * term;
         allowed += weight * (term < 0 ? -term : term) * 10 * 0x1p-53;
       }
       bound[end] = ccd::detail::lower_bound(d, a[end]);
     }
-    const PointTriangle computed = static_cast<PointTriangle>((1 - t) * bound[0] + t * bound[1]);
+    const Quad computed = static_cast<Quad>((1 - t) * bound[0] + t * bound[1]);
     // 0 where the bound has all of its margin, 1 where nothing is left of it.
     return static_cast<double>((computed - truth + allowed) / allowed);
   };
   for (int start = 0; start < 100; ++start) {
     std::vector<double> numbers(16);
     for (double& x : numbers) x = random.uniform(-1, 1);
-    maximum = std::max(maximum, climb(numbers, random, 2000, share));
+    max_ratio = std::max(max_ratio, climb(numbers, random, 2000, ratio));
   }
-  std::cout << "  greatest error found: " << maximum << " of the bound\n";
-  EXPECT_LE(maximum, 1);
-  EXPECT_GT(maximum, 0.25);
+  std::cout << "  largest error found: " << max_ratio << " of the bound\n";
+  EXPECT_LE(max_ratio, 1);
+  EXPECT_GT(max_ratio, 0.25);
 }
 
 /// Coefficients on a sub-interval are those of the polynomial restricted to it: its ends are values.

@@ -1,4 +1,4 @@
-// The oracle itself: its integers, its answers against the labels of the public sets and against known cases.
+// The oracle itself: its integers, and its results against the labels of the public sets and known cases.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -87,12 +87,12 @@ TEST(Oracle, FindsTheTimeOfFirstTouch) {
 }
 
 TEST(Oracle, DecidesByTheLastBit) {
-  const double minimum = 0x1p-1074;
+  const double smallest = 0x1p-1074;
   EXPECT_TRUE(past_unit_triangle({0, 0, 1}, {0, 0, -1}).hit);
-  EXPECT_FALSE(past_unit_triangle({-minimum, 0, 1}, {-minimum, 0, -1}).hit);
+  EXPECT_FALSE(past_unit_triangle({-smallest, 0, 1}, {-smallest, 0, -1}).hit);
   EXPECT_FALSE(past_unit_triangle({.5, std::nextafter(.5, 1), 1}, {.5, std::nextafter(.5, 1), -1}).hit);
   EXPECT_TRUE(past_unit_triangle({.5, .5, 1}, {.5, .5, -1}).hit);
-  EXPECT_FALSE(past_unit_triangle({.25, .25, 1}, {.25, .25, minimum}).hit);
+  EXPECT_FALSE(past_unit_triangle({.25, .25, 1}, {.25, .25, smallest}).hit);
 }
 
 TEST(Oracle, HandlesCoplanarAndDegenerateMotion) {

@@ -5,9 +5,9 @@
 namespace oilskin::test {
 namespace {
 
-Corners whole(Random& random, int size) {
+Corners integers(Random& random, int size) {
   Corners x;
-  for (Vec3& v : x) v = random.whole_vector(size);
+  for (Vec3& v : x) v = random.integer_vector(size);
   return x;
 }
 
@@ -37,7 +37,7 @@ Vec3 contact_weights(Random& random, double outside) {
   return w;
 }
 
-/// Puts the point on the triangle at a time t (up to rounding), and lets it move on with its own velocity.
+/// Places the point on the triangle at time t (up to rounding), with a velocity of its own.
 void aim(Corners* x, Random& random, double speed, double outside) {
   const double t = random.integer(0, 3) == 0 ? random.integer(0, 8) / 8.0 : random.uniform(0, 1);
   const Vec3 w = contact_weights(random, outside);
@@ -77,10 +77,10 @@ Corners sliver(Random& random) {
   return x;
 }
 
-/// A whole affine map, which keeps contacts of whole or dyadic coordinates exact.
+/// An integer affine map, which keeps contacts of integer or dyadic coordinates exact.
 Corners mapped(const Corners& x, Random& random, int size) {
-  const Vec3 a = random.whole_vector(size), b = random.whole_vector(size), c = random.whole_vector(size),
-             d = random.whole_vector(size);
+  const Vec3 a = random.integer_vector(size), b = random.integer_vector(size),
+             c = random.integer_vector(size), d = random.integer_vector(size);
   Corners y;
   for (int i = 0; i < 8; ++i) y[i] = a * x[i][0] + b * x[i][1] + c * x[i][2] + d;
   return y;
@@ -104,7 +104,7 @@ Corners grazing(Random& random) {
 
 /// Everything in one plane: that of two axes, a skew one, or one that turns with time.
 Corners coplanar(Random& random) {
-  Corners x = whole(random, 3);
+  Corners x = integers(random, 3);
   for (Vec3& v : x) v[2] = 0;
   const int kind = random.integer(0, 2);
   if (kind == 0) return scaled(x, random.uniform(0.1, 1));
@@ -115,9 +115,9 @@ Corners coplanar(Random& random) {
   return start;
 }
 
-/// Segments and points, whole or rounded, hit or missed by little.
+/// Segments and points, of integers or rounded, hit or missed by little.
 Corners degenerate(Random& random) {
-  Corners x = random.integer(0, 1) == 0 ? whole(random, 3) : constructed(random);
+  Corners x = random.integer(0, 1) == 0 ? integers(random, 3) : constructed(random);
   const int kind = random.integer(0, 3);
   for (int end = 0; end < 8; end += 4) {
     if (kind == 0) x[end + 3] = x[end + 2];
@@ -129,16 +129,16 @@ Corners degenerate(Random& random) {
   return x;
 }
 
-/// Contact at dyadic time and weights with whole numbers: exactly touching, without any rounding.
+/// Contact at dyadic time and weights with integers: exactly touching, without any rounding.
 Corners dyadic_contact(Random& random) {
-  Corners x = whole(random, 8);
+  Corners x = integers(random, 8);
   const int n = 1 << random.integer(0, 4), j = random.integer(0, n), m = 1 << random.integer(0, 4);
   const double t = static_cast<double>(j) / n;
   const int wa = random.integer(0, m), wb = random.integer(0, m - wa);
   const Vec3 w = Vec3(wa, wb, m - wa - wb) / m;
   Vec3 meeting = Vec3::Zero();
   for (int i = 0; i < 3; ++i) meeting += w[i] * ((1 - t) * x[1 + i] + t * x[5 + i]);
-  const Vec3 velocity = random.whole_vector(8);
+  const Vec3 velocity = random.integer_vector(8);
   x[0] = meeting - t * velocity;
   x[4] = meeting + (1 - t) * velocity;
   return random.integer(0, 2) == 0 ? separated(x, random) : x;
@@ -155,14 +155,14 @@ Corners resting(Random& random) {
   return translated(scaled(x, 0.01), random.vector(1));
 }
 
-/// Whole numbers at the bottom of the range of doubles.
+/// Integers at the bottom of the range of doubles.
 Corners denormal(Random& random) {
-  const Corners x = random.integer(0, 1) == 0 ? dyadic_contact(random) : whole(random, 2);
+  const Corners x = random.integer(0, 1) == 0 ? dyadic_contact(random) : integers(random, 2);
   return scaled(x, std::ldexp(1.0, -random.integer(1010, 1074)));
 }
 
-/// The point meets the plane three times at once: corners are combinations of the rows of (τ 1 0, 0 τ 1, 0 0
-/// τ), so that F = τ³ times a constant, and τ goes from −1 to 1 or 2.
+/// A triple root: corners are combinations of the rows of (τ 1 0, 0 τ 1, 0 0 τ), so that f = τ³ times a
+/// constant, with τ from −1 to 1 or 2.
 Corners triple_root(Random& random) {
   const double end = random.integer(1, 2);
   const auto row = [](int i, double tau) {
@@ -170,9 +170,9 @@ Corners triple_root(Random& random) {
     if (i < 2) r[i + 1] = 1;
     return r;
   };
-  Corners x{random.whole_vector(2), {}, {}, {}, random.whole_vector(2), {}, {}, {}};
+  Corners x{random.integer_vector(2), {}, {}, {}, random.integer_vector(2), {}, {}, {}};
   for (int i = 1; i < 4; ++i) {
-    const Vec3 w = random.whole_vector(3);
+    const Vec3 w = random.integer_vector(3);
     x[i] = x[0] + w[0] * row(0, -1) + w[1] * row(1, -1) + w[2] * row(2, -1);
     x[4 + i] = x[4] + w[0] * row(0, end) + w[1] * row(1, end) + w[2] * row(2, end);
   }
@@ -183,10 +183,10 @@ Corners triple_root(Random& random) {
   return x;
 }
 
-/// Points that slide along an edge, or just beside it, in a plane of whole or skew directions.
+/// Points that slide along an edge, or just beside it, in a plane of integer or skew directions.
 Corners along_an_edge(Random& random) {
   const bool integral = random.integer(0, 1) == 0;
-  const auto any = [&] { return integral ? random.whole_vector(4) : random.vector(1); };
+  const auto any = [&] { return integral ? random.integer_vector(4) : random.vector(1); };
   Corners x{any(), any(), any(), any()};
   for (int i = 0; i < 4; ++i) x[4 + i] = x[i] + any();
   const double from = random.integer(-2, 6) / 4.0, to = random.integer(-2, 6) / 4.0;
@@ -245,7 +245,7 @@ Vec3 Random::vector(double size) {
   return {x, y, z};
 }
 
-Vec3 Random::whole_vector(int size) {
+Vec3 Random::integer_vector(int size) {
   const int x = integer(-size, size), y = integer(-size, size), z = integer(-size, size);
   return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
 }
@@ -258,8 +258,8 @@ double Random::power_of_ten(double low, double high) {
 const std::vector<Family>& families() {
   static const std::vector<Family> all{
       {"random", [](Random& r) { return constructed(r, 1, r.uniform(0, 2)); }},
-      {"small integers", [](Random& r) { return whole(r, r.integer(1, 3)); }},
-      {"small integers and ulps", [](Random& r) { return separated(whole(r, 2), r); }},
+      {"small integers", [](Random& r) { return integers(r, r.integer(1, 3)); }},
+      {"small integers and ulps", [](Random& r) { return separated(integers(r, 2), r); }},
       {"constructed contact", [](Random& r) { return constructed(r); }},
       {"constructed contact and ulps", [](Random& r) { return separated(constructed(r), r); }},
       {"dyadic contact", dyadic_contact},

@@ -24,7 +24,7 @@ class Random {
   double uniform(double low, double high);
   int integer(int low, int high);  ///< both ends included
   Vec3 vector(double size);        ///< components within ±size
-  Vec3 whole_vector(int size);     ///< whole components within ±size
+  Vec3 integer_vector(int size);   ///< integer components within ±size
   /// ±10^e with e uniform.
   double power_of_ten(double low, double high);
 

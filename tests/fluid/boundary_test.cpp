@@ -1,12 +1,12 @@
 // Boundary terms: walls continue the water as its mirror image.
-#include "fluid/boundary.h"
+#include "fluid/boundary/boundary.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "fluid/boundary/wall_integral.h"
 #include "fluid/lattice.h"
-#include "fluid/wall_integral.h"
 #include "support/random.h"
 #include "support/surface_of.h"
 
@@ -120,7 +120,9 @@ struct Layer {
     x = sorted;
     neighbours.search(x, workers);
     SurfaceMotion* surfaces[] = {&surface};
-    boundary.find(1e-3, mass, Vec3(0, -1, 0), x, neighbours, h, surfaces, workers);
+    const MeshTopology topology(surface.triangles, surface.x_t0.size());
+    const MeshTopology* topologies[] = {&topology};
+    boundary.find({1e-3, mass, h, Vec3(0, -1, 0), x, neighbours, surfaces, topologies}, workers);
   }
 };
 
@@ -135,9 +137,9 @@ TEST(Boundary, a_lattice_on_a_sheet_lacks_nothing) {
   water.fill(12, 4, Layer::dx / 2);
   water.find();
   EXPECT_EQ(water.boundary.points().size(), 144u) << "the first layer";
-  for (const Boundary::Point& p : water.boundary.points()) {
+  for (const WallPoint& p : water.boundary.points()) {
     EXPECT_NEAR(p.lambda, lattice_mass_beyond<CubicSpline>(2), 2e-5);
-    EXPECT_NEAR(p.gamma.y(), Boundary::settled_pull * 2 * lattice_pull_beyond<CubicSpline>(2), 2e-4)
+    EXPECT_NEAR(p.gamma.y(), MirrorImage::settled_pull * 2 * lattice_pull_beyond<CubicSpline>(2), 2e-4)
         << "as much as the layer above of settled water";
     EXPECT_NEAR(p.gamma.x(), 0, 1e-5);
   }
@@ -152,10 +154,10 @@ TEST(Boundary, both_sides_are_alike_and_the_force_is_the_slope) {
       Layer water(mesh, 0);
       water.x = {Vec3(0, y, 0)};
       water.find();
-      return water.boundary.points().empty() ? Boundary::Point() : water.boundary.points()[0];
+      return water.boundary.points().empty() ? WallPoint() : water.boundary.points()[0];
     };
     const double e = 1e-5;
-    const Boundary::Point above = lambda_at(z), below = lambda_at(-z);
+    const WallPoint above = lambda_at(z), below = lambda_at(-z);
     EXPECT_NEAR(above.lambda, below.lambda, 0.04) << "the hollow side is nearer to more of the sheet";
     EXPECT_GT(above.gamma.y(), 0);
     EXPECT_LT(below.gamma.y(), 0);
@@ -189,7 +191,7 @@ TEST(Boundary, layers_behind_a_layer_do_not_count) {
   water.fill(4, 1, Layer::dx / 2, Vec3(-0.01, 0, -0.01));
   water.find();
   ASSERT_EQ(water.boundary.points().size(), 16u);
-  for (const Boundary::Point& p : water.boundary.points())
+  for (const WallPoint& p : water.boundary.points())
     EXPECT_NEAR(p.lambda, lattice_mass_beyond<CubicSpline>(2), 2e-3);
 }
 
@@ -201,7 +203,7 @@ TEST(Boundary, sheets_that_lie_on_each_other_count_once) {
   doubled.fill(4, 1, Layer::dx / 2, Vec3(-0.01, 0, -0.01));
   doubled.find();
   ASSERT_EQ(doubled.boundary.points().size(), 16u);
-  for (const Boundary::Point& p : doubled.boundary.points())
+  for (const WallPoint& p : doubled.boundary.points())
     EXPECT_NEAR(p.lambda, lattice_mass_beyond<CubicSpline>(2), 2e-4);
 
   Layer twice(plate(0.06, 7, -0.03), 0);
@@ -212,10 +214,13 @@ TEST(Boundary, sheets_that_lie_on_each_other_count_once) {
   twice.neighbours.search(sorted, twice.workers);
   SurfaceMotion other = test::surface_of(plate(0.06, 7, -0.03), 0, 2);
   SurfaceMotion* surfaces[] = {&twice.surface, &other};
-  twice.boundary.find(1e-3, Layer::mass, Vec3::Zero(), sorted, twice.neighbours, Layer::h, surfaces,
-                      twice.workers);
+  const MeshTopology topology(other.triangles, other.x_t0.size());  // of both
+  const MeshTopology* topologies[] = {&topology, &topology};
+  twice.boundary.find(
+      {1e-3, Layer::mass, Layer::h, Vec3::Zero(), sorted, twice.neighbours, surfaces, topologies},
+      twice.workers);
   ASSERT_EQ(twice.boundary.points().size(), 16u);
-  for (const Boundary::Point& p : twice.boundary.points())
+  for (const WallPoint& p : twice.boundary.points())
     EXPECT_NEAR(p.lambda, lattice_mass_beyond<CubicSpline>(2), 5e-3);
 }
 
@@ -227,11 +232,11 @@ TEST(Boundary, what_particles_get_nodes_lose) {
     Layer water(mesh, inverse_mass);
     water.fill(12, 2, 0.004);
     water.find();
-    std::vector<Boundary::Load<double>> load;
+    std::vector<WallLoad<double>> load;
     for (std::size_t k = 0; k < water.boundary.points().size(); ++k)
       load.push_back({random.uniform(), random.uniform()});
     std::vector<Vec3> dv(water.x.size(), Vec3::Zero());
-    water.boundary.push(load, dv, water.workers);
+    water.boundary.apply_load(load, dv, water.workers);
     Vec3 given = Vec3::Zero(), taken = Vec3::Zero(), nodes = Vec3::Zero();
     for (const Vec3& v : dv) given += Layer::mass * v;
     for (const Vec3& j : water.surface.impulse) taken += j;
@@ -252,16 +257,16 @@ TEST(Boundary, a_floor_carries_what_the_water_down_to_it_weighs_and_a_ceiling_do
     water.fill(12, 1, side * 0.4 * Layer::dx);
     water.find();
     ASSERT_EQ(water.boundary.points().size(), 144u);
-    for (const Boundary::Point& p : water.boundary.points()) {
+    for (const WallPoint& p : water.boundary.points()) {
       const float depth = static_cast<float>(side * 0.4 * Layer::dx / Layer::h);
-      EXPECT_NEAR(p.lift.y(), depth * p.gamma.y(), 1e-6f);
-      EXPECT_GT(p.lift.y(), 0.1f) << "upwards: a floor pushes more, a ceiling less";
-      EXPECT_NEAR(p.deepest, std::abs(depth), 1e-6f);
+      EXPECT_NEAR(p.depth_gamma.y(), depth * p.gamma.y(), 1e-6f);
+      EXPECT_GT(p.depth_gamma.y(), 0.1f) << "upwards: a floor pushes more, a ceiling less";
+      EXPECT_NEAR(p.max_depth, std::abs(depth), 1e-6f);
     }
     std::vector<Vec3> dv(water.x.size(), Vec3::Zero());
-    water.boundary.push({water.boundary.points().size(), {0.5, 2}}, dv, water.workers);
-    for (const Boundary::Point& p : water.boundary.points())
-      EXPECT_LT((dv[p.particle] - p.push({0.5f, 2}).cast<double>()).norm(), 1e-6);
+    water.boundary.apply_load({water.boundary.points().size(), {0.5, 2}}, dv, water.workers);
+    for (const WallPoint& p : water.boundary.points())
+      EXPECT_LT((dv[p.particle] - p.velocity_change({0.5f, 2}).cast<double>()).norm(), 1e-6);
   }
 }
 
@@ -273,12 +278,12 @@ TEST(Boundary, light_walls_give_way_and_heavy_ones_move_as_told) {
     water.fill(12, 1, Layer::dx / 2);
     water.find();
     const std::vector<float> still = water.boundary.normal_flux();
-    water.boundary.predict_wall_velocity(std::vector<float>(still.size(), 0.01f), water.workers);
+    water.boundary.compliance().predict_wall_velocity(std::vector<float>(still.size(), 0.01f), water.workers);
     for (std::size_t k = 0; k < still.size(); ++k) {
-      const Boundary::Point& p = water.boundary.points()[k];
+      const WallPoint& p = water.boundary.points()[k];
       EXPECT_NEAR(still[k], 0.2f * p.gamma.y(), 1e-4f);
       const float fallen = (still[k] - water.boundary.normal_flux()[k]) / 0.01f;
-      EXPECT_NEAR(fallen, water.boundary.yielding()[k], 1e-3f * fallen + 1e-3f);
+      EXPECT_NEAR(fallen, water.boundary.compliance().row_sums()[k], 1e-3f * fallen + 1e-3f);
       if (inverse_mass > 0) {
         EXPECT_GT(fallen, 1);
       }
@@ -306,7 +311,7 @@ TEST(Boundary, the_answer_of_light_walls_is_solved_for) {
     for (Eigen::Index l = 0; l < n; ++l) {
       std::vector<float> theta(static_cast<std::size_t>(n), 0);
       theta[static_cast<std::size_t>(l)] = 1;
-      water.boundary.predict_wall_velocity(theta, water.workers);
+      water.boundary.compliance().predict_wall_velocity(theta, water.workers);
       for (Eigen::Index k = 0; k < n; ++k) {
         const auto at = static_cast<std::size_t>(k);
         a(k, l) = scale * (still[at] - water.boundary.normal_flux()[at]);
@@ -320,7 +325,7 @@ TEST(Boundary, the_answer_of_light_walls_is_solved_for) {
       change.push_back(static_cast<float>(random.uniform() - 0.3));
       residual[k] = static_cast<double>(change.back());
     }
-    water.boundary.solve_yielding(scale, step, change, water.workers);
+    water.boundary.compliance().solve(scale, step, change, water.workers);
     // Where the step is 0 the pressure stays, and the others do not count on it.
     std::vector<Eigen::Index> moved;
     Eigen::VectorXd solved(n), by_row_sums(n);
@@ -332,7 +337,8 @@ TEST(Boundary, the_answer_of_light_walls_is_solved_for) {
         moved.push_back(k);
         a(k, k) += stiffness;
         by_row_sums[k] =
-            residual[k] / (stiffness + static_cast<double>(scale * water.boundary.yielding()[at]));
+            residual[k] /
+            (stiffness + static_cast<double>(scale * water.boundary.compliance().row_sums()[at]));
       } else {
         EXPECT_EQ(solved[k], 0);
       }
@@ -351,7 +357,7 @@ TEST(Boundary, the_answer_of_light_walls_is_solved_for) {
 }
 
 TEST(Boundary, does_not_depend_on_threads) {
-  std::vector<float> lambda[2], yielding[2], change[2];
+  std::vector<float> lambda[2], row_sums[2], change[2];
   for (int threads : {1, 2}) {
     test::StaticMesh mesh = plate(0.1, 17);
     test::Random random(8);
@@ -360,15 +366,15 @@ TEST(Boundary, does_not_depend_on_threads) {
     for (int i = 0; i < 4000; ++i)
       water.x.push_back(Vec3(0.1 * random.uniform(), 0.03 * random.uniform() - 0.01, 0.1 * random.uniform()));
     water.find();
-    for (const Boundary::Point& p : water.boundary.points()) lambda[threads - 1].push_back(p.lambda);
-    yielding[threads - 1] = water.boundary.yielding();
+    for (const WallPoint& p : water.boundary.points()) lambda[threads - 1].push_back(p.lambda);
+    row_sums[threads - 1] = water.boundary.compliance().row_sums();
     change[threads - 1] = lambda[threads - 1];
-    water.boundary.solve_yielding(0.3f, std::vector<float>(change[0].size(), 0.2f), change[threads - 1],
-                                  water.workers);
+    water.boundary.compliance().solve(0.3f, std::vector<float>(change[0].size(), 0.2f), change[threads - 1],
+                                      water.workers);
   }
   EXPECT_GT(lambda[0].size(), 1000u);
   EXPECT_EQ(lambda[0], lambda[1]);
-  EXPECT_EQ(yielding[0], yielding[1]);
+  EXPECT_EQ(row_sums[0], row_sums[1]);
   EXPECT_EQ(change[0], change[1]);
   EXPECT_NE(change[0], lambda[0]);
 }

@@ -1,4 +1,4 @@
-#include "fluid/emission.h"
+#include "fluid/emission/emission.h"
 
 #include <gtest/gtest.h>
 
@@ -160,6 +160,30 @@ TEST(Emission, boxes_fill_once_and_lose_what_is_blocked) {
   }
   EXPECT_EQ(emission.settle(std::vector<std::uint8_t>(120, 1)), 120u);
   EXPECT_TRUE(emission.due(0.011, 1).empty());
+}
+
+TEST(Emission, roll_back_repeats_the_starts) {
+  Emission emission = make();
+  ASSERT_TRUE(emission.add(jet()).ok());
+  BoxEmitter box;
+  box.box = {Vec3::Zero(), Vec3(4, 4, 4) * dx};
+  box.start = 0.0105;
+  ASSERT_TRUE(emission.add(box).ok());
+  emission.settle(std::vector<std::uint8_t>(emission.due(0, 0.01).size(), 1));
+  emission.checkpoint();
+  const std::vector<Start> first = emission.due(0.01, 0.01);
+  emission.settle(std::vector<std::uint8_t>(first.size(), 0));
+  emission.roll_back();
+  const std::vector<Start> again = emission.due(0.01, 0.01);
+  ASSERT_EQ(again.size(), first.size());
+  EXPECT_GT(first.size(), 64u + 81 + 81) << "those that waited, a layer and the box";
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    EXPECT_EQ(again[k].position, first[k].position);
+    EXPECT_EQ(again[k].remaining, first[k].remaining);
+  }
+  emission.settle(std::vector<std::uint8_t>(again.size(), 0));
+  emission.commit();
+  for (const Start& s : emission.due(0.02, 0.01)) EXPECT_GT(s.velocity.norm(), 0) << "no second box";
 }
 
 TEST(Emission, rain_is_a_function_of_its_seed) {

@@ -171,6 +171,8 @@ TEST(Occlusion, keeps_momentum_and_bits) {
     const test::StaticMesh mesh = bumpy_sheet(10, 0.06, 0.006, 2);
     SurfaceMotion surface = test::surface_of(mesh);
     SurfaceMotion* surfaces[] = {&surface};
+    const MeshTopology topology(surface.triangles, surface.x_t0.size());
+    const MeshTopology* topologies[] = {&topology};
     FluidSettings settings;
     settings.xsph_rate = 50;
     settings.viscosity = 1e-4;
@@ -185,7 +187,7 @@ TEST(Occlusion, keeps_momentum_and_bits) {
     StageSeconds seconds;
     FluidReport report;
     solver.prepare(particles, seconds);
-    solver.apply_surfaces(1e-3, Vec3::Zero(), particles, surfaces, seconds);
+    solver.apply_surfaces(1e-3, Vec3::Zero(), particles, surfaces, topologies, seconds);
     Vec3 before = Vec3::Zero();
     for (const Vec3& v : particles.velocity) before += v;
     solver.propose(1e-3, Vec3::Zero(), particles, {}, particles.velocity, report, seconds);

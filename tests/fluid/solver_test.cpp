@@ -1,8 +1,8 @@
 /// What holds for every fluid model.
 #include <gtest/gtest.h>
 
+#include "fluid/emission/random.h"
 #include "fluid/lattice.h"
-#include "fluid/random.h"
 #include "tank.h"
 
 namespace oilskin::fluid {
@@ -43,6 +43,45 @@ TEST_P(EveryModel, mass_gives_the_lattice_rest_density) {
   }
   EXPECT_EQ(inner, 64u);
   EXPECT_NEAR(tank.solver.particle_mass(), 1.25e-4, 2e-6);
+}
+
+TEST_P(EveryModel, roll_back_repeats_a_step) {
+  const auto hash_after = [&](bool checkpoint, double dt_between) {
+    Tank tank(settings());
+    fill_randomly(tank, 1500, 0.03, 4);
+    tank.walls = false;
+    for (int k = 0; k < 3; ++k) tank.step(5e-4);
+    const Particles before = tank.particles;
+    if (checkpoint) tank.solver.checkpoint();
+    if (dt_between > 0) tank.step(dt_between);
+    if (checkpoint) tank.solver.roll_back();
+    tank.particles = before;
+    tank.step(5e-4);
+    return tank.hash();
+  };
+  EXPECT_EQ(hash_after(true, 2e-4), hash_after(false, 0));
+  if (GetParam() != PressureSolver::mcg03) {  // which keeps nothing
+    EXPECT_NE(hash_after(false, 2e-4), hash_after(false, 0));
+  }
+}
+
+/// Emitted particles are appended between prepare() and propose().
+TEST_P(EveryModel, appended_particles_take_no_part) {
+  Tank with(settings()), without(settings());
+  std::vector<Vec3> velocity[2];
+  for (Tank* tank : {&with, &without}) {
+    fill_randomly(*tank, 1500, 0.03, 4);
+    tank->solver.prepare(tank->particles, tank->seconds);
+    if (tank == &with) tank->add(Vec3(0.001, 0.002, 0.003), Vec3(1, 2, 3));
+    std::vector<Vec3>& v = velocity[tank == &with];
+    v.assign(tank->particles.size(), Vec3::Zero());
+    const std::vector<Vec3> before = tank->particles.velocity;
+    tank->solver.propose(5e-4, tank->gravity, tank->particles, {}, v, tank->report, tank->seconds);
+    EXPECT_EQ(tank->particles.velocity, before) << "is read only";
+  }
+  EXPECT_EQ(velocity[1].back(), Vec3::Zero());
+  velocity[1].pop_back();
+  EXPECT_EQ(velocity[0], velocity[1]);
 }
 
 TEST_P(EveryModel, momentum_changes_by_gravity_alone) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <sstream>
 
+#include "contact/zones.h"
 #include "fuzz/random_sheet.h"
 #include "oilskin/world.h"
 #include "support/trace_watch.h"
@@ -15,8 +16,6 @@ namespace {
 
 /// Rounding of sums in the ledgers, relative to the sum of all magnitudes in them.
 constexpr double ledger_tolerance = 1e-10;
-/// Rounds after which zones give up what is still bad, and room for who is given up one after the other.
-constexpr std::uint64_t max_zone_rounds = 60;
 
 template <class T, std::size_t n>
 T one_of(Random& random, const T (&values)[n]) {
@@ -413,7 +412,8 @@ void RandomWorld::check_counts(const StepReport& r, const Before& before) {
   expect(std::abs(r.mass_emitted - in) <= 1e-12 * in, "mass emitted");
   expect(substeps >= 1 && r.substeps <= world_->fluid_settings().max_substeps, "sub-steps");
   expect(c.ccd_iterations <= substeps * static_cast<std::uint64_t>(settings.ccd_iterations), "rounds");
-  expect(c.zone_rounds <= substeps * max_zone_rounds, "zone rounds: " + std::to_string(c.zone_rounds));
+  expect(c.zone_rounds <= substeps * contact::max_zone_rounds,
+         "zone rounds: " + std::to_string(c.zone_rounds));
   expect(r.fluid.iterations <= r.substeps * world_->fluid_settings().max_iterations, "iterations");
   expect(c.stalled <= c.held, "stalled");
   expect(c.removed <= r.removed, "removed");

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "core/closest_point.h"
-#include "fluid/boundary.h"
+#include "fluid/boundary/boundary.h"
 #include "hard_cases/cloth_scene.h"
 #include "hard_cases/invariants.h"
 #include "hard_cases/outcome.h"
@@ -966,6 +966,8 @@ float max_lambda() {
   crumple(mesh.nodes, 61, 9, 12, 0.01, 0.05, 0.0008);
   SurfaceMotion surface = test::surface_of(mesh);
   SurfaceMotion* surfaces[] = {&surface};
+  const MeshTopology topology(surface.triangles, surface.x_t0.size());
+  const MeshTopology* topologies[] = {&topology};
   std::vector<Vec3> lattice, x;
   for (int i = 0; i < 24; ++i)
     for (int j = 0; j < 16; ++j)
@@ -975,9 +977,9 @@ float max_lambda() {
   for (std::uint32_t i : neighbours.cell_order(lattice, 0.01, workers)) x.push_back(lattice[i]);
   neighbours.search(x, workers);
   fluid::Boundary boundary{2.0};
-  boundary.find(1e-3, particle_mass, Vec3::Zero(), x, neighbours, 0.01, surfaces, workers);
+  boundary.find({1e-3, particle_mass, 0.01, Vec3::Zero(), x, neighbours, surfaces, topologies}, workers);
   float largest = 0;
-  for (const fluid::Boundary::Point& p : boundary.points()) largest = std::max(largest, p.lambda);
+  for (const fluid::WallPoint& p : boundary.points()) largest = std::max(largest, p.lambda);
   return largest;
 }
 

@@ -4,6 +4,8 @@
 
 #include <cstring>
 
+#include "contact/zones.h"
+
 namespace oilskin::test {
 
 namespace {
@@ -54,7 +56,7 @@ Motion motion_of(const ContactScene& s) {
 
 void expect_bounded(const ContactReport& r, const ContactSettings& settings, int intervals = 1) {
   EXPECT_LE(r.ccd_iterations, static_cast<std::uint64_t>(settings.ccd_iterations * intervals));
-  EXPECT_LE(r.zone_rounds, max_zone_rounds * static_cast<std::uint64_t>(intervals));
+  EXPECT_LE(r.zone_rounds, contact::max_zone_rounds * static_cast<std::uint64_t>(intervals));
 }
 
 void expect_clean(const audit::Summary& s, bool crossings_allowed) {

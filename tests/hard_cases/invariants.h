@@ -18,9 +18,6 @@
 
 namespace oilskin::test {
 
-/// Zones are over after this many rounds: 20 until everything is held, 4 more, then a follow and a removal.
-constexpr std::uint64_t max_zone_rounds = 28;
-
 /// How a host stores its nodes and whether they are free.
 struct HostKind {
   const char* name;

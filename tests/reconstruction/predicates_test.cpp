@@ -52,15 +52,15 @@ TEST(Separation, a_prism_is_never_farther_than_its_triangle_and_knows_when_it_is
     const double size = 1 + a[0].norm() + a[1].norm() + a[2].norm();
     const double distance = test::triangle_distance(a, b);
     const TrianglePrism::Distance d = TrianglePrism(a).distance_from(b);
-    ASSERT_LE(d.at_least, distance * (1 + 1e-12)) << round;
-    ASSERT_GE(d.at_least, 0) << round;
+    ASSERT_LE(d.lower_bound, distance * (1 + 1e-12)) << round;
+    ASSERT_GE(d.lower_bound, 0) << round;
     if (distance > 0 && kind < 3) {
       ++apart;
-      kept += d.at_least / distance;
+      kept += d.lower_bound / distance;
     }
     if (!d.is_exact) continue;
     ++exact;
-    EXPECT_GE(d.at_least, distance * (1 - 1e-6) - 1e-12 * size) << round << " of kind " << kind;
+    EXPECT_GE(d.lower_bound, distance * (1 - 1e-6) - 1e-12 * size) << round << " of kind " << kind;
   }
   EXPECT_GT(exact, 2000u);
   EXPECT_GT(apart, 15000u);
@@ -95,7 +95,7 @@ TEST(Visibility, a_line_through_an_edge_or_a_corner_of_a_mesh_is_blocked) {
     bool blocked = false;
     for (std::uint32_t k = 0; k < std::uint32_t(n); ++k) {
       const Triangle t = {0, 1 + k, 1 + (k + 1) % std::uint32_t(n)};
-      blocked |= segment_touches(p, q, {v[t[0]], v[t[1]], v[t[2]]}, t);
+      blocked |= hides_segment(p, q, {v[t[0]], v[t[1]], v[t[2]]}, t);
     }
     ASSERT_TRUE(blocked) << round;
   }
@@ -117,9 +117,9 @@ TEST(Visibility, the_bits_of_a_block_agree_with_every_triangle_asked_by_itself) 
     const Obstacles obstacles(meshes);
     std::vector<std::uint32_t> all(n);
     for (std::uint32_t t = 0; t < n; ++t) all[t] = t;
-    BlockSight sight;
-    sight.set(obstacles, all, Vec3::Zero(), 1, 4);
-    Words front_p, back_p, front_q, back_q, open(sight.words());
+    BlockVisibility visibility;
+    visibility.set(obstacles, all, Vec3::Zero(), 1, 4);
+    Words front_p, back_p, front_q, back_q, open(visibility.words());
     std::uint32_t last = none;
     for (int pair = 0; pair < 300; ++pair) {
       std::array<float, 3> p, q, low, high;
@@ -129,15 +129,15 @@ TEST(Visibility, the_bits_of_a_block_agree_with_every_triangle_asked_by_itself) 
         low[k] = std::min(p[k], q[k]);
         high[k] = std::max(p[k], q[k]);
       }
-      sight.sides(p, front_p, back_p);
-      sight.sides(q, front_q, back_q);
-      const bool blocked = sight.may_hide(front_p.data(), back_p.data(), front_q.data(), back_q.data(), low,
-                                          high, open.data()) &&
-                           sight.hides(p, q, open.data(), last);
+      visibility.sides(p, front_p, back_p);
+      visibility.sides(q, front_q, back_q);
+      const bool blocked = visibility.may_hide(front_p.data(), back_p.data(), front_q.data(), back_q.data(),
+                                               low, high, open.data()) &&
+                           visibility.hides(p, q, open.data(), last);
       bool expected = false;
       for (std::uint32_t t = 0; t < n; ++t)
-        expected |= segment_touches(Vec3(p[0], p[1], p[2]), Vec3(q[0], q[1], q[2]), obstacles.corners(t),
-                                    triangles[t]);
+        expected |=
+            hides_segment(Vec3(p[0], p[1], p[2]), Vec3(q[0], q[1], q[2]), obstacles.corners(t), triangles[t]);
       ASSERT_EQ(blocked, expected) << round << " " << pair;
       (blocked ? hidden : seen)++;
     }
@@ -175,22 +175,22 @@ TEST(Visibility, shadows_over_a_row_agree_with_every_node_asked_by_itself) {
     const Obstacles obstacles = random_triangles(random, n);
     std::vector<std::uint32_t> all(n);
     for (std::uint32_t t = 0; t < n; ++t) all[t] = t;
-    BlockSight sight;
-    sight.set(obstacles, all, Vec3::Zero(), 1, 4);
-    const Words open(sight.words(), ~0ull);
+    BlockVisibility visibility;
+    visibility.set(obstacles, all, Vec3::Zero(), 1, 4);
+    const Words open(visibility.words(), ~0ull);
     Shadows shadows;
     for (int particle = 0; particle < 20; ++particle) {
       std::array<float, 3> p;
       for (float& x : p) x = static_cast<float>(random.uniform(-4, 12));
       if (particle % 4 == 0) p[1] = 3;  // in the plane of some triangles
-      shadows.set(sight, p);
+      shadows.set(visibility, p);
       const int j = int(random.below(8)), k = int(random.below(8));
       const std::uint32_t wanted = random.below(256);
       std::uint32_t expected = 0;
       for (int i = 0; i < side; ++i)
         for (std::uint32_t t = 0; t < n; ++t)
-          if (segment_touches(Vec3(i, j, k), Vec3(p[0], p[1], p[2]), obstacles.corners(t),
-                              obstacles.indices(t)))
+          if (hides_segment(Vec3(i, j, k), Vec3(p[0], p[1], p[2]), obstacles.corners(t),
+                            obstacles.indices(t)))
             expected |= 1u << i;
       ASSERT_EQ(shadows.hidden(j, k, wanted, open.data()), expected & wanted) << round << " " << particle;
       (expected != 0 ? hidden : seen)++;

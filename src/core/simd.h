@@ -1,0 +1,241 @@
+/// Four and eight floats at a time: with vector extensions of the compiler, or as plain arrays (define
+/// OILSKIN_SCALAR). Both do the same IEEE operations in the same order, so they give the same bits.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#if defined(__has_builtin) && !defined(OILSKIN_SCALAR)
+#if __has_builtin(__builtin_shufflevector) && __has_builtin(__builtin_convertvector)
+#define OILSKIN_VECTOR_EXTENSIONS 1
+#endif
+#endif
+#if defined(OILSKIN_VECTOR_EXTENSIONS) && defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+namespace oilskin::simd {
+
+/// Four floats that are loaded together.
+struct alignas(16) Record {
+  float x, y, z, w;
+};
+
+#if defined(OILSKIN_VECTOR_EXTENSIONS)
+
+struct F4 {
+  using V = float __attribute__((vector_size(16)));
+  V v;
+  F4() : v{} {}
+  F4(V a) : v(a) {}               // NOLINT(google-explicit-constructor): a wrapper
+  F4(float a) : v{a, a, a, a} {}  // NOLINT(google-explicit-constructor): broadcasts constants
+  float operator[](int k) const { return v[k]; }
+};
+
+inline F4 operator+(F4 a, F4 b) {
+  return a.v + b.v;
+}
+inline F4 operator-(F4 a, F4 b) {
+  return a.v - b.v;
+}
+inline F4 operator*(F4 a, F4 b) {
+  return a.v * b.v;
+}
+inline F4 operator/(F4 a, F4 b) {
+  return a.v / b.v;
+}
+inline F4 larger(F4 a, F4 b) {
+  return a.v > b.v ? a.v : b.v;
+}
+inline F4 smaller(F4 a, F4 b) {
+  return a.v < b.v ? a.v : b.v;
+}
+#if defined(__SSE2__)
+inline F4 root(F4 a) {
+  return F4::V(_mm_sqrt_ps(a.v));
+}
+#else
+inline F4 root(F4 a) {
+  return F4::V{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+}
+#endif
+
+/// p is aligned to 16 bytes.
+inline F4 load(const float* p) {
+  return *reinterpret_cast<const F4::V*>(p);
+}
+inline void store(float* p, F4 a) {
+  *reinterpret_cast<F4::V*>(p) = a.v;
+}
+inline F4 gather(const float* p, const std::uint32_t* index) {
+  return F4::V{p[index[0]], p[index[1]], p[index[2]], p[index[3]]};
+}
+
+/// Sums floats in double, so that antisymmetric terms cancel to 1e-16.
+struct Sum4 {
+  using D = double __attribute__((vector_size(16)));
+  D low{}, high{};
+  void operator+=(F4 a) {
+    low += __builtin_convertvector(__builtin_shufflevector(a.v, a.v, 0, 1), D);
+    high += __builtin_convertvector(__builtin_shufflevector(a.v, a.v, 2, 3), D);
+  }
+  double total() const { return (low[0] + high[0]) + (low[1] + high[1]); }
+};
+
+/// Four records, transposed: x[k] is that of record index[k].
+struct Record4 {
+  F4 x, y, z, w;
+  Record4(const Record* r, const std::uint32_t* index) {
+    const F4::V a = load(&r[index[0]].x).v, b = load(&r[index[1]].x).v;
+    const F4::V c = load(&r[index[2]].x).v, d = load(&r[index[3]].x).v;
+    const F4::V ab_xy = __builtin_shufflevector(a, b, 0, 4, 1, 5),
+                cd_xy = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+    const F4::V ab_zw = __builtin_shufflevector(a, b, 2, 6, 3, 7),
+                cd_zw = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+    x = __builtin_shufflevector(ab_xy, cd_xy, 0, 1, 4, 5);
+    y = __builtin_shufflevector(ab_xy, cd_xy, 2, 3, 6, 7);
+    z = __builtin_shufflevector(ab_zw, cd_zw, 0, 1, 4, 5);
+    w = __builtin_shufflevector(ab_zw, cd_zw, 2, 3, 6, 7);
+  }
+};
+
+#else
+
+struct F4 {
+  float v[4];
+  F4(float a = 0) : v{a, a, a, a} {}  // NOLINT(google-explicit-constructor): broadcasts constants
+  F4(float a, float b, float c, float d) : v{a, b, c, d} {}
+  float operator[](int k) const { return v[k]; }
+};
+
+template <class F>
+F4 lanes(const F& f) {
+  return {f(0), f(1), f(2), f(3)};
+}
+inline F4 operator+(F4 a, F4 b) {
+  return lanes([&](int k) { return a[k] + b[k]; });
+}
+inline F4 operator-(F4 a, F4 b) {
+  return lanes([&](int k) { return a[k] - b[k]; });
+}
+inline F4 operator*(F4 a, F4 b) {
+  return lanes([&](int k) { return a[k] * b[k]; });
+}
+inline F4 operator/(F4 a, F4 b) {
+  return lanes([&](int k) { return a[k] / b[k]; });
+}
+inline F4 larger(F4 a, F4 b) {
+  return lanes([&](int k) { return a[k] > b[k] ? a[k] : b[k]; });
+}
+inline F4 smaller(F4 a, F4 b) {
+  return lanes([&](int k) { return a[k] < b[k] ? a[k] : b[k]; });
+}
+inline F4 root(F4 a) {
+  return lanes([&](int k) { return std::sqrt(a[k]); });
+}
+inline F4 load(const float* p) {
+  return {p[0], p[1], p[2], p[3]};
+}
+inline void store(float* p, F4 a) {
+  for (int k = 0; k < 4; ++k) p[k] = a[k];
+}
+inline F4 gather(const float* p, const std::uint32_t* index) {
+  return {p[index[0]], p[index[1]], p[index[2]], p[index[3]]};
+}
+
+struct Sum4 {
+  double v[4] = {0, 0, 0, 0};
+  void operator+=(F4 a) {
+    for (int k = 0; k < 4; ++k) v[k] += a[k];
+  }
+  double total() const { return (v[0] + v[2]) + (v[1] + v[3]); }
+};
+
+struct Record4 {
+  F4 x, y, z, w;
+  Record4(const Record* r, const std::uint32_t* i)
+      : x(r[i[0]].x, r[i[1]].x, r[i[2]].x, r[i[3]].x),
+        y(r[i[0]].y, r[i[1]].y, r[i[2]].y, r[i[3]].y),
+        z(r[i[0]].z, r[i[1]].z, r[i[2]].z, r[i[3]].z),
+        w(r[i[0]].w, r[i[1]].w, r[i[2]].w, r[i[3]].w) {}
+};
+
+#endif
+
+inline void operator+=(F4& a, F4 b) {
+  a = a + b;
+}
+inline float total(F4 a) {
+  return (a[0] + a[2]) + (a[1] + a[3]);
+}
+
+// The same names for scalars, so that kernels are written once.
+inline double larger(double a, double b) {
+  return a > b ? a : b;
+}
+inline double root(double a) {
+  return std::sqrt(a);
+}
+
+/// Eight floats as two F4.
+struct F8 {
+  F4 low, high;
+  F8() = default;
+  F8(F4 l, F4 h) : low(l), high(h) {}
+  F8(float a) : low(a), high(a) {}  // NOLINT(google-explicit-constructor): broadcasts constants
+
+  /// No alignment is needed.
+  static F8 load(const float* p) {
+    F8 a;
+    std::memcpy(static_cast<void*>(&a), p, sizeof a);
+    return a;
+  }
+  void store(float* p) const { std::memcpy(p, static_cast<const void*>(this), sizeof *this); }
+};
+static_assert(sizeof(F8) == 8 * sizeof(float), "eight floats, nothing else");
+
+inline F8 operator+(const F8& a, const F8& b) {
+  return {a.low + b.low, a.high + b.high};
+}
+inline F8 operator-(const F8& a, const F8& b) {
+  return {a.low - b.low, a.high - b.high};
+}
+inline F8 operator*(const F8& a, const F8& b) {
+  return {a.low * b.low, a.high * b.high};
+}
+inline F8 larger(const F8& a, const F8& b) {
+  return {larger(a.low, b.low), larger(a.high, b.high)};
+}
+inline F8 smaller(const F8& a, const F8& b) {
+  return {smaller(a.low, b.low), smaller(a.high, b.high)};
+}
+/// 0 where a is not positive.
+inline F8 positive_part(const F8& a) {
+  return larger(a, 0.0f);
+}
+
+/// Bit k: a[k] > b[k].
+inline std::uint32_t greater_mask(const F8& a, const F8& b) {
+#if defined(OILSKIN_VECTOR_EXTENSIONS) && defined(__SSE2__)
+  return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_cmpgt_ps(a.low.v, b.low.v)) |
+                                    _mm_movemask_ps(_mm_cmpgt_ps(a.high.v, b.high.v)) << 4);
+#else
+  float x[8], y[8];
+  a.store(x);
+  b.store(y);
+  std::uint32_t bits = 0;
+  for (int k = 0; k < 8; ++k) bits |= static_cast<std::uint32_t>(x[k] > y[k]) << k;
+  return bits;
+#endif
+}
+
+/// Sets the elements of which bits are set to 0.
+inline F8 cleared(const F8& a, std::uint32_t bits) {
+  float x[8];
+  a.store(x);
+  for (; bits != 0; bits &= bits - 1) x[__builtin_ctz(bits)] = 0;
+  return F8::load(x);
+}
+
+}  // namespace oilskin::simd

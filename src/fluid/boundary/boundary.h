@@ -1,0 +1,51 @@
+/// Boundary terms: what the surfaces near a fluid add to its density and pressure (theory/boundary.md).
+///
+/// A pressure model uses them in three places: λ_i counts in the density at the start; the density grows at
+/// the rate −(1/H) Σ_T γ_T·(v_i − v_T) (B.12); and the pressure of particle i changes its velocity by
+/// Σ_T θ_T γ_T (B.13). The nodes of the walls get the opposite momentum (B.14).
+#pragma once
+
+#include "fluid/boundary/load_memory.h"
+#include "fluid/boundary/wall_compliance.h"
+#include "fluid/boundary/wall_geometry.h"
+#include "fluid/boundary/wall_nodes.h"
+
+namespace oilskin::fluid {
+
+class Boundary {
+ public:
+  static constexpr std::uint32_t none = WallGeometry::none;
+
+  /// `support_ratio` H/dx of the lattice.
+  explicit Boundary(double support_ratio) : geometry_(support_ratio) {}
+
+  /// Finds the points and walls of an interval. The surfaces are kept until apply_load() or clear().
+  void find(const BoundaryInput& input, const Workers& workers);
+  void clear();
+
+  bool empty() const { return points().empty(); }
+  const std::vector<WallPoint>& points() const { return geometry_.points(); }
+  /// Index into points(), or none. Valid for every particle if !empty().
+  std::uint32_t point_of(std::size_t particle) const { return geometry_.point_of()[particle]; }
+
+  WallCompliance& compliance() { return compliance_; }
+  const std::vector<float>& normal_flux() const { return compliance_.normal_flux(); }
+
+  /// dv += Σ_T θ_T γ_T; velocities and impulses of the nodes change by the opposite momentum.
+  void apply_load(const std::vector<WallLoad<double>>& load, std::vector<Vec3>& dv, const Workers& workers);
+
+  /// What is kept from step to step.
+  LoadMemory& memory() { return memory_; }
+
+ private:
+  std::vector<WallNodeMotion> node_motion(double dt) const;
+
+  WallGeometry geometry_;
+  WallNodes nodes_;
+  WallCompliance compliance_;
+  LoadMemory memory_;
+  double mass_ = 0;  // of a particle [kg]
+  std::vector<SurfaceMotion*> surfaces_;
+};
+
+}  // namespace oilskin::fluid

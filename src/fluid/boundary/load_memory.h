@@ -1,0 +1,45 @@
+/// What each node remembers of the loads of earlier steps, and how much of a load its host will carry.
+///
+/// A host such as a cloth solver responds to the load of a step in the next one. Without a memory of loads
+/// and responses every sheet would seem to yield freely (theory/boundary.md, section 8).
+#pragma once
+
+#include <map>
+
+#include "core/archive.h"
+#include "oilskin/surface_motion.h"
+
+namespace oilskin::fluid {
+
+class LoadMemory {
+ public:
+  /// Starts with an empty memory for surfaces that are new or have another number of nodes.
+  void prepare(Span<SurfaceMotion* const> surfaces);
+
+  /// Once per step, after the hosts were gathered: the forces with which they reacted to the last load
+  /// (B.26). dt of the step [s], gravity [m/s²]. Surfaces that are not in the list are forgotten.
+  void record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
+  /// Once per step, before the hosts are scattered: the impulses of this step.
+  void record_load(double dt, Span<SurfaceMotion* const> surfaces);
+
+  /// J^carried: impulse of the load that the host is expected to carry within dt [N s] (B.28).
+  Vec3 carried_impulse(std::uint64_t surface_id, std::uint32_t node, double dt) const;
+
+  void visit(Archive& archive);
+  void swap(LoadMemory& other) noexcept { of_surface_.swap(other.of_surface_); }
+
+ private:
+  /// Forces are exponential means over the last steps.
+  struct NodeMemory {
+    Vec3 velocity_left = Vec3::Zero();  // at the end of the last step [m/s]
+    Vec3 load = Vec3::Zero();           // of fluid and contact [N]
+    Vec3 response = Vec3::Zero();       // of the host, without gravity [N]
+  };
+
+  void forget_others(Span<SurfaceMotion* const> surfaces);
+  std::vector<NodeMemory>* find(const SurfaceMotion& surface);
+
+  std::map<std::uint64_t, std::vector<NodeMemory>> of_surface_;  // by surface id
+};
+
+}  // namespace oilskin::fluid

@@ -1,0 +1,48 @@
+/// Integrals of the cubic spline over walls. Lengths in units of H, kernel masses relative to ρ0.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "oilskin/types.h"
+
+namespace oilskin::fluid {
+
+/// Kernel mass behind a plane at distance ζ ≥ 0, Λ(ζ) (B.1).
+template <class T>
+T half_space_mass(T z) {
+  const T u = std::max(T(1) - z, T(0)), v = std::max(T(0.5) - z, T(0));
+  return T(8.0 / 15) * (u * u * u * u * u * (T(1) + T(2) * z) - v * v * v * v * v * (T(2) + T(8) * z));
+}
+
+/// The kernel's integral over a plane at distance ζ ≥ 0, L(ζ) = −dΛ/dζ (B.2).
+template <class T>
+T plane_integral(T z) {
+  const T u = std::max(T(1) - z, T(0)), v = std::max(T(0.5) - z, T(0));
+  return T(8.0 / 5) * (u * u * u * u * (T(1) + T(4) * z) - v * v * v * v * (T(2) + T(16) * z));
+}
+
+/// −dL/dζ = 2π ζ W (B.3).
+template <class T>
+T plane_integral_slope(T z) {
+  const T u = std::max(T(1) - z, T(0)), v = std::max(T(0.5) - z, T(0));
+  return T(16) * z * (T(2) * u * u * u - T(8) * v * v * v);
+}
+
+/// A triangle near a particle at the origin.
+struct WallView {
+  float distance = 1;                                ///< of the triangle's plane
+  float share = 0;                                   ///< S_T: of the effect of the whole plane, 0 … 1
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< of the plane, towards the particle
+};
+
+/// Corners relative to the particle. S_T = Λ_T/Λ(ζ) (B.7): the kernel mass in the triangle's shadow over that
+/// behind its plane, so that the shares of the tiles of a plane add up to 1, for any orientation and also for
+/// open meshes. In polar coordinates (r, ϕ) about the particle's foot in the plane the radial integral is
+/// known, and one integral along each edge remains (B.9),
+///   Λ_T = 1/(2π) Σ_edges ∫ [Λ(ζ) − ζ Λ(r)/r] dϕ.
+/// A sum over small triangles needs hundreds of them for the same accuracy. 0 for a triangle without area,
+/// and for one whose plane contains the particle.
+WallView view_of_wall(const std::array<Eigen::Vector3f, 3>& corners);
+
+}  // namespace oilskin::fluid

@@ -1,0 +1,55 @@
+/// What PCISPH and DFSPH have in common: the calibration, the sums at the start of a step, and the target of
+/// the density.
+///
+/// Pressures are stored as φ = p dt² (V/V_s) D/(ρ0 H²) (F.15), without dimension, so that a pair moves
+/// particle i by −(φ_i + φ_j) w'/q Δ in units of H within the step (F.16).
+#pragma once
+
+#include "fluid/lattice.h"
+#include "fluid/pressure/pair_sums.h"
+#include "oilskin/settings.h"
+
+namespace oilskin::fluid {
+
+/// The sums at the start of a step: density, viscosity and XSPH.
+struct IncompressibleSums : DensityModel<CubicSpline> {
+  using Gradient = CubicSpline;
+  float by_slope, by_hat;  // 2 ν dt/H² times the weights
+
+  IncompressibleSums(double volume, double support_radius, double smoothed_fraction, double viscosity_dt,
+                     const ViscousWeights& weights);
+
+  /// a_i = −2 ν/H² Σ ψ(q) (v_ij·Δ) Δ (F.10): the term of [Monaghan2005] with a second part that makes it
+  /// isotropic on the lattice. Conserves angular momentum, too.
+  Shear shear(const Pairs& pairs, F4 dv_dot_delta, F4 q, F4 slope, F4 w) const {
+    const F4 u = larger(F4(1) - q, F4(0));
+    return {dv_dot_delta * (F4(by_slope) * slope / (pairs.q2 + F4(0.01f)) - F4(by_hat) * u * u),
+            F4(smoothing) * w};
+  }
+};
+
+/// Constants of an incompressible fluid, from its settings.
+struct IncompressibleFluid {
+  explicit IncompressibleFluid(const FluidSettings& settings);
+
+  FluidSettings settings;
+  double support_radius;  // H [m]
+  double volume;          // V [m³]: of a particle on the lattice at rest density; the sums use it
+  double settled_volume;  // V_s [m³]: of a particle in settled water; its mass follows from it (F.6)
+  ViscousWeights viscous_weights;
+  float density_scale;    // D
+  float self_density;     // D w(0)
+  double stiffness;       // τ: change of φ per relative density error (F.17)
+  double max_relaxation;  // ω (F.22)
+  float wall_scale;       // 1/D: displacement by a wall in units of H per φ γ (F.16)
+
+  IncompressibleSums sums(double dt) const;
+  double phi_per_pascal(double dt) const;
+  /// φ at the start per pressure of the last step [1/Pa] (F.25).
+  double warm_start(const StepState& state) const;
+};
+
+/// ē_i (F.18): the density errors that the step aims at, 0 except for over-compressed particles.
+void set_targets(const StepState& state, double spacing, std::vector<float>& target);
+
+}  // namespace oilskin::fluid

@@ -1,0 +1,57 @@
+/// The data of one fluid step that its stages share.
+#pragma once
+
+#include "core/parallel.h"
+#include "fluid/boundary/boundary.h"
+#include "fluid/neighbours.h"
+#include "fluid/pressure/prediction_contact.h"
+
+namespace oilskin::fluid {
+
+struct StepState {
+  StepState(const Workers& w, double support_ratio) : boundary(support_ratio), workers(w) {}
+
+  // Input
+  Boundary boundary;  ///< empty if no surface is near, or without boundary terms
+  const Workers& workers;
+  double dt = 0;           ///< [s]
+  double previous_dt = 0;  ///< of the step that wrote the pressures [s]; 0 = none
+  Vec3 gravity = Vec3::Zero();
+  Span<const PredictionContact> contacts;  ///< sorted by particle
+
+  // State of the step. Positions in units of H relative to neighbours.origin(), velocities in m/s.
+  Neighbours neighbours;
+  std::uint64_t hidden_pairs = 0;
+  std::vector<Record> velocity;  ///< with one more for the padding
+  /// Per chunk and pair: w'(q)/q of the pressure's kernel at the start.
+  std::vector<std::vector<float>> slope;
+
+  // Output
+  std::vector<float> relative_density;  ///< ρ/ρ0 at the start
+  std::vector<Vec3> dv;                 ///< change of velocity, gravity included [m/s]
+
+  std::size_t size() const { return neighbours.size(); }
+  const std::vector<Record>& position() const { return neighbours.records(); }
+  const float* slopes(std::size_t i) const {
+    return slope[i / Neighbours::chunk_size].data() + neighbours.pair_begin(i);
+  }
+
+  /// f(i) for every particle; the tasks are the chunks of the neighbour lists.
+  template <class F>
+  void for_each(const F& f) const {
+    workers.for_each(size(), Neighbours::chunk_size, f);
+  }
+  /// f(begin, end) for every chunk.
+  template <class F>
+  void for_chunks(const F& f) const {
+    workers.for_chunks(size(), Neighbours::chunk_size,
+                       [&](std::size_t begin, std::size_t end, std::size_t) { f(begin, end); });
+  }
+  /// Σ f(begin, end) in the order of the chunks.
+  template <class T, class F>
+  T ordered_sum(T zero, const F& f) const {
+    return workers.ordered_sum(size(), Neighbours::chunk_size, zero, f);
+  }
+};
+
+}  // namespace oilskin::fluid

@@ -1,0 +1,67 @@
+/// The part of a pressure iteration that walls take: their motion under the pressures, their density at the
+/// predicted positions, and the coupled correction of the particles at walls (theory/boundary.md, 5 to 9).
+#pragma once
+
+#include "fluid/pressure/incompressible.h"
+#include "fluid/pressure/prediction_contact.h"
+
+namespace oilskin::fluid {
+
+/// The pressures φ of all particles, in an array of their own or as a field of records.
+struct Pressures {
+  Pressures(const std::vector<float>& phi) : first(phi.data()), stride(1) {}      // NOLINT: a view
+  Pressures(const std::vector<Record>& x_phi) : first(&x_phi[0].w), stride(4) {}  // NOLINT: a view
+  float operator[](std::size_t i) const { return first[stride * i]; }
+
+  const float* first;
+  std::size_t stride;
+};
+
+class WallResponse {
+ public:
+  explicit WallResponse(const IncompressibleFluid& fluid) : fluid_(fluid) {}
+
+  void begin_step(const StepState& state);
+
+  /// Point of the boundary of particle i, or Boundary::none.
+  static std::uint32_t point_of(const StepState& state, std::size_t i) {
+    return state.boundary.empty() ? Boundary::none : state.boundary.point_of(i);
+  }
+
+  /// Velocities of the walls under the pressures (B.18).
+  void predict_walls(StepState& state, Pressures phi);
+
+  /// `displacement` of particle i [H] without walls and contacts → with the force of its walls, on its side
+  /// of the sheets that it is in contact with (F.36). Stores the density of its walls there (B.17).
+  void constrain(const StepState& state, std::size_t i, float phi, Span<const PredictionContact> contacts,
+                 Vec3& displacement);
+  /// λ* of a point.
+  float density(std::uint32_t point) const { return density_[point]; }
+
+  /// The pressures of neighbouring particles at light walls are coupled through shared nodes, so that a
+  /// Jacobi correction would diverge. Their residuals and steps τ are collected here (τ = 0 for a pressure
+  /// that stays), and solve() returns the changes of φ per point (B.21).
+  void collect(std::uint32_t point, float step, float residual) {
+    step_[point] = step;
+    change_[point] = residual;
+  }
+  const std::vector<float>& solve(StepState& state);
+
+  /// Adds the pressures to dv and to the velocities of the walls.
+  void apply(StepState& state, Pressures phi);
+
+ private:
+  template <class T>
+  WallLoad<T> load_on_walls(const WallPoint& point, T phi) const;
+  double rebound_limit(const StepState& state, std::size_t point, const WallLoad<double>& load) const;
+
+  const IncompressibleFluid& fluid_;
+  float phi_per_depth_ = 0;  // φ_g of (B.16): hydrostatic, per H of depth
+  // Per point of the boundary
+  std::vector<float> theta_;    // [m/s] (B.11)
+  std::vector<float> density_;  // λ*
+  std::vector<float> step_, change_;
+  std::vector<WallLoad<double>> load_;
+};
+
+}  // namespace oilskin::fluid

@@ -1,0 +1,88 @@
+#include "oilskin/report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/assert.h"
+
+namespace oilskin {
+
+StageSeconds& StageSeconds::operator+=(const StageSeconds& o) {
+  gather += o.gather;
+  neighbours += o.neighbours;
+  pressure += o.pressure;
+  occlusion += o.occlusion;
+  boundary += o.boundary;
+  other_fluid += o.other_fluid;
+  proximity += o.proximity;
+  impulses += o.impulses;
+  ccd += o.ccd;
+  zones += o.zones;
+  effects += o.effects;
+  verify += o.verify;
+  return *this;
+}
+
+void ContactReport::add(const ContactReport& o) {
+  OILSKIN_ASSERT(&o != this && !std::isnan(o.min_distance));
+  candidates += o.candidates;
+  contacts += o.contacts;
+  impacts += o.impacts;
+  ccd_iterations += o.ccd_iterations;
+  zone_rounds += o.zone_rounds;
+  zone_points += o.zone_points;
+  held += o.held;
+  separated += o.separated;
+  stalled += o.stalled;
+  carried_along += o.carried_along;
+  removed += o.removed;
+  allowed += o.allowed;
+  started_too_close += o.started_too_close;
+  relocated += o.relocated;
+  min_distance = std::min(min_distance, o.min_distance);
+  crossings_found_by_verify += o.crossings_found_by_verify;
+  verified_pairs += o.verified_pairs;
+  impulse_on_free_nodes += o.impulse_on_free_nodes;
+  impulse_on_prescribed += o.impulse_on_prescribed;
+  momentum_removed += o.momentum_removed;
+  kinetic_energy_change += o.kinetic_energy_change;
+}
+
+FluidReport worst_of(const FluidReport& a, const FluidReport& b) {
+  FluidReport worst;
+  worst.iterations = a.iterations + b.iterations;
+  worst.divergence_iterations = a.divergence_iterations + b.divergence_iterations;
+  worst.density_error_mean = std::max(a.density_error_mean, b.density_error_mean);
+  worst.density_error_max = std::max(a.density_error_max, b.density_error_max);
+  worst.converged = a.converged && b.converged;
+  worst.diverged = a.diverged || b.diverged;
+  worst.hidden_pairs = a.hidden_pairs + b.hidden_pairs;
+  return worst;
+}
+
+Vec3 StepReport::momentum_residual() const {
+  return momentum_after - momentum_before - momentum_emitted + momentum_removed - momentum_gravity +
+         contact.impulse_on_free_nodes + contact.impulse_on_prescribed;
+}
+
+std::vector<std::string> flag_texts(std::uint32_t flags) {
+  static const std::pair<StepFlag, const char*> all[] = {
+      {flag_pressure_not_converged, "pressure_not_converged: raise fluid.max_iterations, or lower dt"},
+      {flag_leaked, "leaked: contact.infeasible is allow and a particle passed; use stall or remove"},
+      {flag_stalled, "stalled: prescribed nodes close on particles and were held; slow their motion"},
+      {flag_removed_by_contact, "removed_by_contact: particles between prescribed surfaces were removed"},
+      {flag_removed_invalid, "quarantined: non-finite particles were removed; lower dt"},
+      {flag_surface_out_of_range, "surface_out_of_range: a surface left the kill box; enlarge it"},
+      {flag_surface_refused, "surface_refused: a surface was left out"},
+      {flag_many_holds, "many_holds: nodes were held; use more cloth substeps or iterations"},
+      {flag_no_promise, "no_promise: contact.ccd or contact.zones is off, or particles started too close"},
+      {flag_scatter_mismatch, "scatter_mismatch: the host does not store the numbers that it is given"},
+      {flag_pressure_diverged, "pressure_diverged: keep fluid.support_ratio at 2.2 or below"},
+  };
+  std::vector<std::string> texts;
+  for (const auto& [bit, text] : all)
+    if ((flags & bit) != 0) texts.emplace_back(text);
+  return texts;
+}
+
+}  // namespace oilskin

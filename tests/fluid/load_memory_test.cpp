@@ -1,0 +1,65 @@
+// What nodes remember of loads: how much of a load its host is expected to carry.
+#include "fluid/boundary/load_memory.h"
+
+#include <gtest/gtest.h>
+
+#include "support/surface_of.h"
+
+namespace oilskin::fluid {
+namespace {
+
+constexpr double dt = 1e-3, mass = 2e-3;
+const Vec3 load(0, -0.5, 0.1);  // [N]
+
+struct Sheet {
+  SurfaceMotion motion;
+  LoadMemory memory;
+
+  Sheet() {
+    test::StaticMesh mesh;
+    mesh.add_rectangle(Vec3::Zero(), Vec3(1, 0, 0), Vec3(0, 0, 1));
+    motion = test::surface_of(mesh, 1 / mass);
+    memory.prepare(surfaces());
+  }
+  std::vector<SurfaceMotion*> surfaces() { return {&motion}; }
+
+  /// One step in which the nodes get the load, and the host carries a part of it in the next.
+  void step(double carried, const Vec3& gravity) {
+    memory.record_host_response(dt, gravity, surfaces());
+    for (std::size_t i = 0; i < motion.velocity.size(); ++i) {
+      motion.impulse[i] = dt * load;
+      motion.velocity[i] += motion.impulse[i] / mass;
+    }
+    memory.record_load(dt, surfaces());
+    for (Vec3& v : motion.velocity) v += dt * (gravity - carried * load / mass);
+  }
+};
+
+TEST(LoadMemory, learns_the_part_of_a_load_that_the_host_carries) {
+  const Vec3 gravity(0, -9.81, 0);
+  for (const double carried : {0.0, 0.3, 1.0}) {
+    Sheet sheet;
+    EXPECT_TRUE(sheet.memory.carried_impulse(1, 0, dt).isZero(0));
+    for (int k = 0; k < 1000; ++k) sheet.step(carried, gravity);
+    for (std::uint32_t i = 0; i < 4; ++i)
+      EXPECT_LT((sheet.memory.carried_impulse(1, i, dt) - carried * dt * load).norm(), 1e-6 * dt) << carried;
+  }
+}
+
+TEST(LoadMemory, a_host_that_adds_to_the_load_carries_nothing) {
+  Sheet sheet;
+  for (int k = 0; k < 1000; ++k) sheet.step(-0.5, Vec3::Zero());
+  EXPECT_TRUE(sheet.memory.carried_impulse(1, 0, dt).isZero(0));
+}
+
+TEST(LoadMemory, forgets_surfaces_that_are_absent) {
+  Sheet sheet;
+  for (int k = 0; k < 100; ++k) sheet.step(1, Vec3::Zero());
+  EXPECT_GT(sheet.memory.carried_impulse(1, 0, dt).norm(), 0.5 * dt * load.norm());
+  sheet.memory.record_host_response(dt, Vec3::Zero(), {});
+  sheet.memory.prepare(sheet.surfaces());
+  EXPECT_TRUE(sheet.memory.carried_impulse(1, 0, dt).isZero(0));
+}
+
+}  // namespace
+}  // namespace oilskin::fluid
