@@ -56,7 +56,7 @@ class FluidSolver {
   void checkpoint();
   void roll_back() noexcept;
 
-  /// What is kept from step to step besides the particles.
+  /// What is kept from step to step, apart from the particles.
   void visit(Archive& archive);
 
  private:

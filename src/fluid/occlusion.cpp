@@ -39,59 +39,68 @@ bool separates_particles(const SightTest& test, const Box& box, Span<const Vec3>
   return front && back;
 }
 
+struct NearPair {
+  std::uint32_t particle;
+  TriangleRef triangle;
+};
+
 /// Per particle, the triangles within H/2 that separate particles: of a hidden pair, one end is as near to
 /// the triangle.
-struct NearTriangles {
+struct DividingTriangles {
   std::vector<std::uint32_t> particle;  // ascending
   std::vector<std::uint32_t> begin;     // one more than particles
   std::vector<TriangleRef> triangle;
+
+  explicit DividingTriangles(std::vector<NearPair> all);
+  Span<const TriangleRef> of(std::size_t k) const {
+    return {triangle.data() + begin[k], begin[k + 1] - begin[k]};
+  }
 };
 
-NearTriangles find_dividing_triangles(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,
-                                      double support_radius, const Neighbours& neighbours,
-                                      const Workers& workers) {
-  struct Near {
-    std::uint32_t particle;
-    TriangleRef triangle;
-  };
-  const double half = 0.5 * support_radius * (1 + 1e-9);
-  std::vector<Near> all;
-  for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
-    const SurfaceMotion& motion = *surfaces[s];
-    std::vector<std::vector<Near>> found((motion.triangles.size() + triangle_chunk - 1) / triangle_chunk);
-    workers.for_chunks(
-        motion.triangles.size(), triangle_chunk, [&](std::size_t begin, std::size_t end, std::size_t chunk) {
-          for (std::size_t k = begin; k < end; ++k) {
-            const auto t = static_cast<std::uint32_t>(k);
-            const SightTest test(motion, t);
-            if (test.normal_length() == 0) continue;
-            const Box box = triangle_box(motion, t);
-            if (!separates_particles(test, box.inflated(support_radius), x, support_radius, neighbours))
-              continue;
-            const Box near = box.inflated(half);
-            const double plane_reach = half * test.normal_length();
-            neighbours.for_runs_in(near, [&](std::uint32_t run_begin, std::uint32_t run_end) {
-              for (std::uint32_t i = run_begin; i < run_end; ++i)
-                if (near.contains(x[i]) && std::abs(test.side(x[i])) <= plane_reach)
-                  found[chunk].push_back({i, {s, t}});
-            });
-          }
-        });
-    for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
-  }
+DividingTriangles::DividingTriangles(std::vector<NearPair> all) {
   std::stable_sort(all.begin(), all.end(),
-                   [](const Near& a, const Near& b) { return a.particle < b.particle; });
-  NearTriangles near;
+                   [](const NearPair& a, const NearPair& b) { return a.particle < b.particle; });
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (k == 0 || all[k].particle != all[k - 1].particle) {
-      near.particle.push_back(all[k].particle);
-      near.begin.push_back(static_cast<std::uint32_t>(k));
+      particle.push_back(all[k].particle);
+      begin.push_back(static_cast<std::uint32_t>(k));
     }
-    near.triangle.push_back(all[k].triangle);
+    triangle.push_back(all[k].triangle);
   }
-  near.begin.push_back(static_cast<std::uint32_t>(all.size()));
-  OILSKIN_ASSERT(near.begin.size() == near.particle.size() + 1);
-  return near;
+  begin.push_back(static_cast<std::uint32_t>(all.size()));
+  OILSKIN_ASSERT(begin.size() == particle.size() + 1);
+}
+
+/// The particles within H/2 of a triangle, if it separates particles.
+void find_near_particles(const SurfaceMotion& motion, TriangleRef ref, Span<const Vec3> x,
+                         double support_radius, const Neighbours& neighbours, std::vector<NearPair>& found) {
+  const SightTest test(motion, ref.triangle);
+  if (test.normal_length() == 0) return;
+  const Box box = triangle_box(motion, ref.triangle);
+  if (!separates_particles(test, box.inflated(support_radius), x, support_radius, neighbours)) return;
+  const double half = 0.5 * support_radius * (1 + 1e-9);
+  const Box near = box.inflated(half);
+  const double plane_reach = half * test.normal_length();
+  neighbours.for_runs_in(near, [&](std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t i = begin; i < end; ++i)
+      if (near.contains(x[i]) && std::abs(test.side(x[i])) <= plane_reach) found.push_back({i, ref});
+  });
+}
+
+DividingTriangles find_dividing_triangles(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,
+                                          double support_radius, const Neighbours& neighbours,
+                                          const Workers& workers) {
+  std::vector<NearPair> all;
+  for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
+    const std::size_t triangles = surfaces[s]->triangles.size();
+    std::vector<std::vector<NearPair>> found((triangles + triangle_chunk - 1) / triangle_chunk);
+    workers.for_chunks(triangles, triangle_chunk, [&](std::size_t b, std::size_t e, std::size_t chunk) {
+      for (auto t = static_cast<std::uint32_t>(b); t < e; ++t)
+        find_near_particles(*surfaces[s], {s, t}, x, support_radius, neighbours, found[chunk]);
+    });
+    for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  }
+  return DividingTriangles(std::move(all));
 }
 
 void find_hidden_neighbours(std::uint32_t i, Span<const TriangleRef> triangles, Span<const Vec3> x,
@@ -132,13 +141,11 @@ std::uint64_t remove_hidden_neighbours(Span<const Vec3> x, Span<SurfaceMotion* c
                                        double support_radius, Neighbours& neighbours,
                                        const Workers& workers) {
   OILSKIN_ASSERT(support_radius > 0 && neighbours.size() == x.size());
-  const NearTriangles near = find_dividing_triangles(x, surfaces, support_radius, neighbours, workers);
+  const DividingTriangles near = find_dividing_triangles(x, surfaces, support_radius, neighbours, workers);
   std::vector<std::vector<Pair>> hidden((near.particle.size() + particle_chunk - 1) / particle_chunk);
   workers.for_chunks(near.particle.size(), particle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
     for (std::size_t k = b; k < e; ++k)
-      find_hidden_neighbours(near.particle[k],
-                             {near.triangle.data() + near.begin[k], near.begin[k + 1] - near.begin[k]}, x,
-                             surfaces, neighbours, hidden[c]);
+      find_hidden_neighbours(near.particle[k], near.of(k), x, surfaces, neighbours, hidden[c]);
   });
   std::vector<Pair> pairs;
   for (const auto& part : hidden) pairs.insert(pairs.end(), part.begin(), part.end());

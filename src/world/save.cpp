@@ -62,6 +62,9 @@ void visit(Archive& archive, SurfaceMotion& motion) {
   archive.values(nodes_movable, x_t0, x_t1, velocity, inverse_mass, holdable, impulse, moved);
 }
 
+/// Beyond it the squares of distances overflow [m].
+constexpr double max_thickness = 1e15;
+
 /// The checks of Attachments::gather(). Meshes are compared with those of the hosts elsewhere.
 bool is_in_range(const SurfaceMotion& m) {
   const std::size_t n = m.x_t1.size();
@@ -69,7 +72,7 @@ bool is_in_range(const SurfaceMotion& m) {
   if (m.storage != Storage::float32 && m.storage != Storage::float64) return false;
   if (m.x_t0.size() != n || m.velocity.size() != n || m.inverse_mass.size() != n) return false;
   if (!has(m.holdable.size()) || !has(m.impulse.size()) || !has(m.moved.size())) return false;
-  if (!(m.delta > 0 && std::isfinite(m.delta) && m.thickness >= 4 * m.delta)) return false;
+  if (!(m.delta > 0 && m.thickness >= 4 * m.delta && m.thickness < max_thickness)) return false;
   for (const Triangle& t : m.triangles)
     if (t[0] >= n || t[1] >= n || t[2] >= n) return false;
   for (std::size_t i = 0; i < n; ++i)
@@ -80,8 +83,9 @@ bool is_in_range(const SurfaceMotion& m) {
   return true;
 }
 
-/// Are the ids unique, and from a counter whose next value is `next`?
+/// Are the ids unique, and from a counter whose next value is `next` and cannot overflow?
 bool are_given(std::vector<std::uint64_t> ids, std::uint64_t next) {
+  if (next == 0 || next >> 63 != 0) return false;
   std::sort(ids.begin(), ids.end());
   return ids.empty() ||
          (ids.front() > 0 && ids.back() < next && std::adjacent_find(ids.begin(), ids.end()) == ids.end());

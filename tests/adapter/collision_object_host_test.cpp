@@ -64,7 +64,7 @@ struct Object {
 const btTransform turned(btQuaternion(btVector3(1, 2, 3).normalized(), bt(0.7)), btVector3(1, bt(-0.5), 2));
 const double eps = is_double ? 1e-12 : 1e-5;
 
-TEST(CollisionObjectHost, boxIsExactAndClosedWhereItIs) {
+TEST(CollisionObjectHost, box_is_exact_and_closed_where_it_is) {
   btBoxShape box(btVector3(bt(0.5), 1, bt(1.5)));
   Object o(&box, turned);
   ASSERT_TRUE(o.gathered.status.ok()) << o.gathered.status.message;
@@ -86,7 +86,7 @@ TEST(CollisionObjectHost, boxIsExactAndClosedWhereItIs) {
   EXPECT_FALSE(gather_step(o.host, 0.1, o.motion).new_surface);
 }
 
-TEST(CollisionObjectHost, sphereEnclosesTheBallClosely) {
+TEST(CollisionObjectHost, sphere_encloses_the_ball_closely) {
   btSphereShape sphere(bt(0.3));
   Object o(&sphere, turned);
   ASSERT_TRUE(o.gathered.status.ok());
@@ -105,7 +105,7 @@ TEST(CollisionObjectHost, sphereEnclosesTheBallClosely) {
   }
 }
 
-TEST(CollisionObjectHost, hullKeepsTheUsersPointsAndScaling) {
+TEST(CollisionObjectHost, hull_keeps_the_users_points_and_scaling) {
   btConvexHullShape hull;
   for (int i = 0; i < 8; ++i)
     hull.addPoint(btVector3(bt(i & 1 ? 0.1 : -0.3), bt(i & 2 ? 0.7 : -0.1), bt(i & 4 ? 0.2 : -0.2)));
@@ -120,7 +120,7 @@ TEST(CollisionObjectHost, hullKeepsTheUsersPointsAndScaling) {
     EXPECT_TRUE(x.x() == 2 * double(bt(0.1)) || x.x() == -2 * double(bt(0.3)));
 }
 
-TEST(CollisionObjectHost, flatAndEmptyShapesAreRefusedByName) {
+TEST(CollisionObjectHost, flat_and_empty_shapes_are_refused_by_name) {
   btConvexHullShape flat;
   for (int i = 0; i < 4; ++i) flat.addPoint(btVector3(bt(i & 1), 0, bt(i & 2)));
   EXPECT_NE(Object(&flat).gathered.status.message.find("Convex"), std::string::npos);
@@ -132,7 +132,7 @@ TEST(CollisionObjectHost, flatAndEmptyShapesAreRefusedByName) {
   EXPECT_FALSE(CollisionObjectHost(&no_shape, kill_box).gather(0, motion).status.ok());
 }
 
-TEST(CollisionObjectHost, otherConvexShapesAreTheHullOfTheirPoints) {
+TEST(CollisionObjectHost, other_convex_shapes_are_the_hull_of_their_points) {
   btCapsuleShape capsule(bt(0.2), bt(0.5));
   btCylinderShape cylinder(btVector3(bt(0.3), bt(0.5), bt(0.3)));
   const double pi = 3.14159265358979;
@@ -151,7 +151,7 @@ btTriangleMesh soup_of_a_quad() {
   return mesh;
 }
 
-TEST(CollisionObjectHost, triangleMeshIsWeldedScaledAndPlaced) {
+TEST(CollisionObjectHost, triangle_mesh_is_welded_scaled_and_placed) {
   btTriangleMesh mesh = soup_of_a_quad();
   btBvhTriangleMeshShape shape(&mesh, true);
   shape.setLocalScaling(btVector3(3, 1, 1));
@@ -166,7 +166,7 @@ TEST(CollisionObjectHost, triangleMeshIsWeldedScaledAndPlaced) {
   EXPECT_NEAR(area(Object(&scaled).motion), 2 * 6, 20 * eps);
 }
 
-TEST(CollisionObjectHost, heightfieldsListTheirTriangles) {
+TEST(CollisionObjectHost, heightfields_list_their_triangles) {
   const std::vector<btScalar> heights(25, bt(0.5));  // Bullet reads btScalar where it says PHY_FLOAT
   btHeightfieldTerrainShape field(5, 5, static_cast<const void*>(heights.data()), 1, 0, 1, 1, PHY_FLOAT,
                                   false);
@@ -176,7 +176,7 @@ TEST(CollisionObjectHost, heightfieldsListTheirTriangles) {
   EXPECT_NEAR(area(o.motion), 16, 1e-4);
 }
 
-TEST(CollisionObjectHost, planeIsItsPartInsideTheKillBox) {
+TEST(CollisionObjectHost, plane_is_its_part_inside_the_kill_box) {
   btStaticPlaneShape floor(btVector3(0, 1, 0), bt(0.5));
   Object level(&floor);
   ASSERT_TRUE(level.gathered.status.ok());
@@ -197,7 +197,7 @@ TEST(CollisionObjectHost, planeIsItsPartInsideTheKillBox) {
   EXPECT_NE(Object(&outside).gathered.status.message.find("kill box"), std::string::npos);
 }
 
-TEST(CollisionObjectHost, clippedPlanesOfAllTiltsCoverTheBox) {
+TEST(CollisionObjectHost, clipped_planes_of_all_tilts_cover_the_box) {
   // Every point of the plane in the box lies in one of the triangles: areas of the fan and of a fine grid
   // agree.
   for (int i = 0; i < 40; ++i) {
@@ -217,7 +217,7 @@ TEST(CollisionObjectHost, clippedPlanesOfAllTiltsCoverTheBox) {
   }
 }
 
-TEST(CollisionObjectHost, compoundsAreTheirChildrenPlanesIncluded) {
+TEST(CollisionObjectHost, compounds_are_their_children_planes_included) {
   btBoxShape box(btVector3(1, 1, 1));
   btSphereShape sphere(1);
   btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
@@ -235,7 +235,7 @@ TEST(CollisionObjectHost, compoundsAreTheirChildrenPlanesIncluded) {
   EXPECT_TRUE(gather_step(o.host, 0.1, o.motion).new_surface);
 }
 
-TEST(CollisionObjectHost, kinematicMotionGivesVelocities) {
+TEST(CollisionObjectHost, kinematic_motion_gives_velocities) {
   btBoxShape box(btVector3(1, 1, 1));
   Object o(&box);
   const double dt = 0.01;
@@ -259,7 +259,7 @@ TEST(CollisionObjectHost, kinematicMotionGivesVelocities) {
   for (const Vec3& v : o.motion.velocity) EXPECT_EQ(v, Vec3(0, 0, 0));
 }
 
-TEST(CollisionObjectHost, scalingWhileAttachedIsMotion) {
+TEST(CollisionObjectHost, scaling_while_attached_is_motion) {
   btBoxShape box(btVector3(1, 1, 1));
   Object o(&box);
   box.setLocalScaling(btVector3(1, 2, 1));
@@ -267,7 +267,7 @@ TEST(CollisionObjectHost, scalingWhileAttachedIsMotion) {
   EXPECT_NEAR(volume(o.motion), 16, 50 * eps);
 }
 
-TEST(CollisionObjectHost, anObjectDoesNotAnswer) {
+TEST(CollisionObjectHost, an_object_gets_no_impulses) {
   btBoxShape box(btVector3(1, 1, 1));
   Object o(&box);
   const auto x = o.motion.x_t1;
@@ -278,7 +278,7 @@ TEST(CollisionObjectHost, anObjectDoesNotAnswer) {
   EXPECT_EQ(o.motion.x_t1, x);
 }
 
-TEST(CollisionObjectHost, transformsThatAreNotFiniteAreRefusedAndMayRecover) {
+TEST(CollisionObjectHost, transforms_that_are_not_finite_are_refused_and_may_recover) {
   btBoxShape box(btVector3(1, 1, 1));
   Object o(&box);
   btTransform bad = btTransform::getIdentity();

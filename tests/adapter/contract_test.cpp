@@ -15,7 +15,7 @@ class BulletFixture {
   static constexpr int nodes = 17;
 
   BulletFixture()
-      : fluid_(fluid_settings(), world_settings(), contact_settings()),
+      : fluid_(contract_fluid(max_substeps), contract_world(), contract_contact()),
         bullet_(btVector3(0, 0, 0), &solver_) {
     cloth_ = bullet_.patch(nodes, 0.2, 0, 0, 0.2 * 0.04);
     EXPECT_TRUE(solver_.addFluid(&fluid_).ok());
@@ -31,23 +31,6 @@ class BulletFixture {
   SurfaceId id() const { return SurfaceId{1}; }
 
  private:
-  static WorldSettings world_settings() {
-    WorldSettings s;
-    s.gravity.setZero();
-    s.kill_box = {Vec3::Constant(-2), Vec3::Constant(2)};
-    return s;
-  }
-  static FluidSettings fluid_settings() {
-    FluidSettings s;
-    s.max_substeps = max_substeps;
-    return s;
-  }
-  static ContactSettings contact_settings() {
-    ContactSettings s;
-    s.verify = true;
-    return s;
-  }
-
   bullet::btFluid fluid_;
   bullet::btFluidSoftBodySolver solver_;
   bullet::test::SoftWorld bullet_;

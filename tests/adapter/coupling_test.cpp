@@ -22,7 +22,7 @@ void expect_sound(const StepReport& report) {
       << (report.messages.empty() ? "" : report.messages[0]);
 }
 
-TEST(FluidCoupling, explicitStepWithBulletsOwnSolver) {
+TEST(FluidCoupling, explicit_step_with_bullets_own_solver) {
   SoftWorld bullet(down);
   btSoftBody* cloth = bullet.patch(11, 0.4, 0, 15);
   SmallFluid water;
@@ -45,7 +45,7 @@ TEST(FluidCoupling, explicitStepWithBulletsOwnSolver) {
   EXPECT_EQ(coupling.getNodeImpulses(cloth), nullptr);
 }
 
-TEST(FluidCoupling, zeroSubStepsCoupleNothingAndTheMotionAccumulates) {
+TEST(FluidCoupling, zero_sub_steps_couple_nothing_and_the_motion_accumulates) {
   SoftWorld bullet(down);
   btSoftBody* cloth = bullet.patch(5, 0.4, 0, 15);
   SmallFluid water;
@@ -62,7 +62,7 @@ TEST(FluidCoupling, zeroSubStepsCoupleNothingAndTheMotionAccumulates) {
   EXPECT_FALSE(coupling.step(bt(-1)).status.ok());
 }
 
-TEST(FluidCoupling, gravityIsTheClothsUnlessToldOtherwise) {
+TEST(FluidCoupling, gravity_is_the_cloths_unless_told_otherwise) {
   SoftWorld bullet(btVector3(0, 0, bt(-1.5)));
   btSoftBody* cloth = bullet.patch(5, 0.4);
   SmallFluid water;
@@ -78,7 +78,7 @@ TEST(FluidCoupling, gravityIsTheClothsUnlessToldOtherwise) {
   EXPECT_EQ(water.getWorld().settings().gravity, Vec3(1, 0, 0));
 }
 
-TEST(FluidCoupling, refusalsSayWhyAndAttachNothing) {
+TEST(FluidCoupling, refusals_say_why_and_attach_nothing) {
   SoftWorld bullet;
   btSoftBody* cloth = bullet.patch(5, 0.4);
   btSoftBody* rope = bullet.own(btSoftBodyHelpers::CreateRope(bullet.world.getWorldInfo(), btVector3(0, 0, 0),
@@ -108,7 +108,7 @@ TEST(FluidCoupling, refusalsSayWhyAndAttachNothing) {
   EXPECT_FALSE(other.step(bt(0.001)).status.ok()) << "no fluid";
 }
 
-TEST(FluidCoupling, attachAndDetachInAnyOrder) {
+TEST(FluidCoupling, attach_and_detach_in_any_order) {
   SoftWorld bullet;
   btSoftBody* cloth = bullet.patch(5, 0.4);
   btBoxShape shape(btVector3(1, bt(0.1), 1));
@@ -137,7 +137,7 @@ TEST(FluidCoupling, attachAndDetachInAnyOrder) {
   EXPECT_TRUE(other.getWorld().step(0.001).status.ok());
 }
 
-TEST(FluidCoupling, surfacesThatTheFluidsPrecisionCannotServeRefuseTheFluid) {
+TEST(FluidCoupling, surfaces_that_the_fluids_precision_cannot_serve_refuse_the_fluid) {
   SoftWorld bullet;
   btSoftBody* cloth = bullet.patch(5, 0.4);
   btFluidCoupling coupling;
@@ -148,7 +148,7 @@ TEST(FluidCoupling, surfacesThatTheFluidsPrecisionCannotServeRefuseTheFluid) {
   EXPECT_EQ(water.getWorld().surface_count(), 0u);
 }
 
-TEST(FluidCoupling, clothThatChangesWhileAttachedGoesOn) {
+TEST(FluidCoupling, cloth_that_changes_while_attached_goes_on) {
   SoftWorld bullet(down);
   btSoftBody* cloth = bullet.patch(7, 0.4, 0, 15);
   SmallFluid water;
@@ -168,7 +168,7 @@ TEST(FluidCoupling, clothThatChangesWhileAttachedGoesOn) {
   }
 }
 
-TEST(FluidCoupling, resetMotionIsATeleport) {
+TEST(FluidCoupling, reset_motion_is_a_teleport) {
   SoftWorld bullet;
   btSoftBody* cloth = bullet.patch(5, 0.4, 0, 15);
   SmallFluid water;
@@ -186,7 +186,7 @@ TEST(FluidCoupling, resetMotionIsATeleport) {
   }
 }
 
-TEST(FluidCoupling, waterRestsInABoxOfCollisionObjects) {
+TEST(FluidCoupling, water_rests_in_a_box_of_collision_objects) {
   btStaticPlaneShape floor_shape(btVector3(0, 1, 0), 0);
   btBoxShape wall_shape(btVector3(bt(0.02), bt(0.2), bt(0.2)));
   btCollisionObject floor, walls[4];
@@ -218,7 +218,7 @@ TEST(FluidCoupling, waterRestsInABoxOfCollisionObjects) {
   EXPECT_NEAR(-weight.y(), carried, 0.05 * carried) << "the floor carries the water";
 }
 
-TEST(FluidCoupling, kinematicBoxPushesWater) {
+TEST(FluidCoupling, kinematic_box_pushes_water) {
   btBoxShape shape(btVector3(bt(0.2), bt(0.02), bt(0.2)));
   btCollisionObject plate;
   plate.setCollisionShape(&shape);
@@ -234,7 +234,7 @@ TEST(FluidCoupling, kinematicBoxPushesWater) {
   for (int i = 0; i < water.getNumParticles(); ++i) EXPECT_GT(water.getPosition(i).y(), bt(0.119));
 }
 
-TEST(Fluid, readsOutInBulletsNumbersAndInStrides) {
+TEST(Fluid, reads_out_in_bullets_numbers_and_in_strides) {
   SmallFluid water;
   ASSERT_TRUE(water.addBox({0, 0, 0}, {bt(0.1), bt(0.1), bt(0.1)}, {1, 0, 0}).ok());
   ASSERT_TRUE(water.getWorld().step(0.001).status.ok());
@@ -252,7 +252,7 @@ TEST(Fluid, readsOutInBulletsNumbersAndInStrides) {
   }
 }
 
-TEST(Fluid, jetsRunFromNowOn) {
+TEST(Fluid, jets_start_at_the_present_time) {
   SmallFluid water;
   for (int i = 0; i < 50; ++i) ASSERT_TRUE(water.getWorld().step(0.001).status.ok());
   ASSERT_TRUE(water.addJet({0, 0, 0}, {0, -2, 0}, bt(1), bt(0.05)).ok());
@@ -276,7 +276,7 @@ class CountingDrawer : public btIDebugDraw {
   int getDebugMode() const override { return mode; }
 };
 
-TEST(FluidCoupling, debugDrawThroughBulletsWorld) {
+TEST(FluidCoupling, debug_draw_through_bullets_world) {
   SoftWorld bullet(down);
   btStaticPlaneShape floor_shape(btVector3(0, 1, 0), 0);
   btCollisionObject floor;

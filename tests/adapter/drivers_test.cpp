@@ -315,7 +315,7 @@ TEST(Drivers, nodes_driven_by_velocities) {
   for (const Vec3& x : host.water.getWorld().positions()) EXPECT_GT(x.y(), 0.1);
 }
 
-TEST(Drivers, a_free_sheet_thrown_by_setVelocity) {
+TEST(Drivers, a_free_sheet_thrown_by_set_velocity) {
   Soft host(btVector3(0, 0, 0));
   btSoftBody* cloth = host.bullet.patch(nodes_across, 0.4, 0, 0, 2);
   ASSERT_TRUE(host.solver.addCloth(cloth, h).ok());

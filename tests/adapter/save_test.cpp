@@ -55,7 +55,7 @@ class Scene {
   btCollisionObject ground;
 };
 
-TEST(Save, aBulletUserGoesOnWithNewBodies) {
+TEST(Save, a_bullet_user_goes_on_with_new_bodies) {
   Scene scene;
   ASSERT_TRUE(
       scene.water.addBox({bt(-0.1), bt(0.02), bt(-0.1)}, {bt(0.1), bt(0.12), bt(0.1)}, {0, -1, 0}).ok());

@@ -12,7 +12,7 @@ namespace {
 
 using namespace test;
 
-TEST(SoftBodyHost, firstGatherDescribesTheBody) {
+TEST(SoftBodyHost, first_gather_describes_the_body) {
   SoftWorld bullet;
   btSoftBody* cloth = bullet.patch(5, 1, 0.3, 1);
   SoftBodyHost host(cloth, {});
@@ -37,7 +37,7 @@ TEST(SoftBodyHost, firstGatherDescribesTheBody) {
                 cloth->m_faces[static_cast<int>(f)].m_n[k]);
 }
 
-TEST(SoftBodyHost, impulsesPersistAndNothingElseChanges) {
+TEST(SoftBodyHost, impulses_persist_and_nothing_else_changes) {
   for (int iterations : {1, 10}) {
     SoftWorld bullet;
     btSoftBody* cloth = bullet.patch(9, 0.4);
@@ -76,7 +76,7 @@ TEST(SoftBodyHost, impulsesPersistAndNothingElseChanges) {
   }
 }
 
-TEST(SoftBodyHost, movedPositionsPersistWithoutMomentum) {
+TEST(SoftBodyHost, moved_positions_persist_without_momentum) {
   SoftWorld bullet;
   btSoftBody* cloth = bullet.patch(5, 0.4);
   SoftBodyHost host(cloth, {});
@@ -97,7 +97,7 @@ TEST(SoftBodyHost, movedPositionsPersistWithoutMomentum) {
   EXPECT_LT((momentum(*cloth) - before).norm(), is_double ? 1e-14 : 1e-6);
 }
 
-TEST(SoftBodyHost, startOfAStepIsTheEndOfTheLast) {
+TEST(SoftBodyHost, start_of_a_step_is_the_end_of_the_last) {
   SoftWorld bullet(btVector3(0, bt(-9.81), 0));
   btSoftBody* cloth = bullet.patch(7, 0.4, 0, 15);
   SoftBodyHost host(cloth, {});
@@ -112,7 +112,7 @@ TEST(SoftBodyHost, startOfAStepIsTheEndOfTheLast) {
   }
 }
 
-TEST(SoftBodyHost, pinsMovedByHandHaveTheVelocityOfTheirMotion) {
+TEST(SoftBodyHost, pins_moved_by_hand_have_the_velocity_of_their_motion) {
   SoftWorld bullet;
   btSoftBody* cloth = bullet.patch(5, 0.4, 0, 1);
   int pin = 0;
@@ -134,7 +134,7 @@ TEST(SoftBodyHost, pinsMovedByHandHaveTheVelocityOfTheirMotion) {
   EXPECT_EQ(motion.velocity[p], Vec3(0, 0, 0)) << "a teleport is no motion";
 }
 
-TEST(SoftBodyHost, pinsMoveOnlyWhenTheyAreHeld) {
+TEST(SoftBodyHost, pins_move_only_when_they_are_held) {
   for (bool may_hold : {true, false}) {
     SoftWorld bullet;
     btSoftBody* cloth = bullet.patch(5, 0.4, 0, 1);
@@ -161,7 +161,7 @@ TEST(SoftBodyHost, pinsMoveOnlyWhenTheyAreHeld) {
   }
 }
 
-TEST(SoftBodyHost, refusesBodiesWithoutFacesAndNamesBadNodes) {
+TEST(SoftBodyHost, refuses_bodies_without_faces_and_names_bad_nodes) {
   SoftWorld bullet;
   btSoftBody* rope = bullet.own(btSoftBodyHelpers::CreateRope(bullet.world.getWorldInfo(), btVector3(0, 0, 0),
                                                               btVector3(1, 0, 0), 8, 0));
@@ -178,7 +178,7 @@ TEST(SoftBodyHost, refusesBodiesWithoutFacesAndNamesBadNodes) {
   EXPECT_NE(host.gather(0.1, motion).status.message.find("node 3"), std::string::npos);
 }
 
-TEST(SoftBodyHost, changedBodiesAreNewSurfaces) {
+TEST(SoftBodyHost, changed_bodies_are_new_surfaces) {
   SoftWorld bullet;
   btSoftBody* cloth = bullet.patch(5, 0.4);
   SoftBodyHost host(cloth, {});
@@ -205,7 +205,7 @@ TEST(SoftBodyHost, changedBodiesAreNewSurfaces) {
   EXPECT_FALSE(is_new());
 }
 
-TEST(SoftBodyHost, scatterIntoABodyThatChangedSinceGatherIsHarmless) {
+TEST(SoftBodyHost, scatter_into_a_body_that_changed_since_gather_is_harmless) {
   SoftWorld bullet;
   btSoftBody* cloth = bullet.patch(5, 0.4);
   SoftBodyHost host(cloth, {});
@@ -217,7 +217,7 @@ TEST(SoftBodyHost, scatterIntoABodyThatChangedSinceGatherIsHarmless) {
   EXPECT_EQ(momentum(*cloth), Vec3(0, 0, 0));
 }
 
-TEST(SoftBodyHost, bodiesThatAreNotSimulatedArePrescribed) {
+TEST(SoftBodyHost, bodies_that_are_not_simulated_are_prescribed) {
   SoftWorld bullet;
   btSoftBody* cloth = bullet.patch(5, 0.4);
   cloth->forceActivationState(DISABLE_SIMULATION);
@@ -227,7 +227,7 @@ TEST(SoftBodyHost, bodiesThatAreNotSimulatedArePrescribed) {
   for (double im : motion.inverse_mass) EXPECT_EQ(im, 0);
 }
 
-TEST(SoftBodyHost, sleepersAreWokenByImpulsesOnly) {
+TEST(SoftBodyHost, sleepers_are_woken_by_impulses_only) {
   SoftWorld bullet;
   btSoftBody* cloth = bullet.patch(5, 0.4);
   cloth->forceActivationState(ISLAND_SLEEPING);
@@ -252,7 +252,7 @@ btSoftBody* unwelded_pair(SoftWorld& bullet) {
   return bullet.own(body);
 }
 
-TEST(SoftBodyHostWelding, coincidentNodesAreOneContactNode) {
+TEST(SoftBodyHostWelding, coincident_nodes_are_one_contact_node) {
   SoftWorld bullet;
   btSoftBody* body = unwelded_pair(bullet);
   body->m_nodes[1].m_v = btVector3(0, 4, 0);
@@ -278,7 +278,7 @@ TEST(SoftBodyHostWelding, coincidentNodesAreOneContactNode) {
   EXPECT_FALSE(gather_step(host, 0.001, motion).new_surface) << "still together";
 }
 
-TEST(SoftBodyHostWelding, copiesThatBulletMovesApartMeetAtTheirCentreOfMass) {
+TEST(SoftBodyHostWelding, copies_that_bullet_moves_apart_are_joined_at_their_centre_of_mass) {
   SoftWorld bullet;
   btSoftBody* body = unwelded_pair(bullet);
   SoftBodyHost host(body, {});
@@ -324,7 +324,7 @@ btSoftBody* unwelded_patches(SoftWorld& bullet) {
   return bullet.own(body);
 }
 
-TEST(SoftBodyHostWelding, aSeamUnderLoadStaysClosed) {
+TEST(SoftBodyHostWelding, a_seam_under_load_stays_closed) {
   SoftWorld bullet(btVector3(0, bt(-9.81), 0));
   btSoftBody* body = unwelded_patches(bullet);
   SoftBodyHost host(body, {});
@@ -347,7 +347,7 @@ TEST(SoftBodyHostWelding, aSeamUnderLoadStaysClosed) {
   EXPECT_LT(speed, 3) << "sewing feeds no energy";
 }
 
-TEST(SoftBodyHostWelding, pinnedCopiesThatAreDraggedApartBecomeNodesOfTheirOwn) {
+TEST(SoftBodyHostWelding, pinned_copies_that_are_dragged_apart_become_nodes_of_their_own) {
   SoftWorld bullet;
   btSoftBody* body = unwelded_pair(bullet);
   body->m_nodes[1].m_im = body->m_nodes[3].m_im = 0;
@@ -371,7 +371,7 @@ TEST(SoftBodyHostWelding, pinnedCopiesThatAreDraggedApartBecomeNodesOfTheirOwn) 
   EXPECT_FALSE(gather_step(host, 0.001, motion).new_surface);
 }
 
-TEST(SoftBodyHostWelding, aPinnedCopyPinsAllAndWeldingCanBeOff) {
+TEST(SoftBodyHostWelding, a_pinned_copy_pins_all_and_welding_can_be_off) {
   SoftWorld bullet;
   btSoftBody* body = unwelded_pair(bullet);
   body->m_nodes[3].m_im = 0;

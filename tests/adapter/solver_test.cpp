@@ -10,7 +10,7 @@ namespace {
 
 using namespace test;
 
-TEST(FluidSoftBodySolver, couplesOncePerSubStepAndMomentumIsTheClothsAndTheFluids) {
+TEST(FluidSoftBodySolver, couples_once_per_sub_step_and_momentum_is_the_cloths_and_the_fluids) {
   btFluidSoftBodySolver solver;
   SoftWorld bullet(btVector3(0, 0, 0), &solver);
   btSoftBody* cloth = bullet.patch(11, 0.4);  // free
@@ -30,7 +30,7 @@ TEST(FluidSoftBodySolver, couplesOncePerSubStepAndMomentumIsTheClothsAndTheFluid
   EXPECT_EQ(solver.getReport().contact.crossings_found_by_verify, 0u);
 }
 
-TEST(FluidSoftBodySolver, couplingIntervalSpansSubSteps) {
+TEST(FluidSoftBodySolver, coupling_interval_spans_sub_steps) {
   btFluidSoftBodySolver solver;
   SoftWorld bullet(btVector3(0, bt(-9.81), 0), &solver);
   btSoftBody* cloth = bullet.patch(7, 0.4, 0, 15);
@@ -48,7 +48,7 @@ TEST(FluidSoftBodySolver, couplingIntervalSpansSubSteps) {
   EXPECT_EQ(water.getWorld().step_count(), 10u) << "no sub-step, no coupling";
 }
 
-TEST(FluidSoftBodySolver, withoutAFluidItIsBulletsDefaultSolver) {
+TEST(FluidSoftBodySolver, without_a_fluid_it_is_bullets_default_solver) {
   btFluidSoftBodySolver ours;
   SoftWorld with(btVector3(0, bt(-9.81), 0), &ours), without(btVector3(0, bt(-9.81), 0));
   btSoftBody* a = with.patch(7, 0.4, 0, 15);
@@ -63,7 +63,7 @@ TEST(FluidSoftBodySolver, withoutAFluidItIsBulletsDefaultSolver) {
   EXPECT_GT(a->m_nodes[24].m_n.length(), bt(0.9)) << "normals are renewed";
 }
 
-TEST(FluidSoftBodySolver, normalsAreThoseOfTheCorrectedPositions) {
+TEST(FluidSoftBodySolver, normals_are_those_of_the_corrected_positions) {
   btFluidSoftBodySolver solver;
   SoftWorld bullet(btVector3(0, bt(-9.81), 0), &solver);
   btSoftBody* cloth = bullet.patch(7, 0.4, 0, 15);
@@ -79,7 +79,7 @@ TEST(FluidSoftBodySolver, normalsAreThoseOfTheCorrectedPositions) {
   for (int i = 0; i < cloth->m_nodes.size(); ++i) EXPECT_EQ(normals[std::size_t(i)], cloth->m_nodes[i].m_n);
 }
 
-TEST(FluidSoftBodySolver, draggedPinsSweepTheWaterAlong) {
+TEST(FluidSoftBodySolver, dragged_pins_sweep_the_water_along) {
   btFluidSoftBodySolver solver;
   SoftWorld bullet(btVector3(0, 0, 0), &solver);
   btSoftBody* cloth = bullet.patch(7, 0.4);
@@ -97,7 +97,7 @@ TEST(FluidSoftBodySolver, draggedPinsSweepTheWaterAlong) {
   for (int i = 0; i < water.getNumParticles(); ++i) EXPECT_GT(water.getPosition(i).y(), bt(0.12));
 }
 
-TEST(FluidSoftBodySolver, worksAsTheFifthArgumentOfTheMultiBodyWorld) {
+TEST(FluidSoftBodySolver, works_as_the_fifth_argument_of_the_multi_body_world) {
   btSoftBodyRigidBodyCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher(&configuration);
   btDbvtBroadphase broadphase;

@@ -26,27 +26,27 @@ void expect_refused(const std::string& json, const std::vector<std::string>& par
 const char* const small =
     R"({"host": "mock", "duration": 0.01, "cloth": [{"grid": [5, 5], "thickness": 0.001}]})";
 
-TEST(BadInput, anUnknownSceneNamesTheNearestAndAll) {
+TEST(BadInput, an_unknown_scene_names_the_nearest_and_all) {
   const Outcome outcome = oilskin({"run", "jett"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.err.find("the nearest is \"jet\""), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.err.find("bowl"), std::string::npos) << outcome.err;
 }
 
-TEST(BadInput, aSceneFileThatIsNotThereIsNamed) {
+TEST(BadInput, a_scene_file_that_is_not_there_is_named) {
   const Outcome outcome = oilskin({"run", "/nowhere/scene.json"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.err.find("/nowhere/scene.json"), std::string::npos) << outcome.err;
 }
 
-TEST(BadInput, anUnknownKeyNamesItsPathAndTheNearest) {
+TEST(BadInput, an_unknown_key_names_its_path_and_the_nearest) {
   expect_refused(R"({"cloth": [{"thicknes": 0.001}]})", {"cloth.0.thicknes", "not known", "\"thickness\""});
   expect_refused(R"({"fluid": {"spacig": 0.001}})", {"fluid.spacig", "\"spacing\""});
   expect_refused(R"({"emitters": [{"shape": "disc", "velocity": [0, 0, 0]}]})", {"emitters.0.velocity"});
   expect_refused(R"({"durration": 1})", {"durration", "\"duration\""});
 }
 
-TEST(BadInput, wrongTypesNameKeyAndValue) {
+TEST(BadInput, wrong_types_name_key_and_value) {
   expect_refused(R"({"dt": "fast"})", {"dt", "\"fast\"", "number"});
   expect_refused(R"({"gravity": [0, 1]})", {"gravity", "[0,1]", "3 numbers"});
   expect_refused(R"({"cloth": {"grid": [5, 5]}})", {"cloth", "list"});
@@ -58,7 +58,7 @@ TEST(BadInput, wrongTypesNameKeyAndValue) {
   expect_refused(R"({"dt": 0.001, "dt": 0.002})", {"\"dt\"", "twice"});
 }
 
-TEST(BadInput, valuesOutOfRangeNameTheRange) {
+TEST(BadInput, values_out_of_range_name_the_range) {
   expect_refused(R"({"dt": -0.001})", {"dt", "-0.001", "must be > 0 and at most 1000"});
   expect_refused(R"({"dt": 0})", {"dt"});
   expect_refused(R"({"fluid": {"spacing": 0}})", {"fluid.spacing", "> 0"});
@@ -69,7 +69,7 @@ TEST(BadInput, valuesOutOfRangeNameTheRange) {
   expect_refused(R"({"fluid": {"min_iterations": 9, "max_iterations": 3}})", {"max_iterations"});
 }
 
-TEST(BadInput, nonFiniteNumbersAreRefused) {
+TEST(BadInput, non_finite_numbers_are_refused) {
   expect_refused(R"({"dt": NaN})", {"not JSON"});
   expect_refused(R"({"dt": 1e999})", {"not JSON"});
   expect_refused(small, {"dt", "nan"}, {"--dt", "nan"});
@@ -77,25 +77,25 @@ TEST(BadInput, nonFiniteNumbersAreRefused) {
   expect_refused(small, {"fluid.spacing"}, {"--set", "fluid.spacing=NaN"});
 }
 
-TEST(BadInput, whatIsNestedWithoutEndIsRefused) {
+TEST(BadInput, what_is_nested_without_end_is_refused) {
   const std::string deep(50000, '[');
   expect_refused(deep, {"scene.json", "levels deep"});
   expect_refused(small, {"--set fluid", "levels deep"}, {"--set", "fluid=" + deep});
 }
 
-TEST(BadInput, aVolumeThatNothingMeetsIsRefused) {
+TEST(BadInput, a_volume_without_nodes_is_refused) {
   expect_refused(
       R"({"cloth": [{"grid": [5, 5]}], "acceptance": {"enclosed_volume": {"at_least": 2, "at_most": 1.5}}})",
       {"acceptance.enclosed_volume.at_least", "is 2", "1.5"});
 }
 
-TEST(BadInput, aThicknessBelowFourDeltaNamesTheSmallestThatWouldDo) {
+TEST(BadInput, a_thickness_below_four_delta_names_the_smallest_that_would_do) {
   expect_refused(
       R"({"cloth": [{"grid": [5, 5], "thickness": 1e-5}], "kill_box": {"min": [-2, -2, -2], "max": [2, 2, 2]}})",
       {"cloth.0", "thickness", "1e-05"});
 }
 
-TEST(BadInput, aMeshIndexOutOfRangeNamesFileAndLine) {
+TEST(BadInput, a_mesh_index_out_of_range_names_file_and_line) {
   const Folder folder;
   folder.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
   folder.write("scene.json", R"({"cloth": [{"mesh": "bad.obj"}]})");
@@ -105,30 +105,30 @@ TEST(BadInput, aMeshIndexOutOfRangeNamesFileAndLine) {
     EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
 }
 
-TEST(BadInput, clothsOfOneWorldShareTheirSubSteps) {
+TEST(BadInput, cloths_of_one_world_share_their_sub_steps) {
   expect_refused(R"({"cloth": [{"grid": [5, 5], "substeps": 4}, {"grid": [5, 5], "substeps": 8}]})",
                  {"cloth.1.substeps", "cloth.0"});
 }
 
-TEST(BadInput, whatThisVersionDoesNotSimulateIsNotIgnored) {
+TEST(BadInput, what_this_version_does_not_simulate_is_not_ignored) {
   expect_refused(R"({"effects": {"wetting": {"capacity": 0.3}}})", {"effects.wetting"});
   expect_refused(R"({"effects": {"surface_tension": {}}})", {"effects.surface_tension"});
 }
 
-TEST(BadInput, surfacesOutOfRangeAreRefusedBeforeAnythingIsComputed) {
+TEST(BadInput, surfaces_out_of_range_are_refused_before_anything_is_computed) {
   expect_refused(R"({"surface": {"cell": 0.5}})", {"surface", "cell"});
   expect_refused(R"({"surface": {"gap": -1}})", {"surface.gap"});
   expect_refused(R"({"surface": {"mode": "near"}})", {"surface.mode", "touch"});
 }
 
-TEST(BadInput, pinsThatHoldNothingAreRefused) {
+TEST(BadInput, pins_that_hold_nothing_are_refused) {
   expect_refused(R"({"cloth": [{"grid": [5, 5], "pins": [99]}]})", {"cloth.0.pins.0", "99", "24"});
   expect_refused(
       R"({"cloth": [{"grid": [5, 5], "pins": [{"within": {"min": [8, 8, 8], "max": [9, 9, 9]}}]}]})",
       {"cloth.0.pins.0.within"});
 }
 
-TEST(BadInput, anUnwritableFolderIsRefusedBeforeAnythingIsComputed) {
+TEST(BadInput, an_unwritable_folder_is_refused_before_anything_is_computed) {
   const Folder folder;
   folder.write("file", "in the way");
   const Outcome outcome = oilskin({"run", folder.write("s.json", small), "--out", folder.path("file/out")});
@@ -137,7 +137,7 @@ TEST(BadInput, anUnwritableFolderIsRefusedBeforeAnythingIsComputed) {
   EXPECT_EQ(outcome.out.find('%'), std::string::npos) << outcome.out;
 }
 
-TEST(BadInput, picturesThatCannotBeDrawnAreRefusedWhenAskedFor) {
+TEST(BadInput, pictures_that_cannot_be_drawn_are_refused_when_asked_for) {
   const Folder folder;
   const Outcome outcome =
       oilskin({"run", folder.write("s.json", small), "--out", folder.path("out"), "--render"});
@@ -145,7 +145,7 @@ TEST(BadInput, picturesThatCannotBeDrawnAreRefusedWhenAskedFor) {
   EXPECT_NE(outcome.err.find("--render"), std::string::npos) << outcome.err;
 }
 
-TEST(BadInput, theCommandLineIsChecked) {
+TEST(BadInput, the_command_line_is_checked) {
   EXPECT_EQ(oilskin({}).exit_code, 2);
   EXPECT_EQ(oilskin({"fly"}).exit_code, 2);
   EXPECT_EQ(oilskin({"run"}).exit_code, 2);

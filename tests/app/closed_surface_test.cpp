@@ -23,7 +23,7 @@ SurfaceMotion bag() {
   return surface_of(read_obj_file(OILSKIN_SCENES "/bag.obj"));
 }
 
-TEST(ClosedSurface, aBallHoldsWhatIsNearerThanItsRadius) {
+TEST(ClosedSurface, a_ball_holds_what_is_nearer_than_its_radius) {
   const SurfaceMotion motion = bag();
   const ClosedSurface ball(motion);
   EXPECT_TRUE(ball.closed());
@@ -39,7 +39,7 @@ TEST(ClosedSurface, aBallHoldsWhatIsNearerThanItsRadius) {
 }
 
 // The line upwards passes through nodes and edges: each must count once, for the faces on one of its sides.
-TEST(ClosedSurface, pointsUnderNodesAndEdgesAreInside) {
+TEST(ClosedSurface, points_under_nodes_and_edges_are_inside) {
   const SurfaceMotion motion = bag();
   const ClosedSurface ball(motion);
   for (const Triangle& t : motion.triangles) {
@@ -55,7 +55,7 @@ TEST(ClosedSurface, pointsUnderNodesAndEdgesAreInside) {
 }
 
 // A cloth that passes through itself: a number per region, the sum of both.
-TEST(ClosedSurface, whereTwoBallsOverlapTheNumberIsTwo) {
+TEST(ClosedSurface, where_two_balls_overlap_the_number_is_two) {
   SurfaceMotion motion = bag();
   const std::size_t nodes = motion.x_t1.size(), faces = motion.triangles.size();
   for (std::size_t i = 0; i < nodes; ++i) motion.x_t1.push_back(motion.x_t1[i] + Vec3(radius, 0, 0));
@@ -70,7 +70,7 @@ TEST(ClosedSurface, whereTwoBallsOverlapTheNumberIsTwo) {
   EXPECT_EQ(balls.winding_number(Vec3(1.5 * radius, 0.001, 0.002)), 1);
 }
 
-TEST(ClosedSurface, turnedInsideOutItCountsBackwards) {
+TEST(ClosedSurface, turned_inside_out_it_counts_backwards) {
   SurfaceMotion motion = bag();
   for (Triangle& t : motion.triangles) std::swap(t[0], t[1]);
   const ClosedSurface ball(motion);
@@ -79,7 +79,7 @@ TEST(ClosedSurface, turnedInsideOutItCountsBackwards) {
   EXPECT_LT(ball.volume(), 0);
 }
 
-TEST(ClosedSurface, aMissingFaceOpensIt) {
+TEST(ClosedSurface, a_missing_face_opens_it) {
   SurfaceMotion motion = bag();
   motion.triangles.pop_back();
   EXPECT_FALSE(ClosedSurface(motion).closed());

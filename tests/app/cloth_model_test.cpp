@@ -17,7 +17,7 @@ Cloth grid(int nu, int nv) {
   return cloth;
 }
 
-TEST(ClothModel, thePaperSClothHas6272FacesAnd9520Links) {
+TEST(ClothModel, the_papers_cloth_has_6272_faces_and_9520_links) {
   const ClothModel model = build_cloth(Cloth(), "cloth.0");
   EXPECT_EQ(model.rest.size(), 3249u);
   EXPECT_EQ(model.triangles.size(), 6272u);
@@ -25,7 +25,7 @@ TEST(ClothModel, thePaperSClothHas6272FacesAnd9520Links) {
   EXPECT_EQ((std::set<std::array<std::uint32_t, 2>>(model.links.begin(), model.links.end()).size()), 9520u);
 }
 
-TEST(ClothModel, nodesRunAlongTheUAxisFirstAndFacesLookAlongTheNormal) {
+TEST(ClothModel, nodes_run_along_the_u_axis_first_and_faces_look_along_the_normal) {
   const ClothModel model = build_cloth(grid(5, 3), "cloth.0");
   EXPECT_NEAR((model.rest[1] - model.rest[0]).dot(Vec3(1, 0, 0)), 0.1, 1e-15);
   for (const Triangle& t : model.triangles) {
@@ -34,11 +34,11 @@ TEST(ClothModel, nodesRunAlongTheUAxisFirstAndFacesLookAlongTheNormal) {
   }
 }
 
-TEST(ClothModel, massIsArealDensityTimesArea) {
+TEST(ClothModel, mass_is_areal_density_times_area) {
   EXPECT_NEAR(build_cloth(grid(9, 7), "cloth.0").total_mass(), 0.2 * 0.4 * 0.2, 1e-15);
 }
 
-TEST(ClothModel, cornersAreThreeByThreeNodes) {
+TEST(ClothModel, corners_are_three_by_three_nodes) {
   Cloth cloth = grid(9, 9);
   cloth.pins.kind = PinKind::corners;
   const ClothModel model = build_cloth(cloth, "cloth.0");
@@ -49,7 +49,7 @@ TEST(ClothModel, cornersAreThreeByThreeNodes) {
   EXPECT_EQ(model.pin_group[4 * 9 + 4], not_pinned);
 }
 
-TEST(ClothModel, aBowlIsDeepestInTheMiddleAndFlatAtItsRim) {
+TEST(ClothModel, a_bowl_is_deepest_in_the_middle_and_flat_at_its_rim) {
   Cloth cloth = grid(9, 9);
   cloth.bowl_depth = 0.15;
   const ClothModel model = build_cloth(cloth, "cloth.0");
@@ -58,7 +58,7 @@ TEST(ClothModel, aBowlIsDeepestInTheMiddleAndFlatAtItsRim) {
   EXPECT_NEAR(model.rest[4].y(), 0, 1e-15);
 }
 
-TEST(ClothModel, aMeshVertexWithoutAreaIsRefused) {
+TEST(ClothModel, a_mesh_vertex_without_area_is_refused) {
   Cloth cloth;
   cloth.mesh.emplace();
   cloth.mesh->mesh.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(5, 5, 5)};
@@ -66,7 +66,7 @@ TEST(ClothModel, aMeshVertexWithoutAreaIsRefused) {
   EXPECT_THROW(build_cloth(cloth, "cloth.0"), SceneError);
 }
 
-TEST(Motion, spinsAboutItsAxisAndStops) {
+TEST(Motion, spins_about_its_axis_and_stops) {
   Motion motion;
   motion.spin_rate = 2;
   motion.velocity = Vec3(1, 0, 0);

@@ -37,7 +37,7 @@ std::vector<Vec3> lattice(const Vec3& from, int nx, int ny, int nz, double dx) {
   return points;
 }
 
-TEST(DamBreak, aStandingColumnReachesAsFarAsItIsWide) {
+TEST(DamBreak, a_standing_column_reaches_as_far_as_it_is_wide) {
   DamPlace place;
   place.foot = Vec3(1, 2, 3);
   place.spacing = a / 16;
@@ -48,7 +48,7 @@ TEST(DamBreak, aStandingColumnReachesAsFarAsItIsWide) {
   EXPECT_NEAR(moment.height, 2 * a, 1e-12);
 }
 
-TEST(DamBreak, runsTheWayItIsTold) {
+TEST(DamBreak, runs_along_the_given_axis) {
   DamPlace place;
   place.spacing = 0.01;
   place.width = 0.16;
@@ -60,7 +60,7 @@ TEST(DamBreak, runsTheWayItIsTold) {
   EXPECT_NEAR(moment.height, 0.1, 1e-12);
 }
 
-TEST(DamBreak, sprayIsNoFront) {
+TEST(DamBreak, spray_is_no_front) {
   std::vector<Vec3> water = lattice(Vec3::Zero(), 10, 10, 10, 0.01);
   const std::vector<Vec3> drop = lattice(Vec3(0.5, 0, 0), 3, 3, 3, 0.01);
   water.insert(water.end(), drop.begin(), drop.end());
@@ -71,7 +71,7 @@ TEST(DamBreak, sprayIsNoFront) {
   EXPECT_TRUE(bulk_of({}, 0.02).empty());
 }
 
-TEST(DamBreak, aFrontLikeTheirsIsWithinTheTolerance) {
+TEST(DamBreak, a_front_like_the_measured_one_is_within_the_tolerance) {
   const DamComparison found =
       compare_with_martin_moyce(run_of(front_like_theirs, height_like_theirs, 0.2), a, g, fit);
   EXPECT_LT(found.front, 0.06);
@@ -81,7 +81,7 @@ TEST(DamBreak, aFrontLikeTheirsIsWithinTheTolerance) {
   EXPECT_NEAR(found.speed, 1.33 / 2, 1e-3);
 }
 
-TEST(DamBreak, aLateFrontIsShiftedNoFartherThanAllowed) {
+TEST(DamBreak, a_late_front_is_shifted_no_farther_than_allowed) {
   const auto late = [](double T) { return front_like_theirs(std::max(0.0, T - 0.1)); };
   const auto far_too_late = [](double T) { return front_like_theirs(std::max(0.0, T - 0.6)); };
   const double exact =
@@ -94,7 +94,7 @@ TEST(DamBreak, aLateFrontIsShiftedNoFartherThanAllowed) {
   EXPECT_GT(compare_with_martin_moyce(run_of(far_too_late, height_like_theirs, 0.25), a, g, fit).front, 0.1);
 }
 
-TEST(DamBreak, aFrontThatRunsAwayOrStandsStillFails) {
+TEST(DamBreak, a_front_that_runs_away_or_stands_still_fails) {
   const auto stands = [](double) { return 1.0; };
   const auto runs = [](double T) { return 1 + 2.2 * T; };
   EXPECT_GT(compare_with_martin_moyce(run_of(stands, height_like_theirs, 0.2), a, g, fit).front, 0.5);
@@ -104,7 +104,7 @@ TEST(DamBreak, aFrontThatRunsAwayOrStandsStillFails) {
   EXPECT_GT(compare_with_martin_moyce(run_of(front_like_theirs, stands, 0.2), a, g, fit).height, 0.5);
 }
 
-TEST(DamBreak, aRunThatEndsTooSoonIsNoComparison) {
+TEST(DamBreak, a_run_that_ends_too_soon_is_no_comparison) {
   EXPECT_FALSE(std::isfinite(
       compare_with_martin_moyce(run_of(front_like_theirs, height_like_theirs, 0.1), a, g, fit).front));
   EXPECT_FALSE(std::isfinite(compare_with_martin_moyce({}, a, g, fit).front));

@@ -65,7 +65,7 @@ void expect_books_closed(const nlohmann::json& report) {
   }
 }
 
-TEST_P(Infeasible, stallHoldsPinsAndGivesUpOnlyWhereNothingMayBeHeld) {
+TEST_P(Infeasible, stall_holds_pins_and_removes_only_where_nothing_may_be_held) {
   const nlohmann::json report = close("stall", 0);
   EXPECT_EQ(number(report, "crossings_found_by_verify"), 0);
   EXPECT_EQ(number(report, "allowed"), 0);
@@ -79,7 +79,7 @@ TEST_P(Infeasible, stallHoldsPinsAndGivesUpOnlyWhereNothingMayBeHeld) {
   expect_books_closed(report);
 }
 
-TEST_P(Infeasible, removeGivesParticlesUpAndCountsThem) {
+TEST_P(Infeasible, remove_removes_particles_and_counts_them) {
   const nlohmann::json report = close("remove", 0);
   EXPECT_EQ(number(report, "crossings_found_by_verify"), 0);
   EXPECT_EQ(number(report, "stalled"), 0);
@@ -89,7 +89,7 @@ TEST_P(Infeasible, removeGivesParticlesUpAndCountsThem) {
 }
 
 // The run fails its check: a leak that was allowed is a leak.
-TEST_P(Infeasible, allowLetsThemThroughCountsThemAndVerifySeesThem) {
+TEST_P(Infeasible, allow_lets_particles_through_counts_them_and_verify_finds_them) {
   const nlohmann::json report = close("allow", 1);
   EXPECT_GT(number(report, "crossings_found_by_verify"), 0);
   EXPECT_GT(number(report, "allowed"), 0);

@@ -43,7 +43,7 @@ nlohmann::json check_of(const nlohmann::json& report, const std::string& name) {
   return nullptr;
 }
 
-TEST(Wrung, theBagLosesNothing) {
+TEST(Wrung, the_bag_loses_nothing) {
   const auto report = run_for("bag", 0.4, wringing(0.15, 0.4, 0.5));
   EXPECT_EQ(report["contact"]["crossings_found_by_verify"], 0);
   EXPECT_EQ(report["contact"]["removed"], 0);
@@ -52,7 +52,7 @@ TEST(Wrung, theBagLosesNothing) {
 }
 
 // Without the continuous test the bag leaks, and the count inside says so, by its own route.
-TEST(Wrung, withoutTheContinuousTestTheCountInsideChanges) {
+TEST(Wrung, without_the_continuous_test_the_count_inside_changes) {
   Settings settings = wringing(0.05, 0.06, 0);
   settings.insert(settings.end(),
                   {"contact.ccd=false", "contact.zones=false", "emitters.0.velocity=[0, -20, 0]"});
@@ -72,15 +72,15 @@ void expect_the_wrung_bag_keeps_all(double stop, double seconds, double growth) 
 }
 
 // The tighter it is, the more triangles lie between neighbours and the more records there are: 9 %.
-TEST(LongRun, theBagIsWrungForTenThousandSteps) {
+TEST(LongRun, the_bag_is_wrung_for_ten_thousand_steps) {
   expect_the_wrung_bag_keeps_all(10, 10, 0.15);
 }
 
-TEST(LongRun, theWrungBagIsHeldForFourThousandSteps) {
+TEST(LongRun, the_wrung_bag_is_held_for_four_thousand_steps) {
   expect_the_wrung_bag_keeps_all(1, 5, 0.05);
 }
 
-TEST(LongRun, theCrumpledClothLiesForFiveThousandSteps) {
+TEST(LongRun, the_crumpled_cloth_lies_for_five_thousand_steps) {
   const auto report = run_for(
       "crumple", 5, {"fluid.spacing=0.008", "acceptance.min_emitted=500", "acceptance.memory_growth=0.05"});
   EXPECT_EQ(report["steps"], 5000);

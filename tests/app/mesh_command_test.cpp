@@ -41,7 +41,7 @@ class Mesh : public testing::Test {
   Folder folder;
 };
 
-TEST_F(Mesh, whatIsThereIsKeptUnlessItWasMadeInAnotherWay) {
+TEST_F(Mesh, existing_meshes_are_kept_unless_their_options_differ) {
   EXPECT_EQ(mesh().exit_code, 0);
   const std::string first = folder.read("run/surface_0001.ply");
   EXPECT_NE(first.find("element face"), std::string::npos);
@@ -63,7 +63,7 @@ TEST_F(Mesh, whatIsThereIsKeptUnlessItWasMadeInAnotherWay) {
   expect_refused({"--cell", "0.004"}, {"surface_0001.ply", "does not tell"});
 }
 
-TEST_F(Mesh, surfacesOfTheRunItselfAreOnesOfItsOptions) {
+TEST_F(Mesh, surfaces_of_the_run_itself_are_ones_of_its_options) {
   const Outcome run =
       oilskin({"run", folder.path("pool.json"), "--out", folder.path("run"), "--frames-per-second", "100",
                "--no-render", "--quiet", "--set", "surface.gap=0.0005", "--set", "surface.mode=touch"});
@@ -75,14 +75,14 @@ TEST_F(Mesh, surfacesOfTheRunItselfAreOnesOfItsOptions) {
   expect_refused({"--gap", "0.001"}, {"\"gap\":0.0005", "\"gap\":0.001"});
 }
 
-TEST_F(Mesh, aSpacingInOtherUnitsIsRefusedWithTheNumbers) {
+TEST_F(Mesh, a_spacing_in_other_units_is_refused_with_the_numbers) {
   expect_refused({"--spacing", "10"}, {"--spacing", "is 10 m", "256 particles", "within 0.0"});
   expect_refused({"--spacing", "1e-05"}, {"--spacing", "is 1e-05 m", "within 0.0"});
   expect_refused({"--spacing", "0"}, {"--spacing", "> 0"});
   EXPECT_FALSE(exists("run/surface_0000.ply"));
 }
 
-TEST_F(Mesh, damagedParticlesAreRefusedInOneLine) {
+TEST_F(Mesh, damaged_particles_are_refused_in_one_line) {
   const std::string whole = folder.read("run/particles_0001.vtp");
   const auto with = [&](const std::string& what, const std::string& instead) {
     std::string s = whole;
@@ -98,7 +98,7 @@ TEST_F(Mesh, damagedParticlesAreRefusedInOneLine) {
   }
 }
 
-TEST_F(Mesh, aReportThatIsDamagedOrNestedWithoutEndIsRefused) {
+TEST_F(Mesh, a_report_that_is_damaged_or_nested_without_end_is_refused) {
   folder.write("run/report.json", "{\"settings\": 5}");
   expect_refused({}, {"report.json"});
   folder.write("run/report.json", std::string(200000, '['));

@@ -13,7 +13,7 @@ const char* const small = R"({"host": "mock", "dt": 0.002, "duration": 0.02, "fl
   "emitters": [{"shape": "box", "min": [-0.02, 0.02, -0.02], "max": [0.02, 0.04, 0.02]}],
   "cloth": [{"grid": [9, 9], "size": [0.2, 0.2], "pins": "corners"}], "contact": {"verify": true}})";
 
-TEST(Output, theReportHasEveryKeyOfTheFormat) {
+TEST(Output, the_report_has_every_key_of_the_format) {
   const Folder folder;
   const auto report = report_of(folder.write("small.json", small), "", {});
   for (const char* key :
@@ -36,7 +36,7 @@ TEST(Output, theReportHasEveryKeyOfTheFormat) {
   EXPECT_GT(report["particles"]["emitted"].get<int>(), 0);
 }
 
-TEST(Output, settingsInTheReportRunToTheSameState) {
+TEST(Output, settings_in_the_report_run_to_the_same_state) {
   const Folder folder;
   const auto first = report_of(folder.write("a.json", small), "", {});
   const auto again = report_of(folder.write("b.json", first["settings"].dump()), "", {});
@@ -44,7 +44,7 @@ TEST(Output, settingsInTheReportRunToTheSameState) {
   EXPECT_EQ(first["settings"], again["settings"]);
 }
 
-TEST(Output, optionsReachTheSettings) {
+TEST(Output, options_reach_the_settings) {
   const Folder folder;
   const auto report = report_of(
       folder.write("a.json", small), "0.01",
@@ -55,7 +55,7 @@ TEST(Output, optionsReachTheSettings) {
   EXPECT_EQ(report["settings"]["fluid"]["viscosity"], 0.0);
 }
 
-TEST(Output, adaptiveStepsAndSubstepsMeetTheDurationAndAreCounted) {
+TEST(Output, adaptive_steps_and_substeps_reach_the_duration_and_are_counted) {
   const Folder folder;
   const std::string scene = folder.write("a.json", small);
   const auto adaptive =
@@ -71,7 +71,7 @@ TEST(Output, adaptiveStepsAndSubstepsMeetTheDurationAndAreCounted) {
   EXPECT_EQ(cut["contact"]["crossings_found_by_verify"], 0);
 }
 
-TEST(Output, quietPrintsNothing) {
+TEST(Output, quiet_prints_nothing) {
   const Folder folder;
   const Outcome outcome = oilskin({"run", folder.write("a.json", small), "--quiet", "--out",
                                    folder.path("out"), "--frames-per-second", "0"});
@@ -79,7 +79,7 @@ TEST(Output, quietPrintsNothing) {
   EXPECT_EQ(outcome.out + outcome.err, "");
 }
 
-TEST(Output, listNamesEveryScene) {
+TEST(Output, list_names_every_scene) {
   const Outcome outcome = oilskin({"list"});
   EXPECT_EQ(outcome.exit_code, 0);
   for (const char* scene :
@@ -87,7 +87,7 @@ TEST(Output, listNamesEveryScene) {
     EXPECT_NE(outcome.out.find(scene), std::string::npos) << scene;
 }
 
-TEST(Output, aTraceToStandardOutputHoldsNothingElse) {
+TEST(Output, a_trace_to_standard_output_holds_nothing_else) {
   const Folder folder;
   const std::string scene = folder.write("a.json", small);
   const Outcome all =
@@ -102,7 +102,7 @@ TEST(Output, aTraceToStandardOutputHoldsNothingElse) {
   EXPECT_EQ(all.out.compare(0, first.size(), first), 0) << "one step is not the beginning of the whole trace";
 }
 
-TEST(Output, aFullDiskEndsWithThree) {
+TEST(Output, a_full_disk_ends_with_three) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full here";
   const Folder folder;
   const Outcome outcome = oilskin({"run", folder.write("a.json", small), "--out", folder.path("out"),
@@ -111,7 +111,7 @@ TEST(Output, aFullDiskEndsWithThree) {
   EXPECT_NE(outcome.err.find("/dev/full"), std::string::npos) << outcome.err;
 }
 
-TEST(Output, aSignalEndsTheRunAfterItsStepAndTheReportIsWritten) {
+TEST(Output, a_signal_ends_the_run_after_its_step_and_the_report_is_written) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const Folder folder;
     const Outcome outcome = run_program_and_signal(OILSKIN_PROGRAM,

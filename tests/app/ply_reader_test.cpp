@@ -27,7 +27,7 @@ std::string bytes_of_mesh(const Folder& folder) {
   return folder.read("mesh.ply");
 }
 
-TEST(PlyReader, readsWhatWasWritten) {
+TEST(PlyReader, reads_what_was_written) {
   const Folder folder;
   bytes_of_mesh(folder);
   const demo::StoredMesh read = demo::read_ply(folder.path("mesh.ply"));
@@ -39,7 +39,7 @@ TEST(PlyReader, readsWhatWasWritten) {
   EXPECT_EQ(demo::mesh_made_with(folder.path("no.ply")), "");
 }
 
-TEST(PlyReader, everyTruncationIsRefusedByName) {
+TEST(PlyReader, every_truncation_is_refused_by_name) {
   const Folder folder;
   const std::string whole = bytes_of_mesh(folder);
   for (std::size_t n = 0; n < whole.size(); ++n) {
@@ -53,7 +53,7 @@ TEST(PlyReader, everyTruncationIsRefusedByName) {
   }
 }
 
-TEST(PlyReader, whatIsNoMeshIsRefused) {
+TEST(PlyReader, what_is_no_mesh_is_refused) {
   const Folder folder;
   const std::string whole = bytes_of_mesh(folder);
   const auto refuses = [&](std::string changed, const char* why) {

@@ -38,7 +38,7 @@ SurfaceMotion trough() {
   return motion;
 }
 
-TEST(Pool, aTroughFillsByItsCrossSection) {
+TEST(Pool, a_trough_fills_by_its_cross_section) {
   // The upright ends are seen edge on: they have no area over the plane. Level y: volume y² · 0.3.
   for (const double y : {0.001, 0.05, 0.1, 0.19}) {
     const PoolSurface pool = pool_surface(trough(), up, y * y * 0.3);
@@ -49,7 +49,7 @@ TEST(Pool, aTroughFillsByItsCrossSection) {
   }
 }
 
-TEST(Pool, aBasinThatCannotHoldTheWaterSaysSo) {
+TEST(Pool, a_basin_that_cannot_hold_the_water_says_so) {
   EXPECT_FALSE(pool_surface(trough(), up, 1.01 * 0.2 * 0.2 * 0.3).in_rim);
   EXPECT_FALSE(pool_surface(bowl(5, 0), up, 1e-6).in_rim) << "a flat sheet holds nothing";
   SurfaceMotion closed;  // without a border it is no basin
@@ -58,7 +58,7 @@ TEST(Pool, aBasinThatCannotHoldTheWaterSaysSo) {
   EXPECT_FALSE(pool_surface(closed, up, 0.01).in_rim);
 }
 
-TEST(Pool, theBowlFillsAsItsPolynomialSays) {
+TEST(Pool, the_bowl_fills_as_its_polynomial_says) {
   // Volume over depth (1 − a²)(1 − b²) filled to the rim: D (0.5/2)² ∫∫ = D · 0.0625 · (4/3)².
   const double full = 0.15 * 0.0625 * 16.0 / 9.0;
   EXPECT_TRUE(pool_surface(bowl(57, 0.15), up, 0.99 * full).in_rim);
@@ -67,7 +67,7 @@ TEST(Pool, theBowlFillsAsItsPolynomialSays) {
               pool_surface(bowl(57, 0.15), up, 0.3 * full).height, 1e-4);
 }
 
-TEST(Pool, doesNotCareWhereUpIs) {
+TEST(Pool, does_not_care_where_up_is) {
   SurfaceMotion turned = bowl(21, 0.15);
   for (Vec3& x : turned.x_t1) x = Vec3(x.z(), x.x(), x.y());
   const PoolSurface a = pool_surface(bowl(21, 0.15), up, 0.001),
@@ -76,7 +76,7 @@ TEST(Pool, doesNotCareWhereUpIs) {
   EXPECT_NEAR(a.area, b.area, 1e-15);
 }
 
-TEST(Pool, theMiddleIsAboutTheDeepestNode) {
+TEST(Pool, the_middle_is_about_the_deepest_node) {
   const SurfaceMotion cloth = bowl(21, 0.15);
   std::vector<Vec3> water;
   for (int i = 0; i <= 100; ++i) water.push_back(Vec3(0.01, -0.15 + 0.0005 * i, 0));
@@ -86,7 +86,7 @@ TEST(Pool, theMiddleIsAboutTheDeepestNode) {
   EXPECT_NEAR(fraction_above(water, up, -0.05), 400.0 / 501, 1e-12);
 }
 
-TEST(Pool, restIsTheRootMeanSquareInsideTheBox) {
+TEST(Pool, rest_is_the_root_mean_square_inside_the_box) {
   const std::vector<Vec3> x = {Vec3(0, 0, 0), Vec3(0.5, 0, 0), Vec3(2, 0, 0)};
   const std::vector<Vec3> v = {Vec3(3, 0, 0), Vec3(0, 4, 0), Vec3(100, 0, 0)};
   const Box box = {Vec3::Constant(-1), Vec3::Constant(1)};

@@ -82,20 +82,20 @@ void collect_keys(const Json& json, std::set<std::string>& keys) {
   }
 }
 
-TEST(SceneReader, whatIsWrittenIsReadBack) {
+TEST(SceneReader, what_is_written_is_read_back) {
   const Json written = resolved(everything());
   const Scene again = read_scene(written, OILSKIN_SCENES);
   EXPECT_EQ(resolved(again), written);
   EXPECT_EQ(resolved(again).dump(), written.dump()) << "the same order";
 }
 
-TEST(SceneReader, defaultsSurviveAnEmptyFile) {
+TEST(SceneReader, defaults_survive_an_empty_file) {
   const Scene scene = read_scene(Json::object(), ".");
   EXPECT_EQ(write_scene(scene), write_scene(Scene()));
   EXPECT_EQ(scene.fluid.spacing, FluidSettings().spacing);
 }
 
-TEST(SceneReader, everyShippedSceneReads) {
+TEST(SceneReader, every_shipped_scene_reads) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(OILSKIN_SCENES)) {
     if (entry.path().extension() != ".json") continue;
@@ -109,13 +109,13 @@ TEST(SceneReader, everyShippedSceneReads) {
   EXPECT_GE(count, 11);
 }
 
-TEST(SceneReader, theTestsSceneAsksForEveryCheck) {
+TEST(SceneReader, the_tests_scene_asks_for_every_check) {
   const Json asked = resolved(everything())["acceptance"];
   for (const CheckEntry& entry : check_table())
     EXPECT_TRUE(entry.key == nullptr || asked.contains(entry.key)) << (entry.key ? entry.key : "");
 }
 
-TEST(SceneReader, everyKeyIsDocumented) {
+TEST(SceneReader, every_key_is_documented) {
   std::ifstream in(OILSKIN_SCENE_DOC);
   std::stringstream text;
   text << in.rdbuf();
@@ -127,7 +127,7 @@ TEST(SceneReader, everyKeyIsDocumented) {
         << key << " is not in docs/manual/scene_file.md";
 }
 
-TEST(SceneReader, messagesNameThePath) {
+TEST(SceneReader, messages_name_the_path) {
   EXPECT_EQ(message_of(R"({"cloth": [{}, {"slip": {"modle": "free"}}]})"),
             "cloth.1.slip.modle: this key is not known; the nearest known one is \"model\"");
   EXPECT_EQ(message_of(R"({"fluid": {"spacing": -1}})"), "fluid.spacing: is -1, must be > 0");
@@ -135,7 +135,7 @@ TEST(SceneReader, messagesNameThePath) {
             std::string::npos);
 }
 
-TEST(SceneReader, pinsMoveAfterTheyAreHeldAndAreLetGoAfterThat) {
+TEST(SceneReader, pins_move_after_they_are_held_and_are_let_go_after_that) {
   const auto pins = [](const std::string& more) {
     return R"({"cloth": [{"pins": [{"within": {"min": [-1, -1, -1], "max": [1, 1, 1]}, )" + more + "}]}]}";
   };
@@ -145,7 +145,7 @@ TEST(SceneReader, pinsMoveAfterTheyAreHeldAndAreLetGoAfterThat) {
             "cloth.0.pins.0.release: must be after \"hold\"");
 }
 
-TEST(SceneReader, keysOfChecksAreChecked) {
+TEST(SceneReader, keys_of_checks_are_checked) {
   EXPECT_EQ(message_of(R"({"acceptance": 3})"), "acceptance: is 3, must be an object");
   EXPECT_EQ(message_of(R"({"acceptance": {"dam_brake": {}}})"),
             "acceptance.dam_brake: this key is not known; the nearest known one is \"dam_break\"");
@@ -155,7 +155,7 @@ TEST(SceneReader, keysOfChecksAreChecked) {
             "acceptance.dry_shadow.margine: this key is not known; the nearest known one is \"margin\"");
 }
 
-TEST(SceneReader, checksThatCouldNeverBeLookedAtAreRefused) {
+TEST(SceneReader, checks_that_could_never_be_looked_at_are_refused) {
   EXPECT_EQ(message_of(R"({"acceptance": {"at_rest": [{}]}})"),
             "acceptance.at_rest.0.within: is missing: the box whose water is to be at rest");
   EXPECT_EQ(message_of(R"({"acceptance": {"at_rest": [{"within": {"min": [0, 0, 0], "max": [1, 1, 1]},
@@ -171,7 +171,7 @@ TEST(SceneReader, checksThatCouldNeverBeLookedAtAreRefused) {
             "acceptance.dam_break.along: must be square to gravity");
 }
 
-TEST(SceneReader, aCutNeedsASlabAndAKnownColour) {
+TEST(SceneReader, a_cut_needs_a_slab_and_a_known_colour) {
   EXPECT_NE(message_of(R"({"pictures": {"views": [{"slice": {"thickness": 0}}]}})").find("must be > 0"),
             std::string::npos);
   EXPECT_NE(message_of(R"({"pictures": {"views": [{"slice": {"normal": [0, 0, 0]}}]}})").find("normal"),
@@ -180,12 +180,12 @@ TEST(SceneReader, aCutNeedsASlabAndAKnownColour) {
             std::string::npos);
 }
 
-TEST(SceneReader, nearestNameIsByEditDistance) {
+TEST(SceneReader, nearest_name_is_by_edit_distance) {
   EXPECT_EQ(nearest_name("thicknes", {"spacing", "thickness", "substeps"}), "thickness");
   EXPECT_EQ(nearest_name("x", {}), "");
 }
 
-TEST(Override, reachesKeysListsAndNewPlaces) {
+TEST(Override, reaches_keys_lists_and_new_places) {
   Json scene = Json::parse(R"({"cloth": [{"grid": [5, 5]}]})");
   apply_override(scene, "cloth.0.thickness=0.0005");
   apply_override(scene, "cloth.0.grid.1=7");
@@ -196,7 +196,7 @@ TEST(Override, reachesKeysListsAndNewPlaces) {
                                    "contact": {"ccd": false}, "emitters": []})"));
 }
 
-TEST(Override, refusesWhatLeadsNowhere) {
+TEST(Override, refuses_paths_that_do_not_exist) {
   Json scene = Json::parse(R"({"cloth": [{"grid": [5, 5]}], "dt": 1})");
   for (const char* wrong : {"cloth.3.thickness=1", "cloth.x=1", "dt.a=1", "=1", "dt", "cloth..a=1"})
     EXPECT_THROW(apply_override(scene, wrong), SceneError) << wrong;

@@ -38,7 +38,7 @@ nlohmann::json short_report(const Short& run, std::vector<std::string> more) {
 
 class ShortRun : public testing::TestWithParam<Short> {};
 
-TEST_P(ShortRun, keepsThePromiseAndTheLedgers) {
+TEST_P(ShortRun, keeps_the_promise_and_the_ledgers) {
   const auto report = short_report(GetParam(), {});
   EXPECT_EQ(report["contact"]["crossings_found_by_verify"], 0);
   EXPECT_GT(report["contact"]["contacts"].get<int>(), 0) << "nothing touched anything: the run is too short";
@@ -49,7 +49,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ShortRun, testing::ValuesIn(shortened), name_of
 
 class Threads : public testing::TestWithParam<Short> {};
 
-TEST_P(Threads, doNotChangeABit) {
+TEST_P(Threads, do_not_change_a_bit) {
   const auto one = short_report(GetParam(), {"--threads", "1"});
   const auto two = short_report(GetParam(), {"--threads", "2"});
   EXPECT_EQ(one["state_hash"], two["state_hash"]);
@@ -58,7 +58,7 @@ TEST_P(Threads, doNotChangeABit) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Threads, testing::ValuesIn(shortened), name_of);
 
-TEST(ShortRunHosts, doublePrecisionAndTheMockKeepThePromiseToo) {
+TEST(ShortRunHosts, double_precision_and_the_mock_keep_the_promise_too) {
   for (const char* host : {"bullet64", "mock"}) {
     const auto report = report_of("jet", "0.1", {"--set", std::string("host=") + host});
     EXPECT_EQ(report["machine"]["precision"], "float64") << host;
@@ -68,7 +68,7 @@ TEST(ShortRunHosts, doublePrecisionAndTheMockKeepThePromiseToo) {
 }
 
 // [Huber2013] Fig. 4, left: repulsion alone lets water through, and verify sees it.
-TEST(Leak, withoutTheContinuousTestAndZonesCrossingsAreCounted) {
+TEST(Leak, without_the_continuous_test_and_zones_crossings_are_counted) {
   const Folder folder;
   const Outcome outcome = oilskin({"run", "jet", "--quiet", "--no-render", "--frames-per-second", "0",
                                    "--out", folder.path(), "--duration", "0.15", "--set", "contact.ccd=false",
@@ -98,14 +98,14 @@ nlohmann::json check_of(const std::string& scene, const std::vector<std::string>
 }
 
 // A front that is not seen to follow the table must not pass for one that does.
-TEST(Checks, theDamBreakFailsWhenItEndsTooSoonOrIsAnother) {
+TEST(Checks, the_dam_break_fails_when_it_ends_too_soon_or_is_another) {
   const std::string coarse = "fluid.spacing=0.0057", many = "acceptance.min_emitted=1";
   EXPECT_EQ(check_of("dam_break", {coarse, many, "duration=0.1"}, "dam_front"), false);
   EXPECT_EQ(check_of("dam_break", {coarse, many, "acceptance.dam_break.width=0.04"}, "dam_front"), false);
 }
 
 // Water that floats, and water that moves.
-TEST(Checks, restIsSeenAndMotionIsSeen) {
+TEST(Checks, rest_is_seen_and_motion_is_seen) {
   const Folder folder;
   const std::string scene = folder.write("float.json", R"({"host": "mock", "duration": 0.02,
     "gravity": [0, 0, 0], "emitters": [{"shape": "box", "min": [0, 0, 0], "max": [0.03, 0.03, 0.03]}],
@@ -121,7 +121,7 @@ TEST(Checks, restIsSeenAndMotionIsSeen) {
 }
 
 // A block of water in a rigid bowl, before it has fallen.
-TEST(Checks, waterThatHangsOverItsPoolIsSeen) {
+TEST(Checks, water_that_hangs_over_its_pool_is_seen) {
   const Folder folder;
   const std::string scene = folder.write("hang.json", R"({"host": "mock", "duration": 0.002,
     "emitters": [{"shape": "box", "min": [-0.05, -0.14, -0.05], "max": [0.05, 0.0, 0.05]}],
@@ -135,7 +135,7 @@ TEST(Checks, waterThatHangsOverItsPoolIsSeen) {
 }
 
 // Cloth alone: it falls for good, or it swings from what takes hold of it and calms down.
-TEST(Checks, clothThatIsHeldOnItsWayCalmsDownAndFallingClothDoesNot) {
+TEST(Checks, cloth_that_is_caught_calms_down_and_falling_cloth_does_not) {
   const Folder folder;
   for (const std::string host : {"bullet", "mock"}) {
     const std::string scene = folder.write("held.json", R"({"duration": 0.6,
@@ -151,7 +151,7 @@ TEST(Checks, clothThatIsHeldOnItsWayCalmsDownAndFallingClothDoesNot) {
 }
 
 // A block of water in a box of cloth, half of it outside.
-TEST(Checks, whatIsNotEnclosedIsSeen) {
+TEST(Checks, what_is_not_enclosed_is_seen) {
   const Folder folder;
   folder.write("box.obj",
                "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv .1 .1 0\nv 0 0 .1\nv .1 0 .1\nv 0 .1 .1\nv .1 .1 .1\n"
@@ -174,7 +174,7 @@ TEST(Checks, whatIsNotEnclosedIsSeen) {
 
 class Audit : public testing::TestWithParam<Short> {};
 
-TEST_P(Audit, findsNoCrossingInTheTrace) {
+TEST_P(Audit, finds_no_crossing_in_the_trace) {
   const Folder folder;
   const auto report = short_report(GetParam(), {"--trace", folder.path("trace")});
   // The auditor holds every surface to the δ that the run promised (the least of all surfaces).
@@ -186,7 +186,7 @@ TEST_P(Audit, findsNoCrossingInTheTrace) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Audit, testing::ValuesIn(shortened), name_of);
 
-TEST(Audit, findsTheCrossingsOfARunThatLeaks) {
+TEST(Audit, finds_the_crossings_of_a_run_that_leaks) {
   const Folder folder;
   oilskin({"run", "jet", "--quiet", "--no-render", "--frames-per-second", "0", "--out", folder.path(),
            "--duration", "0.12", "--trace", folder.path("trace"), "--set", "contact.ccd=false", "--set",
@@ -198,7 +198,7 @@ TEST(Audit, findsTheCrossingsOfARunThatLeaks) {
 
 class FullRun : public testing::TestWithParam<Short> {};
 
-TEST_P(FullRun, passesItsOwnAcceptance) {
+TEST_P(FullRun, passes_its_own_acceptance) {
   const auto report = report_of(GetParam().scene, "", {});
   for (const auto& check : report["acceptance"]) EXPECT_TRUE(check["ok"].get<bool>()) << check;
 }

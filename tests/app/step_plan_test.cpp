@@ -18,7 +18,7 @@ Scene scene(bool adaptive, double duration, double frames_per_second) {
   return s;
 }
 
-TEST(SimulatedTime, equalStepsAreMultipliedNotAddedUp) {
+TEST(SimulatedTime, equal_steps_are_multiplied_not_added_up) {
   SimulatedTime time;
   for (int k = 1; k <= 1000; ++k) {
     time.add(0.001);
@@ -31,7 +31,7 @@ TEST(SimulatedTime, equalStepsAreMultipliedNotAddedUp) {
   EXPECT_EQ(time.steps(), 1001u);
 }
 
-TEST(StepPlan, fixedStepsReachTheDurationWhateverIsSuggested) {
+TEST(StepPlan, fixed_steps_reach_the_duration_whatever_is_suggested) {
   StepPlan plan(scene(false, 0.0405, 30));
   SimulatedTime time;
   while (!plan.done(time)) time.add(plan.next(time.value(), 1e-6));
@@ -39,7 +39,7 @@ TEST(StepPlan, fixedStepsReachTheDurationWhateverIsSuggested) {
   EXPECT_EQ(plan.fraction(time), 1);
 }
 
-TEST(StepPlan, adaptiveStepsEndAtEveryFrameAndAtTheEnd) {
+TEST(StepPlan, adaptive_steps_end_at_every_frame_and_at_the_end) {
   for (double frames_per_second : {0.0, 30.0, 1000.0 / 7}) {
     const Scene s = scene(true, 0.21, frames_per_second);
     StepPlan plan(s);
@@ -63,7 +63,7 @@ TEST(StepPlan, adaptiveStepsEndAtEveryFrameAndAtTheEnd) {
   }
 }
 
-TEST(StepPlan, adaptiveStepsKeepTheirLimitsAndChangeGradually) {
+TEST(StepPlan, adaptive_steps_keep_their_limits_and_change_gradually) {
   StepPlan plan(scene(true, 1, 0));
   double t = 0, last = plan.next(t, 1);
   EXPECT_EQ(last, 0.004);

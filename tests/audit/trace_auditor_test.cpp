@@ -149,7 +149,7 @@ Limits with_delta(double delta) {
   return limits;
 }
 
-TEST(TraceAuditor, CleanTracePasses) {
+TEST(TraceAuditor, clean_trace_passes) {
   const Outcome outcome = audit_records(clean_trace(6), with_delta(kDelta));
   EXPECT_TRUE(outcome.whole) << outcome.error;
   EXPECT_EQ(outcome.summary.findings(), 0u) << outcome.summary;
@@ -159,7 +159,7 @@ TEST(TraceAuditor, CleanTracePasses) {
   EXPECT_GT(outcome.summary.pairs, 100u);
 }
 
-TEST(TraceAuditor, FindsACrossing) {
+TEST(TraceAuditor, finds_a_crossing) {
   std::vector<Record> records = clean_trace(3);
   records[1].end[17][2] = records[2].start[17][2] = -0.05;
   records[2].end[17][2] = -0.05;
@@ -171,7 +171,7 @@ TEST(TraceAuditor, FindsACrossing) {
   EXPECT_EQ(outcome.summary.details[0].find("interval 2: particle 983, surface 5"), 0u) << outcome.summary;
 }
 
-TEST(TraceAuditor, FindsACrossingThereAndBack) {
+TEST(TraceAuditor, finds_a_crossing_there_and_back) {
   // The triangle folds over the particle and past it: both ends look harmless from the point's own path.
   Record record = falling_particle({.25, .25, .1}, {.25, .25, .1});
   for (Point& v : record.surfaces[0].end) v[2] = 1;
@@ -180,7 +180,7 @@ TEST(TraceAuditor, FindsACrossingThereAndBack) {
   EXPECT_EQ(summary.touchings, 0u);
 }
 
-TEST(TraceAuditor, FindsTouchings) {
+TEST(TraceAuditor, finds_touchings) {
   const auto touch = [](const Point& from, const Point& to) {
     const Summary summary = audit_records({falling_particle(from, to)}).summary;
     EXPECT_EQ(summary.crossings, 0u);
@@ -194,13 +194,13 @@ TEST(TraceAuditor, FindsTouchings) {
   EXPECT_EQ(touch({2, 2, 1}, {2, 2, -1}), 0u);
 }
 
-TEST(TraceAuditor, FindsTouchingOfDegenerateTriangles) {
+TEST(TraceAuditor, finds_touching_of_degenerate_triangles) {
   Record record = falling_particle({.5, 0, 1}, {.5, 0, -1});
   record.surfaces[0].triangles = {{0, 1, 1}, {0, 0, 0}};
   EXPECT_EQ(audit_records({record}).summary.touchings, 1u);
 }
 
-TEST(TraceAuditor, FindsWhatIsTooNear) {
+TEST(TraceAuditor, finds_pairs_that_are_too_close) {
   const auto too_near = [](double height, const Limits& limits) {
     return audit_records({falling_particle({.25, .25, 1}, {.25, .25, height})}, limits).summary.too_near;
   };
@@ -216,7 +216,7 @@ TEST(TraceAuditor, FindsWhatIsTooNear) {
   EXPECT_EQ(too_near(0.5 * kDelta, named), 0u);
 }
 
-TEST(TraceAuditor, FindsJumps) {
+TEST(TraceAuditor, finds_jumps) {
   std::vector<Record> records = clean_trace(3);
   records[1].start[3][0] = std::nextafter(records[1].start[3][0], 2);
   records[2].surfaces[0].start[8][1] += 1e-9;
@@ -225,7 +225,7 @@ TEST(TraceAuditor, FindsJumps) {
   EXPECT_EQ(summary.findings(), 2u);
 }
 
-TEST(TraceAuditor, NewAndRemovedIdsAreNoJumps) {
+TEST(TraceAuditor, new_and_removed_ids_are_no_jumps) {
   std::vector<Record> records = clean_trace(2);
   records[1].ids[0] = 77777;
   records[1].start[0] = {0.5, 0.5, 0.2};
@@ -236,13 +236,13 @@ TEST(TraceAuditor, NewAndRemovedIdsAreNoJumps) {
   EXPECT_EQ(audit_records(records).summary.findings(), 0u);
 }
 
-TEST(TraceAuditor, ChangedMeshUnderOneIdIsAJump) {
+TEST(TraceAuditor, changed_mesh_under_one_id_is_a_jump) {
   std::vector<Record> records = clean_trace(2);
   records[1].surfaces[0].triangles.pop_back();
   EXPECT_EQ(audit_records(records).summary.jumps, 1u);
 }
 
-TEST(TraceAuditor, FindsInvalidData) {
+TEST(TraceAuditor, finds_invalid_data) {
   const auto invalid = [](auto change) {
     std::vector<Record> records = clean_trace(1);
     change(&records[0]);
@@ -259,7 +259,7 @@ TEST(TraceAuditor, FindsInvalidData) {
   EXPECT_EQ(audit_records(records).summary.invalid, 1u);
 }
 
-TEST(TraceAuditor, EveryTruncationIsMalformed) {
+TEST(TraceAuditor, every_truncation_is_malformed) {
   const std::string bytes = to_bytes(clean_trace(1, 3, 4)[0]);
   for (std::size_t length = 0; length < bytes.size(); ++length) {
     const Outcome outcome = audit_bytes(bytes.substr(0, length));
@@ -269,7 +269,7 @@ TEST(TraceAuditor, EveryTruncationIsMalformed) {
   EXPECT_TRUE(audit_bytes(bytes).whole);
 }
 
-TEST(TraceAuditor, GarbageIsMalformed) {
+TEST(TraceAuditor, garbage_is_malformed) {
   const std::string bytes = to_bytes(clean_trace(1, 3, 4)[0]);
   EXPECT_FALSE(audit_bytes("OILSTEP2" + bytes.substr(8)).whole);
   const Outcome second = audit_bytes(bytes + "x");
@@ -283,7 +283,7 @@ TEST(TraceAuditor, GarbageIsMalformed) {
 }
 
 /// The search and the filter lose nothing: all pairs, each decided exactly, give the same counts.
-TEST(TraceAuditor, AgreesWithAllPairsDecidedExactly) {
+TEST(TraceAuditor, agrees_with_all_pairs_decided_exactly) {
   std::mt19937_64 engine(3);
   const auto coordinate = [&] { return static_cast<double>(static_cast<int>(engine() % 17)) / 16 - 0.5; };
   const auto point = [&] { return Point{coordinate(), coordinate(), coordinate()}; };

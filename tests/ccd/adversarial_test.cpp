@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <iostream>
 
 #include "ccd/exact_query.h"
 #include "ccd/point_triangle.h"
 #include "ccd/queries.h"
+#include "support/record.h"
 
 namespace oilskin::test {
 namespace {
@@ -77,7 +77,7 @@ void expect_right_placement(const Corners& x, int end, int query) {
 
 class Adversarial : public testing::TestWithParam<int> {};
 
-TEST_P(Adversarial, AnswersAreExactAndNeverLate) {
+TEST_P(Adversarial, results_are_exact_and_never_late) {
   constexpr double kEarliest = 1e-6;
   const Family& family = families()[GetParam()];
   Random random(1000 + GetParam());
@@ -104,9 +104,9 @@ TEST_P(Adversarial, AnswersAreExactAndNeverLate) {
     ASSERT_LE(found.time, truth.touch_lower) << "late, query " << i;
     earliest = std::max(earliest, truth.touch_lower - found.time);
   }
-  std::cout << "  " << family.name << ": queries " << count << ", hits " << hits << ", false negatives "
-            << false_negatives << ", false positives " << false_positives << ", earliest " << earliest
-            << '\n';
+  test::record("queries", count);
+  test::record("hits", hits);
+  test::record("earliest", earliest);
   EXPECT_EQ(false_negatives, 0);
   EXPECT_EQ(false_positives, 0);
   EXPECT_LE(earliest, kEarliest);

@@ -39,7 +39,7 @@ double integral_double(Random& random) {
   return std::ldexp(mantissa, random.integer(0, 547));
 }
 
-TEST(BigIntegers, AgreeWithTheOraclesIntegers) {
+TEST(BigIntegers, agree_with_the_oracles_integers) {
   const auto workspace = std::make_unique<Workspace>();
   Random random(31);
   for (int i = 0; i < 20000; ++i) {
@@ -73,7 +73,7 @@ Integer to_integer(const WideInteger<N>& a) {
   return x;
 }
 
-TEST(FixedNumbers, AgreeWithTheOraclesIntegers) {
+TEST(WideInteger, agrees_with_the_oracles_integers) {
   const auto workspace = std::make_unique<Workspace>();
   Random random(37);
   const auto draw = [&random] {
@@ -96,7 +96,7 @@ TEST(FixedNumbers, AgreeWithTheOraclesIntegers) {
 }
 #endif
 
-TEST(BigIntegers, HoldEveryFiniteDouble) {
+TEST(BigIntegers, hold_every_finite_double) {
   const auto workspace = std::make_unique<Workspace>();
   const BigInteger maximum = workspace->from_double(std::numeric_limits<double>::max(), -1074),
                    minimum = workspace->from_double(-0x1p-1074, -1074);
@@ -106,7 +106,7 @@ TEST(BigIntegers, HoldEveryFiniteDouble) {
   EXPECT_EQ(ccd::detail::decompose(0x1p-1074).exponent, -1074);
 }
 
-TEST(BigIntegers, AFullBlockIsReported) {
+TEST(BigIntegers, a_full_block_is_reported) {
   const auto workspace = std::make_unique<Workspace>();
   BigInteger a = workspace->from_double(0x1p1000, 0);
   for (int i = 0; i < 20; ++i) a = workspace->product(a, a);
@@ -124,7 +124,7 @@ Polynomial polynomial(Workspace* workspace, const std::array<int, 4>& c) {
 }
 
 /// (2 t − 1)(t² + t − 1) has the roots ½ and the inverse of the golden ratio, a root of the quadratic.
-TEST(BigIntegers, SignsAtSurdsAreExact) {
+TEST(BigIntegers, signs_at_surds_are_exact) {
   const auto workspace = std::make_unique<Workspace>();
   Algebra algebra(workspace.get());
   const Function golden(polynomial(workspace.get(), {-1, 1, 1, 0})),
@@ -152,7 +152,7 @@ TEST(BigIntegers, SignsAtSurdsAreExact) {
 
 /// 27 (t − ⅓)³ on about [⅓ − 2⁻³⁰, ⅓ + 2⁻³⁰]: its values are below rounding as a polynomial in t, but not as
 /// one in s.
-TEST(BigIntegers, StretchedPolynomialsKeepTheirSigns) {
+TEST(BigIntegers, stretched_polynomials_keep_their_signs) {
   const auto workspace = std::make_unique<Workspace>();
   Algebra algebra(workspace.get());
   const Function cubic(polynomial(workspace.get(), {-1, 9, -27, 27}));

@@ -51,7 +51,7 @@ std::string falling_point(char label, const std::string& x = "1,4") {
   return x + ",1,4,1,1" + end + triangle + x + ",1,4,-1,1" + end + triangle;
 }
 
-TEST(CcdCommand, PrintsALinePerFileAndATotal) {
+TEST(CcdCommand, prints_a_line_per_file_and_a_total) {
   const Outcome outcome = run({kData + "unit-tests.csv", kData + "erleben-wedges.csv"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   std::istringstream lines(outcome.out);
@@ -67,7 +67,7 @@ TEST(CcdCommand, PrintsALinePerFileAndATotal) {
   EXPECT_TRUE(std::regex_match(total, pattern)) << total;
 }
 
-TEST(CcdCommand, CountsWrongLabels) {
+TEST(CcdCommand, counts_wrong_labels) {
   const TemporaryFile right(falling_point('1')), positive(falling_point('0'));
   EXPECT_EQ(run({right.name()}).code, 0);
   const Outcome outcome = run({positive.name()});
@@ -76,7 +76,7 @@ TEST(CcdCommand, CountsWrongLabels) {
             std::string::npos);
 }
 
-TEST(CcdCommand, FalseNegativeIsExitCodeOne) {
+TEST(CcdCommand, false_negative_is_exit_code_one) {
   const TemporaryFile file(falling_point('1') + falling_point('1', "4,1"));
   const Outcome outcome = run({file.name()});
   EXPECT_EQ(outcome.code, 1);
@@ -84,7 +84,7 @@ TEST(CcdCommand, FalseNegativeIsExitCodeOne) {
             std::string::npos);
 }
 
-TEST(CcdCommand, ReadsLongNumbersAndBlankLines) {
+TEST(CcdCommand, reads_long_numbers_and_blank_lines) {
   const std::string quarter = "2500000000000000000000000000000000,10000000000000000000000000000000000";
   const TemporaryFile file(falling_point('1', quarter) + "\n\r\n");
   std::vector<demo::LabelledQuery> queries;
@@ -96,7 +96,7 @@ TEST(CcdCommand, ReadsLongNumbersAndBlankLines) {
   EXPECT_EQ(queries[0].motion.c_t1[1], 1);
 }
 
-TEST(CcdCommand, RefusesWhatItCannotRead) {
+TEST(CcdCommand, refuses_what_it_cannot_read) {
   EXPECT_EQ(run({}).code, 2);
   const Outcome missing = run({kData + "unit-tests.csv", "no/such/file.csv"});
   EXPECT_EQ(missing.code, 2);
@@ -105,7 +105,7 @@ TEST(CcdCommand, RefusesWhatItCannotRead) {
   EXPECT_EQ(run({OILSKIN_TEST_DATA}).code, 2);  // a folder
 }
 
-TEST(CcdCommand, NamesFileAndLineOfMalformedInput) {
+TEST(CcdCommand, names_file_and_line_of_malformed_input) {
   const std::string good = falling_point('1');
   const struct {
     std::string text;

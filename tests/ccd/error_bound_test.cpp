@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <iostream>
 
 #include "ccd/coplanarity_cubic.h"
 #include "ccd/queries.h"
 #include "ccd/separation.h"
+#include "support/record.h"
 
 #ifdef __SIZEOF_FLOAT128__
 
@@ -91,7 +91,7 @@ bool within_range_of_quads(const Family& family) {
   return !family.wide && family.name != "denormal" && family.name != "tiny" && family.name != "huge";
 }
 
-TEST(CoplanarityCubic, ErrorsStayWithinTheBound) {
+TEST(CoplanarityCubic, errors_stay_within_the_bound) {
   Random random(23);
   for (const Family& family : families()) {
     if (!within_range_of_quads(family)) continue;
@@ -100,7 +100,7 @@ TEST(CoplanarityCubic, ErrorsStayWithinTheBound) {
       const Corners x = family.make(random);
       max_ratio = std::max(max_ratio, ratio_to_bound(x, random.uniform(0, 1), random.uniform(0, 1)));
     }
-    std::cout << "  " << family.name << ": " << max_ratio << " of the bound\n";
+    test::record(std::string(family.name) + ", error over its bound", max_ratio);
     EXPECT_LE(max_ratio, 1);
   }
 }
@@ -125,7 +125,7 @@ double climb(std::vector<double> x, Random& random, int steps, Ratio ratio) {
 
 /// Errors of random input cancel. A search for errors that add up shows how tight the bound is: with a
 /// constant smaller by the ratio that is found, this test would fail.
-TEST(CoplanarityCubic, TheBoundIsNeededToAQuarterAtLeast) {
+TEST(CoplanarityCubic, errors_reach_a_quarter_of_the_bound) {
   Random random(37);
   double max_ratio = 0;
   for (int start = 0; start < 60; ++start) {
@@ -138,13 +138,13 @@ TEST(CoplanarityCubic, TheBoundIsNeededToAQuarterAtLeast) {
                            return ratio_to_bound(x, time(v[24]), time(v[25]));
                          }));
   }
-  std::cout << "  largest error found: " << max_ratio << " of the bound\n";
+  test::record("largest error over its bound", max_ratio);
   EXPECT_LE(max_ratio, 1);
   EXPECT_GT(max_ratio, 0.25);
 }
 
 /// d·A between the ends of the step, for numbers whose rounding errors were made to add up.
-TEST(Separation, DotProductsStayAboveTheirBoundAndNeedAQuarterOfIt) {
+TEST(Separation, errors_of_dot_products_stay_within_the_bound_and_reach_a_quarter_of_it) {
   Random random(41);
   double max_ratio = 0;
   // v: d, the corner and the point at both ends, the time
@@ -173,13 +173,13 @@ TEST(Separation, DotProductsStayAboveTheirBoundAndNeedAQuarterOfIt) {
     for (double& x : numbers) x = random.uniform(-1, 1);
     max_ratio = std::max(max_ratio, climb(numbers, random, 2000, ratio));
   }
-  std::cout << "  largest error found: " << max_ratio << " of the bound\n";
+  test::record("largest error over its bound", max_ratio);
   EXPECT_LE(max_ratio, 1);
   EXPECT_GT(max_ratio, 0.25);
 }
 
 /// Coefficients on a sub-interval are those of the polynomial restricted to it: its ends are values.
-TEST(CoplanarityCubic, SubIntervalsAgreeWithValues) {
+TEST(CoplanarityCubic, sub_intervals_agree_with_values) {
   Random random(29);
   for (int i = 0; i < 2000; ++i) {
     const Corners x = families()[0].make(random);

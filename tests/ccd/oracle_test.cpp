@@ -13,7 +13,7 @@ namespace {
 using exact::Integer;
 using exact::nearer_than;
 
-TEST(Integer, AgreesWithBuiltInArithmetic) {
+TEST(Integer, agrees_with_built_in_arithmetic) {
   Random random(3);
   for (int i = 0; i < 20000; ++i) {
     const std::int64_t a = random.integer(-1000000000, 1000000000),
@@ -27,7 +27,7 @@ TEST(Integer, AgreesWithBuiltInArithmetic) {
   }
 }
 
-TEST(Integer, KeepsTheLawsOfArithmeticWhenLong) {
+TEST(Integer, keeps_the_laws_of_arithmetic_when_long) {
   Random random(5);
   const auto large = [&] {
     Integer x(random.integer(-1000, 1000));
@@ -43,7 +43,7 @@ TEST(Integer, KeepsTheLawsOfArithmeticWhenLong) {
   }
 }
 
-TEST(Integer, HoldsDoublesExactly) {
+TEST(Integer, holds_doubles_exactly) {
   EXPECT_TRUE(Integer::from_double(-3.5, 1) == Integer(-7));
   EXPECT_TRUE(Integer::from_double(0x1p-1074, 1074) == Integer(1));
   EXPECT_TRUE(Integer::from_double(0x1p300, -290) == Integer(1024));
@@ -51,7 +51,7 @@ TEST(Integer, HoldsDoublesExactly) {
   EXPECT_THROW(Integer::from_double(std::nan(""), 0), std::invalid_argument);
 }
 
-TEST(Oracle, AgreesWithTheLabelsOfThePublicSets) {
+TEST(Oracle, agrees_with_the_labels_of_the_public_sets) {
   for (const char* name : {"unit-tests", "erleben-spikes", "erleben-wedges", "erleben-sliding-spike"}) {
     std::vector<demo::LabelledQuery> queries;
     std::string error;
@@ -70,7 +70,7 @@ exact::Answer past_unit_triangle(const Vec3& from, const Vec3& to, const Vec3& l
   return exact::point_triangle(to_exact({from, a, b, c, to, a, b, c + lift_of_c}));
 }
 
-TEST(Oracle, FindsTheTimeOfFirstTouch) {
+TEST(Oracle, finds_the_time_of_first_touch) {
   const exact::Answer half = past_unit_triangle({.25, .25, 1}, {.25, .25, -1});
   EXPECT_TRUE(half.hit);
   EXPECT_FALSE(half.coplanar);
@@ -86,7 +86,7 @@ TEST(Oracle, FindsTheTimeOfFirstTouch) {
   EXPECT_EQ(grazing.touch_lower, 0.5);
 }
 
-TEST(Oracle, DecidesByTheLastBit) {
+TEST(Oracle, decides_by_the_last_bit) {
   const double smallest = 0x1p-1074;
   EXPECT_TRUE(past_unit_triangle({0, 0, 1}, {0, 0, -1}).hit);
   EXPECT_FALSE(past_unit_triangle({-smallest, 0, 1}, {-smallest, 0, -1}).hit);
@@ -95,7 +95,7 @@ TEST(Oracle, DecidesByTheLastBit) {
   EXPECT_FALSE(past_unit_triangle({.25, .25, 1}, {.25, .25, smallest}).hit);
 }
 
-TEST(Oracle, HandlesCoplanarAndDegenerateMotion) {
+TEST(Oracle, handles_coplanar_and_degenerate_motion) {
   const exact::Answer flat = past_unit_triangle({-1, .25, 0}, {1, .25, 0});
   EXPECT_TRUE(flat.hit);
   EXPECT_TRUE(flat.coplanar);
@@ -111,7 +111,7 @@ TEST(Oracle, HandlesCoplanarAndDegenerateMotion) {
             0.25);
 }
 
-TEST(Oracle, ComparesDistancesExactly) {
+TEST(Oracle, compares_distances_exactly) {
   const exact::Point a{0, 0, 0}, b{1, 0, 0}, c{0, 1, 0};
   const double limit = 0x1p-10, more = std::nextafter(limit, 1);
   for (const exact::Point& p : {exact::Point{.25, .25, limit}, exact::Point{.5, -limit, 0},
@@ -130,7 +130,7 @@ TEST(Oracle, ComparesDistancesExactly) {
 }
 
 /// The distance of random points against plain arithmetic, away from the limit.
-TEST(Oracle, AgreesWithSampledDistances) {
+TEST(Oracle, agrees_with_sampled_distances) {
   Random random(19);
   for (int i = 0; i < 500; ++i) {
     const Vec3 p = random.vector(1), a = random.vector(1), b = random.vector(1), c = random.vector(1);

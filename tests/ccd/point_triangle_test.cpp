@@ -34,16 +34,16 @@ void expect_hit_at(double time, const Corners& x) {
 
 // Cases with known results.
 
-TEST(PointTriangle, HeadOnThroughTheFace) {
+TEST(PointTriangle, head_on_through_the_face) {
   expect_hit_at(0.5, past_unit_triangle({.25, .25, 1}, {.25, .25, -1}));
 }
 
-TEST(PointTriangle, TriangleMovesTowardsThePoint) {
+TEST(PointTriangle, triangle_moves_towards_the_point) {
   const Vec3 up(0, 0, 1);
   expect_hit_at(1.0 / 3, {Vec3(.25, .25, 1), kA, kB, kC, Vec3(.25, .25, -1), kA + up, kB + up, kC + up});
 }
 
-TEST(PointTriangle, GrazingAtADoubleRootIsAHit) {
+TEST(PointTriangle, grazing_at_a_double_root_is_a_hit) {
   const ccd::Impact impact =
       impact_of({Vec3(.25, .75, .25), kA, kB, kC, Vec3(.25, -.25, 0), kA, kB, kC + Vec3(0, 0, 1)});
   EXPECT_TRUE(impact.hit);
@@ -51,29 +51,29 @@ TEST(PointTriangle, GrazingAtADoubleRootIsAHit) {
   EXPECT_NEAR(impact.time, 0.5, 1e-6);
 }
 
-TEST(PointTriangle, CoplanarMotionHitsTheEdge) {
+TEST(PointTriangle, coplanar_motion_hits_the_edge) {
   expect_hit_at(0.5, past_unit_triangle({-1, .25, 0}, {1, .25, 0}));
 }
 
-TEST(PointTriangle, SegmentIsHit) {
+TEST(PointTriangle, segment_is_hit) {
   const Vec3 middle(.5, 0, 0);
   expect_hit_at(0.5, {Vec3(.5, 0, 1), kA, kB, middle, Vec3(.5, 0, -1), kA, kB, middle});
 }
 
-TEST(PointTriangle, PointIsHit) {
+TEST(PointTriangle, point_is_hit) {
   expect_hit_at(0.5, {Vec3(0, 0, 1), kA, kA, kA, Vec3(0, 0, -1), kA, kA, kA});
 }
 
-TEST(PointTriangle, PassingBesideIsNoHit) {
+TEST(PointTriangle, passing_beside_is_no_hit) {
   EXPECT_FALSE(impact_of(past_unit_triangle({2, 2, 1}, {2, 2, -1})).hit);
 }
 
-TEST(PointTriangle, CommonTranslationIsNoHit) {
+TEST(PointTriangle, common_translation_is_no_hit) {
   const Vec3 d(10, -7, 3), p(.25, .25, .125);
   EXPECT_FALSE(impact_of({p, kA, kB, kC, p + d, kA + d, kB + d, kC + d}).hit);
 }
 
-TEST(PointTriangle, VertexAndEdgeAreHitForEachIncidentTriangle) {
+TEST(PointTriangle, vertex_and_edge_are_hit_for_each_incident_triangle) {
   const Vec3 mirrored(-1, 0, 0), opposite(1, 1, 0);
   for (const Corners& x :
        {past_unit_triangle({0, 0, 1}, {0, 0, -1}), past_unit_triangle({.5, .5, 1}, {.5, .5, -1})}) {
@@ -83,14 +83,14 @@ TEST(PointTriangle, VertexAndEdgeAreHitForEachIncidentTriangle) {
   expect_hit_at(0.5, {Vec3(.5, .5, 1), kB, opposite, kC, Vec3(.5, .5, -1), kB, opposite, kC});
 }
 
-TEST(PointTriangle, StoppingJustAboveIsNoHit) {
+TEST(PointTriangle, stopping_just_above_is_no_hit) {
   EXPECT_FALSE(impact_of(past_unit_triangle({.25, .25, 1}, {.25, .25, 1e-9})).hit);
   EXPECT_FALSE(impact_of(past_unit_triangle({.25, .25, 1}, {.25, .25, 1e-15})).hit);
 }
 
 // The contract.
 
-TEST(PointTriangle, UnmovedPointsThatTouchAreAnImpactAtZero) {
+TEST(PointTriangle, unmoved_points_that_touch_are_an_impact_at_zero) {
   for (const Vec3& p : {Vec3(.25, .25, 0), Vec3(.5, .5, 0), Vec3(.5, 0, 0), kA, kB, kC}) {
     const ccd::Impact impact = ccd::point_triangle(to_motion(past_unit_triangle(p, p)));
     EXPECT_TRUE(impact.hit);
@@ -100,7 +100,7 @@ TEST(PointTriangle, UnmovedPointsThatTouchAreAnImpactAtZero) {
     EXPECT_FALSE(impact_of(past_unit_triangle(p, p)).hit);
 }
 
-TEST(PointTriangle, UnmovedPointsAreDecidedExactly) {
+TEST(PointTriangle, unmoved_points_are_decided_exactly) {
   Random random(7);
   int hits = 0;
   constexpr int kQueries = 4000;
@@ -117,20 +117,20 @@ TEST(PointTriangle, UnmovedPointsAreDecidedExactly) {
   EXPECT_GT(kQueries - hits, kQueries / 25);
 }
 
-TEST(PointTriangle, InitialAndFinalTouchAreHits) {
+TEST(PointTriangle, initial_and_final_touch_are_hits) {
   expect_hit_at(0, past_unit_triangle({.25, .25, 0}, {.25, .25, 1}));
   expect_hit_at(0, past_unit_triangle(kA, {-1, -1, 1}));
   expect_hit_at(1, past_unit_triangle({.25, .25, 1}, {.25, .25, 0}));
 }
 
-TEST(PointTriangle, SmallestGapsAreSeen) {
+TEST(PointTriangle, smallest_gaps_are_seen) {
   const double smallest = std::numeric_limits<double>::denorm_min();
   EXPECT_FALSE(impact_of(past_unit_triangle({.25, .25, 1}, {.25, .25, smallest})).hit);
   EXPECT_TRUE(impact_of(past_unit_triangle({.25, .25, 1}, {.25, .25, 0})).hit);
   EXPECT_FALSE(impact_of(past_unit_triangle({-smallest, .25, 1}, {-smallest, .25, -1})).hit);
 }
 
-TEST(PointTriangle, LargestCoordinatesAreHandled) {
+TEST(PointTriangle, largest_coordinates_are_handled) {
   Corners x = past_unit_triangle({.25, .25, 1}, {.25, .25, -1});
   for (Vec3& v : x) v *= 1e89;
   expect_hit_at(0.5, x);
@@ -140,7 +140,7 @@ TEST(PointTriangle, LargestCoordinatesAreHandled) {
 }
 
 /// Beyond the sizes that the contract names: the largest and the smallest numbers in one query.
-TEST(PointTriangle, AnyFiniteCoordinatesAreAnsweredExactly) {
+TEST(PointTriangle, any_finite_coordinates_are_decided_exactly) {
   Random random(43);
   for (int i = 0; i < 24; ++i) {
     Corners x = families()[3].make(random);
@@ -152,7 +152,7 @@ TEST(PointTriangle, AnyFiniteCoordinatesAreAnsweredExactly) {
   }
 }
 
-TEST(PointTriangle, WhatIsNotFiniteCountsAsAHitUnlessAnAxisSeparates) {
+TEST(PointTriangle, what_is_not_finite_counts_as_a_hit_unless_an_axis_separates) {
   // Beyond the contract; it must end, and must not claim that paths are disjoint.
   const double nan = std::numeric_limits<double>::quiet_NaN(),
                infinity = std::numeric_limits<double>::infinity();
@@ -160,7 +160,7 @@ TEST(PointTriangle, WhatIsNotFiniteCountsAsAHitUnlessAnAxisSeparates) {
   EXPECT_TRUE(impact_of(past_unit_triangle({.25, .25, infinity}, {.25, .25, -infinity})).hit);
 }
 
-TEST(PointTriangle, SameBitsSameAnswer) {
+TEST(PointTriangle, same_bits_give_the_same_result) {
   Random random(11);
   for (int i = 0; i < 2000; ++i) {
     const Corners x = families()[i % families().size()].make(random);
@@ -172,7 +172,7 @@ TEST(PointTriangle, SameBitsSameAnswer) {
 
 /// Exact results do not depend on the order of corners, the direction of time, or the scale (by powers of
 /// two).
-TEST(PointTriangle, AnswersDoNotDependOnOrderMirroringOrScale) {
+TEST(PointTriangle, results_do_not_depend_on_order_mirroring_or_scale) {
   Random random(13);
   for (int i = 0; i < 4000; ++i) {
     const Corners x = families()[i % families().size()].make(random);
@@ -189,7 +189,7 @@ TEST(PointTriangle, AnswersDoNotDependOnOrderMirroringOrScale) {
 }
 
 /// Random queries, which are far from touching or clearly hit, have exact results.
-TEST(PointTriangle, ClearQueriesAreAnsweredExactly) {
+TEST(PointTriangle, clear_queries_are_decided_exactly) {
   Random random(17);
   int hits = 0;
   for (int i = 0; i < 8000; ++i) {
@@ -206,7 +206,7 @@ TEST(PointTriangle, ClearQueriesAreAnsweredExactly) {
 
 class PublicSet : public testing::TestWithParam<const char*> {};
 
-TEST_P(PublicSet, NoFalseAnswers) {
+TEST_P(PublicSet, no_false_results) {
   std::vector<demo::LabelledQuery> queries;
   std::string error;
   ASSERT_TRUE(demo::read_queries(std::string(OILSKIN_TEST_DATA) + "/" + GetParam(), &queries, &error))

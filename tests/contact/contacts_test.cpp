@@ -24,7 +24,7 @@ SurfaceMotion flat_grid(double thickness = 0.002) {
                          Storage::float64);
 }
 
-TEST(Records, a_particle_over_a_flat_sheet_has_one_record_wherever_it_is) {
+TEST(Contacts, a_particle_over_a_flat_sheet_has_one_contact_wherever_it_is) {
   test::Random random(1);
   for (int k = 0; k < 500; ++k) {
     std::vector<SurfaceMotion> s{flat_grid()};
@@ -50,7 +50,7 @@ TEST(Records, a_particle_over_a_flat_sheet_has_one_record_wherever_it_is) {
   }
 }
 
-TEST(Records, the_wedge_outside_every_face_prism_of_a_convex_fold_has_a_record) {
+TEST(Contacts, the_wedge_outside_every_face_prism_of_a_convex_fold_has_a_contact) {
   SurfaceMotion s;
   s.id = 1;
   s.x_t0 = {{0, 0, 0}, {0, 0, 1}, {1, -1, 0}, {-1, -1, 0}};
@@ -68,7 +68,7 @@ TEST(Records, the_wedge_outside_every_face_prism_of_a_convex_fold_has_a_record) 
   EXPECT_NEAR(contacts[0].distance, std::hypot(0.0005, 0.004), 1e-15);
 }
 
-TEST(Records, a_valley_has_a_record_for_each_side) {
+TEST(Contacts, a_valley_has_a_contact_for_each_side) {
   SurfaceMotion s;
   s.id = 1;
   s.x_t0 = {{0, 0, 0}, {0, 0, 1}, {1, 1, 0}, {-1, 1, 0}};
@@ -84,7 +84,7 @@ TEST(Records, a_valley_has_a_record_for_each_side) {
   EXPECT_EQ(contacts_of(p, surfaces).size(), 2u);
 }
 
-TEST(Records, duplicate_triangles_of_either_winding_share_one_record) {
+TEST(Contacts, duplicate_triangles_of_either_winding_share_one_contact) {
   std::vector<SurfaceMotion> s{flat_grid()};
   const std::vector<Triangle> once = s[0].triangles;
   for (const Triangle& t : once) s[0].triangles.push_back({t[1], t[0], t[2]});
@@ -94,7 +94,7 @@ TEST(Records, duplicate_triangles_of_either_winding_share_one_record) {
   EXPECT_EQ(contacts_of(p, s).size(), 1u);
 }
 
-TEST(Records, far_particles_have_none_and_approaching_ones_within_a_spacing_do) {
+TEST(Contacts, far_particles_have_none_and_approaching_ones_within_a_spacing_do) {
   std::vector<SurfaceMotion> s{flat_grid()};
   ParticleArrays p;
   p.add({0.0231, 0.006, 0.0173}, Vec3::Zero(), 1e-4);  // within h + dx, at rest
@@ -106,7 +106,7 @@ TEST(Records, far_particles_have_none_and_approaching_ones_within_a_spacing_do) 
   EXPECT_EQ(contacts[0].particle, 1u);
 }
 
-TEST(Records, degenerate_triangles_give_finite_records) {
+TEST(Contacts, degenerate_triangles_give_finite_contacts) {
   SurfaceMotion s;
   s.id = 1;
   s.x_t0 = {{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}, {2, 0, 0}, {2, 0, 0}};
@@ -133,7 +133,7 @@ TEST(Records, degenerate_triangles_give_finite_records) {
 }
 
 // Sliding 10,000 steps over inner edges, close to the certified distance: no ghost collisions, no sticking.
-TEST(Records, sliding_over_inner_edges_keeps_tangential_velocity) {
+TEST(Contacts, sliding_over_inner_edges_keeps_tangential_velocity) {
   for (double start_at : {0.002, 3.0e-6}) {
     std::vector<SurfaceMotion> s{test::make_grid(41, 41, Vec3(-1, 0, -1), Vec3(2, 0, 0), Vec3(0, 0, 2), 0,
                                                  0.002, 2, Storage::float64)};

@@ -187,7 +187,7 @@ TEST(ViscousWall, a_corner_has_two_walls_a_gap_has_two_and_a_border_ends) {
   }
 }
 
-TEST(ViscousWall, other_laws_have_no_more_candidates_or_records_than_free_slip) {
+TEST(ViscousWall, other_laws_have_no_more_candidates_or_contacts_than_free_slip) {
   Random random(17);
   ParticleArrays start;
   for (int k = 0; k < 200; ++k)

@@ -132,7 +132,7 @@ TEST(Response, stop_impulse_matches_the_closed_form_to_fourteen_digits) {
 }
 
 // k equal particles hit one free node at once: the converged answer is −k m v/(M + k m), in any order.
-TEST(Response, simultaneous_impacts_converge_to_the_inelastic_answer_in_any_order) {
+TEST(Response, simultaneous_impacts_converge_to_the_inelastic_solution_in_any_order) {
   const int k = 64;
   const double m = 1, mass = 64;  // k m = M: the one-sweep answer is 26 % too fast
   for (bool reversed : {false, true}) {

@@ -7,6 +7,7 @@
 #include "contact/predicates.h"
 #include "support/particle_arrays.h"
 #include "support/random.h"
+#include "support/record.h"
 
 namespace oilskin {
 namespace {
@@ -138,7 +139,7 @@ void expect_certified(const Scene& scene, int step) {
     for (const Vec3& x : s.x_t1) ASSERT_EQ(x, stored(x, s.storage));
 }
 
-TEST_P(Squeezing, no_pair_meets_and_none_is_near_at_the_end) {
+TEST_P(Squeezing, no_paths_intersect_and_no_pair_is_too_close_at_the_end) {
   Case c = GetParam();
   if (const char* steps = std::getenv("OILSKIN_SQUEEZING_STEPS")) c.steps = std::atoi(steps);
   Random random(static_cast<std::uint64_t>(c.at * 7 + c.pins * 100 + c.steps));
@@ -185,9 +186,12 @@ TEST_P(Squeezing, no_pair_meets_and_none_is_near_at_the_end) {
   }
   EXPECT_GT(zone_steps, 0u) << "the squeezing is too soft to test zones";
   EXPECT_GE(minimum, 1 - 1e-9);
-  std::cout << "  " << steps_run << " steps, " << zone_steps << " with zones, at most " << max_zone_rounds
-            << " rounds, least distance " << minimum << " δ, stalled " << stalled << ", removed " << removed
-            << "\n";
+  test::record("steps", steps_run);
+  test::record("steps with zones", zone_steps);
+  test::record("most zone rounds", max_zone_rounds);
+  test::record("smallest distance [δ]", minimum);
+  test::record("stalled", stalled);
+  test::record("removed", removed);
 }
 
 INSTANTIATE_TEST_SUITE_P(

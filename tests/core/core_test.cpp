@@ -71,7 +71,7 @@ TEST(Workers, chunks_cover_the_range_once_and_sums_do_not_depend_on_threads) {
   Workers(2).for_each(0, 16, [](std::size_t) { FAIL(); });
 }
 
-TEST(Hash, tells_order_and_bits) {
+TEST(Hash, depends_on_order_and_bits) {
   Hash64 a, b, c;
   a.add(1.0), a.add(2.0);
   b.add(2.0), b.add(1.0);

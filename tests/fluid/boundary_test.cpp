@@ -270,7 +270,7 @@ TEST(Boundary, a_floor_carries_what_the_water_down_to_it_weighs_and_a_ceiling_do
   }
 }
 
-TEST(Boundary, light_walls_give_way_and_heavy_ones_move_as_told) {
+TEST(Boundary, light_walls_yield_and_heavy_ones_keep_their_motion) {
   test::StaticMesh mesh = plate(0.12, 14, -0.03);
   for (double inverse_mass : {0.0, 6e4}) {
     Layer water(mesh, inverse_mass);
@@ -297,7 +297,7 @@ double relative_error(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const 
   return std::sqrt(error.dot(a * error) / x.dot(a * x));
 }
 
-TEST(Boundary, the_answer_of_light_walls_is_solved_for) {
+TEST(Boundary, the_response_of_light_walls_is_solved_for) {
   test::StaticMesh mesh = plate(0.12, 14, -0.03);
   constexpr float scale = 0.3f;
   for (double inverse_mass : {0.0, 1e3, 6e4, 1e9}) {

@@ -122,7 +122,7 @@ TEST(Dfsph, spray_is_not_held_apart) {
 }
 
 TEST(Dfsph, density_error_of_the_next_step_is_within_the_tolerance) {
-  // The report tells of a linear prediction; the truth is the density at the positions it leads to.
+  // The report is of a linear prediction; the truth is the density at the positions to which it leads.
   Column tank(dfsph(), 10, 20);
   double sum = 0;
   for (int step = 0; step < 300; ++step) {

@@ -80,7 +80,7 @@ TEST(Emission, what_is_emitted_does_not_depend_on_the_step) {
     rain.drops_per_second = 700;
     ASSERT_TRUE(emission.add(rain).ok());
     std::vector<double> times;
-    run(emission, 0.592, dt, &times);  // a whole number of steps for none but two of them
+    run(emission, 0.592, dt, &times);  // 0.592 s is a multiple of two of the steps only
     times.erase(std::remove_if(times.begin(), times.end(), [](double t) { return t >= 0.59; }), times.end());
     std::sort(times.begin(), times.end());
     if (reference.empty()) reference = times;
@@ -213,7 +213,7 @@ TEST(Emission, rain_is_a_function_of_its_seed) {
   EXPECT_EQ(rain(1, dx).size(), 7 * a.size());  // lattice ball of radius dx: a point and six around it
 }
 
-TEST(Emission, refuses_what_cannot_be_right_and_says_so) {
+TEST(Emission, refuses_invalid_settings_with_a_message) {
   Emission emission = make();
   auto refused = [&](auto change, auto emitter, const char* word) {
     change(emitter);

@@ -45,8 +45,8 @@ test::StaticMesh bumpy_sheet(int n, double size, double bump, unsigned seed) {
   return mesh;
 }
 
-/// Another way to ask: the point of the line in the plane, in long double. `margin` tells how far from
-/// undecided it is, in units of the triangle.
+/// An independent test: the intersection of the line with the plane, in long double. `margin` is the distance
+/// from a change of the result, in units of the triangle.
 bool meets(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c, double* margin) {
   using L3 = Eigen::Matrix<long double, 3, 1>;
   const L3 e1 = (b - a).cast<long double>(), e2 = (c - a).cast<long double>();

@@ -71,7 +71,7 @@ TEST_P(Incompressible, warm_start_scales_with_the_step) {
   EXPECT_LT(tank.fastest(), 0.5);
 }
 
-TEST_P(Incompressible, stops_at_the_largest_number_of_iterations_and_says_so) {
+TEST_P(Incompressible, stops_at_max_iterations_and_reports_it) {
   FluidSettings s = settings();
   s.min_iterations = s.max_iterations = 1;
   Column tank(s, 8, 8, 0.9 * dx);

@@ -1,6 +1,6 @@
 // Bytes → a few sheets and particles with any numbers → one interval of contact. It must end, refuse or
-// accept; where it accepts a start without a near pair, no pair meets and none is near at the end, by brute
-// force.
+// accept; where it accepts a start without pairs closer than δ, no paths intersect and no pair is closer than
+// δ at the end, by brute force.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -76,7 +76,7 @@ class Input {
   std::size_t size_, at_ = 0;
 };
 
-/// Sheets of one scale, so that they meet the particles.
+/// Sheets of one scale, so that they reach the particles.
 SurfaceMotion sheet(Input& in, std::uint64_t id, double scale, double still) {
   SurfaceMotion s;
   s.id = id;

@@ -13,7 +13,7 @@ namespace oilskin::fuzz {
 
 namespace {
 
-/// What names a file names this one: the fuzzer shall not read /dev/zero.
+/// Every key that names a file names this one: the fuzzer must not read /dev/zero.
 void name_small_mesh(demo::Json& json) {
   if (!json.is_structured()) return;
   for (auto& [key, value] : json.items()) {

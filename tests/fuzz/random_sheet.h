@@ -26,7 +26,7 @@ struct SheetPlan {
   double pins = 0;                          ///< share of prescribed nodes
   bool pins_agree = true;                   ///< prescribed nodes move alike
   bool holdable = true;                     ///< contact may hold prescribed nodes
-  bool movable = true;                      ///< position rows may move free nodes
+  bool movable = true;                      ///< contacts may move the positions of free nodes
   double lightest = 1e-6, heaviest = 1e-3;  ///< mass of a node [kg]
 };
 
@@ -36,7 +36,7 @@ class RandomSheet : public SurfaceHost {
 
   /// Before a step: what the next gather will propose.
   void propose(Random& random, const Arena& arena, const Vec3& gravity, double dt);
-  /// Puts the sheet somewhere else; the world must be told (World::reset_motion).
+  /// Puts the sheet somewhere else; needs World::reset_motion().
   void jump(Random& random, const Arena& arena);
   void change_a_pin(Random& random);
   void spoil() { spoilt_ = true; }  ///< the next gathers propose a node that is nowhere …

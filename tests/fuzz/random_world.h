@@ -20,7 +20,7 @@ struct WorldVerdict {
   std::uint64_t stalled = 0, carried_along = 0, removed = 0, allowed = 0, relocated = 0, removed_invalid = 0,
                 blocked = 0;
   std::uint64_t false_alarms = 0;  ///< steps in which verify found more than were allowed to pass
-  std::uint64_t not_judged = 0;    ///< steps whose residual of momentum may be rounding of what is not told
+  std::uint64_t not_judged = 0;    ///< steps whose momentum residual may be rounding of removed particles
   double worst_momentum = 0;       ///< residual over Σ|p|, where it is judged
 };
 

@@ -1,6 +1,6 @@
 // Worlds drawn at random from fixed seeds. Whatever they do: every number stays finite, nobody crosses, mass
-// and momentum are booked, the work of a step is bounded, and threads do not matter. A world that fails
-// prints its seed; OILSKIN_WORLDS_FIRST=<seed> OILSKIN_WORLDS_COUNT=1 runs it again.
+// and momentum are accounted for, the work of a step is bounded, and threads do not matter. A world that
+// fails prints its seed; OILSKIN_WORLDS_FIRST=<seed> OILSKIN_WORLDS_COUNT=1 runs it again.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -8,6 +8,7 @@
 
 #include "core/assert.h"
 #include "fuzz/random_world.h"
+#include "support/record.h"
 
 namespace oilskin::test {
 namespace {
@@ -60,15 +61,23 @@ TEST(RandomWorlds, keep_every_invariant) {
     sum.not_judged += v.not_judged;
     sum.worst_momentum = std::max(sum.worst_momentum, v.worst_momentum);
   }
-  std::cout << "  " << count << " worlds, " << promised << " with the promise, " << sum.steps << " steps of "
-            << sum.particles / std::max<std::uint64_t>(sum.steps, 1) << " particles; " << sum.pairs
-            << " pairs audited, " << sum.impacts << " meetings, " << sum.zone_steps
-            << " steps with zones, at most " << sum.max_zone_rounds << " rounds; stalled " << sum.stalled
-            << ", followed " << sum.carried_along << ", removed " << sum.removed << ", allowed "
-            << sum.allowed << ", reseeded " << sum.relocated << ", quarantined " << sum.removed_invalid
-            << ", blocked " << sum.blocked << "; " << sum.false_alarms
-            << " false alarms of verify; momentum to " << sum.worst_momentum << ", " << sum.not_judged
-            << " not judged\n";
+  record("worlds with the promise", promised);
+  record("steps", sum.steps);
+  record("particles a step", sum.particles / std::max<std::uint64_t>(sum.steps, 1));
+  record("pairs audited", sum.pairs);
+  record("impacts", sum.impacts);
+  record("steps with zones", sum.zone_steps);
+  record("most zone rounds", sum.max_zone_rounds);
+  record("stalled", sum.stalled);
+  record("carried along", sum.carried_along);
+  record("removed", sum.removed);
+  record("allowed", sum.allowed);
+  record("relocated", sum.relocated);
+  record("removed as invalid", sum.removed_invalid);
+  record("blocked", sum.blocked);
+  record("false alarms of verify", sum.false_alarms);
+  record("worst momentum residual", sum.worst_momentum);
+  record("steps not judged", sum.not_judged);
   EXPECT_LE(sum.false_alarms, 1 + count / 1000) << "verify errs on the safe side, but hardly ever";
   EXPECT_LE(sum.not_judged, 1 + count / 10000);
   if (count < 500) return;

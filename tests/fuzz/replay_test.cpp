@@ -1,11 +1,15 @@
-// Runs a fuzz target without libFuzzer: on its seeds, on simple mutations of them, on files that once broke
-// it (OILSKIN_REGRESSIONS), and on the files given. `--write-seeds FOLDER` writes the seeds for the fuzzer.
+// Runs a fuzz target without libFuzzer: on its seeds, on mutations of them, on the inputs of its folder
+// (OILSKIN_REGRESSIONS: those that once broke it, and those of kinds that break readers), and on the files
+// given. `--write-seeds FOLDER` writes the seeds for the fuzzer.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <limits>
 
 #include "fuzz/fuzz_target.h"
 #include "support/random.h"
@@ -45,15 +49,40 @@ TEST(Replay, seeds_and_their_mutations) {
   }
 }
 
-TEST(Replay, files_that_once_broke_it) {
+#ifdef OILSKIN_BINARY_INPUT
+// Counts, indices, flags and numbers of any place in the input.
+TEST(Replay, every_word_of_the_shortest_seed_with_extreme_values) {
+  const std::vector<Bytes> seeds = oilskin::fuzz::seeds();
+  const Bytes seed = *std::min_element(seeds.begin(), seeds.end(),
+                                       [](const Bytes& a, const Bytes& b) { return a.size() < b.size(); });
+  ASSERT_GT(seed.size(), 64u);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (std::size_t at = 0; at + 8 <= seed.size(); at += 4)
+    for (double value : {0.0, -1.0, 1e308, -infinity, std::nan("")}) {
+      Bytes mutated = seed;
+      std::memcpy(mutated.data() + at, &value, 8);
+      run(mutated);
+    }
+  for (std::size_t at = 0; at + 8 <= seed.size(); at += 4)
+    for (std::uint64_t value : {~std::uint64_t{0}, std::uint64_t{1} << 60, std::uint64_t{1} << 31}) {
+      Bytes mutated = seed;
+      std::memcpy(mutated.data() + at, &value, 8);
+      run(mutated);
+    }
+}
+#endif
+
+TEST(Replay, inputs_that_break_readers) {
   std::vector<fs::path> files;
-  if (fs::exists(OILSKIN_REGRESSIONS))
-    for (const auto& entry : fs::directory_iterator(OILSKIN_REGRESSIONS)) files.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(OILSKIN_REGRESSIONS)) files.push_back(entry.path());
+  ASSERT_FALSE(files.empty()) << OILSKIN_REGRESSIONS;
   std::sort(files.begin(), files.end());
   files.insert(files.end(), files_given.begin(), files_given.end());
   for (const fs::path& file : files) {
-    std::cout << file.string() << std::endl;
-    run(read(file));
+    std::cout << file.string() << std::endl;  // before it ends the program
+    const Bytes input = read(file);
+    ASSERT_FALSE(input.empty()) << file;
+    run(input);
   }
 }
 

@@ -1,7 +1,7 @@
 // Hard case 47: a world is saved while everything is under way and goes on in another.
 #include <gtest/gtest.h>
 
-#include "hard_cases/outcome.h"
+#include "hard_cases/hard_case.h"
 #include "support/busy_scene.h"
 
 namespace oilskin::test {
@@ -28,7 +28,7 @@ TEST(HardSave, a_restored_world_has_the_same_bits_fifty_steps_later) {
     ASSERT_TRUE(other->world.restore(bytes).ok());
     other->set_host_state(hosts);
   }
-  int equal = 0;
+  std::uint64_t equal = 0;
   for (int k = saved_after; k < saved_after + steps_more; ++k) {
     for (BusyScene<float>* each : {&scene, &one, &two}) ASSERT_TRUE(each->step(k).status.ok());
     const std::uint64_t hash = scene.world.state_hash();
@@ -41,15 +41,14 @@ TEST(HardSave, a_restored_world_has_the_same_bits_fifty_steps_later) {
   // The worst that can be done with it: a host that is another.
   BusyScene<double> wrong(busy_world(1), FluidSettings{});
   const std::uint64_t before = wrong.world.state_hash();
-  EXPECT_FALSE(wrong.world.restore(bytes).ok());
+  const bool refused = !wrong.world.restore(bytes).ok();
   EXPECT_EQ(wrong.world.state_hash(), before);
-  record_outcome(
-      "47",
-      "saved mid-run (" + std::to_string(particles) +
-          " particles; jets, rain, blocked and later emitters, cloth, held pins), restored into new "
-          "worlds with one and two threads",
-      std::to_string(equal) + " of " + std::to_string(steps_more) + " steps with the same bits; " +
-          std::to_string(bytes.size() / 1024) + " KiB; a wrong host is refused");
+  HardCase c("47", "saved mid-run (" + std::to_string(particles) +
+                       " particles; jets, rain, blocked and later emitters, cloth, held pins), restored into "
+                       "new worlds with one and two threads");
+  c.equal("steps with the same bits", equal, steps_more);
+  c.note("saved bytes", std::uint64_t{bytes.size()});
+  c.holds("a wrong host is refused", refused);
 }
 
 }  // namespace

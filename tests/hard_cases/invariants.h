@@ -62,8 +62,11 @@ struct Found {
 inline std::string count(std::uint64_t n) {
   return std::to_string(n);
 }
-/// "312 shots, 0 crossings, 27 meetings": what rows of shooting say.
-std::string shots(const Found& f);
+
+/// What every case is held to, per interval: relative to Σ|p|, and to the energy and work.
+constexpr double max_momentum_error = 1e-10, max_energy_gain = 1e-12;
+
+double max_speed(const std::vector<Vec3>& velocities);
 
 /// Contact alone. Fill particles and surfaces; x_t1 and velocity of both are the proposal.
 struct ContactScene {
@@ -107,6 +110,11 @@ class CheckedContact {
   std::unique_ptr<audit::Auditor> auditor_;
   std::uint64_t number_ = 0, jumps_ = 0;
 };
+
+/// Relative velocity along the normal of a contact: < 0 approaches [m/s].
+double normal_speed(const ContactScene& scene, const Contact& contact);
+/// Moves the nodes by y upwards.
+void lift(SurfaceMotion& s, double y);
 
 /// One scene, one interval, checked.
 Found resolve_checked(ContactScene& scene);

@@ -9,7 +9,7 @@
 
 namespace {
 
-TEST(Alignment, fclTypesAreLaidOutAsInABaselineBuild) {
+TEST(Alignment, fcl_types_are_laid_out_as_in_a_baseline_build) {
   static_assert(alignof(fcl::Transform3<double>) == 16, "libfcl was compiled with 16");
   static_assert(sizeof(fcl::CollisionObject<double>) == 224, "libfcl was compiled with 224");
   SUCCEED();

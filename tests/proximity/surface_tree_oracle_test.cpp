@@ -41,7 +41,7 @@ struct StaticQuery {
 };
 
 /// Same triangles as FCL's sphere-mesh collision once the distance decides among the candidates.
-TEST(SurfaceTreeOracle, candidatesWithinReachAreThoseOfFclCollide) {
+TEST(SurfaceTreeOracle, candidates_within_reach_are_those_of_fcl_collide) {
   Random random(20);
   StaticQuery q(sheet(24, 0, random), 300, 0.02, 21);
   fcl::BVHModel<fcl::OBBRSS<double>> model;
@@ -137,7 +137,7 @@ void expect_equal_to_manager(const MovingMesh& mesh, const std::vector<Box>& box
   EXPECT_GT(total, boxes.size() / 4);
 }
 
-TEST(SurfaceTreeOracle, candidatesAreThoseOfFclsDynamicTreeManager) {
+TEST(SurfaceTreeOracle, candidates_are_those_of_fcls_dynamic_tree_manager) {
   Random random(22);
   const StaticQuery rest(sheet(20, 0, random), 200, 0.03, 23);
   expect_equal_to_manager(rest.mesh, rest.boxes);

@@ -40,7 +40,7 @@ void walk(MovingMesh mesh, double distance, const std::vector<Box>& boxes, Rando
   }
 }
 
-TEST(SurfaceTree, findsExactlyWhatBruteForceFindsOnMovingSheets) {
+TEST(SurfaceTree, finds_exactly_what_brute_force_finds_on_moving_sheets) {
   Random random(1);
   for (double distance : {0.0, 0.002, 0.2}) {
     const auto boxes = particle_boxes(400, 1, 0.01, 0.005, random);
@@ -48,18 +48,18 @@ TEST(SurfaceTree, findsExactlyWhatBruteForceFindsOnMovingSheets) {
   }
 }
 
-TEST(SurfaceTree, findsExactlyWhatBruteForceFindsOnSoups) {
+TEST(SurfaceTree, finds_exactly_what_brute_force_finds_on_soups) {
   Random random(2);
   walk(soup(60, 500, 0.1, random), 0.1, particle_boxes(300, 1, 0.3, 0.01, random), random);
   walk(soup(3, 200, 0.1, random), 0.1, particle_boxes(300, 1, 0.3, 0.01, random), random);
 }
 
-TEST(SurfaceTree, findsExactlyWhatBruteForceFindsAmongHugeAndTinyTriangles) {
+TEST(SurfaceTree, finds_exactly_what_brute_force_finds_among_huge_and_tiny_triangles) {
   Random random(3);
   walk(huge_and_tiny(500, random), 0.01, particle_boxes(300, 1, 0.1, 0.001, random), random);
 }
 
-TEST(SurfaceTree, findsExactlyWhatBruteForceFindsOnFansOfTenThousand) {
+TEST(SurfaceTree, finds_exactly_what_brute_force_finds_on_fans_of_ten_thousand) {
   Random random(4);
   // At the hub every box reaches thousands of triangles; away from it few.
   const auto mesh = fan(10000, 0.001, random);
@@ -71,7 +71,7 @@ TEST(SurfaceTree, findsExactlyWhatBruteForceFindsOnFansOfTenThousand) {
   expect_exact(tree, mesh, boxes);
 }
 
-TEST(SurfaceTree, longSweepsAndBlocksOfStrangersAreExactToo) {
+TEST(SurfaceTree, long_sweeps_and_blocks_of_distant_particles_are_exact) {
   Random random(5);
   const auto mesh = sheet(40, 0.01, random);
   SurfaceTree tree;
@@ -80,7 +80,7 @@ TEST(SurfaceTree, longSweepsAndBlocksOfStrangersAreExactToo) {
     expect_exact(tree, mesh, particle_boxes(200, 1, sweep, 0.001, random));
 }
 
-TEST(SurfaceTree, touchingBoxesOverlap) {
+TEST(SurfaceTree, touching_boxes_overlap) {
   MovingMesh mesh;
   mesh.triangles = {{0, 1, 2}};
   mesh.x_t0 = mesh.x_t1 = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 1)};
@@ -93,7 +93,7 @@ TEST(SurfaceTree, touchingBoxesOverlap) {
   EXPECT_EQ(found.size(), 1u);
 }
 
-TEST(SurfaceTree, noTrianglesGiveNoCandidates) {
+TEST(SurfaceTree, no_triangles_give_no_candidates) {
   SurfaceTree tree;
   const Workers workers(1);
   const std::vector<Box> boxes(20, Box{Vec3::Zero(), Vec3::Ones()});
@@ -109,7 +109,7 @@ TEST(SurfaceTree, noTrianglesGiveNoCandidates) {
   EXPECT_EQ(found.begin.size(), 1u);
 }
 
-TEST(SurfaceTree, oneDegenerateAndManyDuplicateTrianglesAreFine) {
+TEST(SurfaceTree, one_degenerate_and_many_duplicate_triangles_are_fine) {
   Random random(6);
   MovingMesh mesh;
   mesh.x_t0 = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 1)};
@@ -126,7 +126,7 @@ TEST(SurfaceTree, oneDegenerateAndManyDuplicateTrianglesAreFine) {
   }
 }
 
-TEST(SurfaceTree, deepTreesOfCrowdingCentroidsAreTraversed) {
+TEST(SurfaceTree, deep_trees_of_crowding_centroids_are_traversed) {
   Random random(7);
   MovingMesh mesh;
   for (std::uint32_t i = 0; i < 1000; ++i) {
@@ -139,7 +139,7 @@ TEST(SurfaceTree, deepTreesOfCrowdingCentroidsAreTraversed) {
   expect_exact(tree, mesh, particle_boxes(100, 0.01, 0.01, 0.001, random));
 }
 
-TEST(SurfaceTree, sweepStartsAtTheCorrectedPositionsNotAtTheLastProposal) {
+TEST(SurfaceTree, sweep_starts_at_the_corrected_positions_not_at_the_last_proposal) {
   Random random(8);
   auto mesh = sheet(12, 0.01, random);
   SurfaceTree tree;
@@ -161,7 +161,7 @@ TEST(SurfaceTree, sweepStartsAtTheCorrectedPositionsNotAtTheLastProposal) {
   }
 }
 
-TEST(SurfaceTree, firstBuildAlreadySweeps) {
+TEST(SurfaceTree, first_build_already_sweeps) {
   MovingMesh mesh;
   mesh.triangles = {{0, 1, 2}};
   mesh.x_t0 = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 1)};
@@ -172,7 +172,7 @@ TEST(SurfaceTree, firstBuildAlreadySweeps) {
   EXPECT_EQ(tree.bounds().max, Vec3(1, 5, 1));
 }
 
-TEST(SurfaceTree, refitsWhileTheMeshKeepsItsSizeAndRebuildsWhenItGrows) {
+TEST(SurfaceTree, refits_while_the_mesh_keeps_its_size_and_rebuilds_when_it_grows) {
   Random random(9);
   auto mesh = sheet(16, 0.0, random);
   SurfaceTree tree;
@@ -191,7 +191,7 @@ TEST(SurfaceTree, refitsWhileTheMeshKeepsItsSizeAndRebuildsWhenItGrows) {
   EXPECT_EQ(tree.builds(), 2u) << "the size after the last build counts";
 }
 
-TEST(SurfaceTree, rebuildsWhenNeighboursInTheTreeDriftApart) {
+TEST(SurfaceTree, rebuilds_when_neighbours_in_the_tree_drift_apart) {
   Random random(10);
   auto mesh = soup(300, 0, 0, random);
   for (std::uint32_t i = 0; i < 100; ++i) mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
@@ -210,7 +210,7 @@ TEST(SurfaceTree, rebuildsWhenNeighboursInTheTreeDriftApart) {
   EXPECT_EQ(tree.builds(), 2u);
 }
 
-TEST(SurfaceTree, changedTopologyIsANewTree) {
+TEST(SurfaceTree, changed_topology_is_a_new_tree) {
   Random random(11);
   const auto boxes = particle_boxes(100, 1, 0.1, 0.02, random);
   SurfaceTree tree;
@@ -235,7 +235,7 @@ TEST(SurfaceTree, changedTopologyIsANewTree) {
   update();
 }
 
-TEST(SurfaceTree, anyNumberOfThreadsGivesTheSameRows) {
+TEST(SurfaceTree, any_number_of_threads_gives_the_same_candidates) {
   Random random(12);
   const auto mesh = sheet(40, 0.01, random);
   SurfaceTree tree;
@@ -250,7 +250,7 @@ TEST(SurfaceTree, anyNumberOfThreadsGivesTheSameRows) {
   }
 }
 
-TEST(SurfaceTree, noticesThatOnlyOneEndOfTheMotionChanged) {
+TEST(SurfaceTree, notices_that_only_one_end_of_the_motion_changed) {
   Random random(14);
   auto mesh = sheet(10, 0, random);
   const auto boxes = particle_boxes(100, 1, 0.1, 0.02, random);
@@ -264,7 +264,7 @@ TEST(SurfaceTree, noticesThatOnlyOneEndOfTheMotionChanged) {
   }
 }
 
-TEST(SurfaceTree, canBeMoved) {
+TEST(SurfaceTree, can_be_moved) {
   Random random(13);
   const auto mesh = sheet(10, 0.01, random);
   SurfaceTree a;

@@ -182,7 +182,7 @@ std::vector<std::string> faults(const fs::path& root) {
   return found;
 }
 
-TEST(Structure, noRoomIncludesWhatItMayNotSee) {
+TEST(Structure, no_module_includes_what_it_may_not_see) {
   for (const std::string& fault : faults(OILSKIN_ROOT)) ADD_FAILURE() << fault;
 }
 
@@ -197,7 +197,7 @@ std::size_t faults_with(const std::string& file, const std::string& include) {
   return count;
 }
 
-TEST(Structure, theTestItselfCatchesBackEdges) {
+TEST(Structure, the_test_itself_catches_back_edges) {
   EXPECT_EQ(faults_with("src/core/a.h", "#include \"fluid/particles.h\""), 1u);
   EXPECT_EQ(faults_with("src/fluid/a.cpp", "#  include \"contact/contacts.h\""), 1u);
   EXPECT_EQ(faults_with("src/reconstruction/a.cpp", "#include \"contact/contacts.h\""), 1u);
@@ -214,7 +214,7 @@ TEST(Structure, theTestItselfCatchesBackEdges) {
   EXPECT_EQ(faults_with("src/fluid/neighbours.h", "#include \"fluid/boundary/boundary.h\""), 1u);
 }
 
-TEST(Structure, theTestItselfCatchesBackEdgesInDemos) {
+TEST(Structure, the_test_itself_catches_back_edges_in_demos) {
   EXPECT_EQ(faults_with("demos/app/scene/a.h", "#include \"run/runner.h\""), 1u);
   EXPECT_EQ(faults_with("demos/app/scene/a.cpp", "#include \"output/water_mesh.h\""), 1u);
   EXPECT_EQ(faults_with("demos/app/render/a.cpp", "#include \"mesh_command.h\""), 1u);
@@ -235,7 +235,7 @@ TEST(Structure, theTestItselfCatchesBackEdgesInDemos) {
   EXPECT_EQ(faults_with("demos/examples/a.cpp", "#include <nlohmann/json.hpp>"), 1u);
 }
 
-TEST(Structure, theTestItselfLetsForwardEdgesPass) {
+TEST(Structure, the_test_itself_lets_forward_edges_pass) {
   EXPECT_EQ(faults_with("src/fluid/a.cpp", "#include \"core/hash.h\""), 0u);
   EXPECT_EQ(faults_with("src/fluid/fluid_solver.cpp", "#include \"fluid/pressure/step_state.h\""), 0u);
   EXPECT_EQ(faults_with("src/fluid/pressure/a.cpp", "#include \"fluid/boundary/boundary.h\""), 0u);
@@ -282,7 +282,7 @@ std::string definitions(const fs::path& tests) {
   return all;
 }
 
-TEST(Structure, testsThatTheProofNamesExist) {
+TEST(Structure, tests_that_the_proof_names_exist) {
   const fs::path root = OILSKIN_ROOT;
   const std::string sources = definitions(root / "tests");
   const auto named = tests_named_in(text_of(root / "docs/theory/contact.md"));

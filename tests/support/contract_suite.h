@@ -19,6 +19,24 @@
 
 namespace oilskin::test {
 
+/// Settings of every fixture of the contract: no gravity, crossings are counted.
+inline WorldSettings contract_world() {
+  WorldSettings s;
+  s.gravity.setZero();
+  s.kill_box = {Vec3::Constant(-2), Vec3::Constant(2)};
+  return s;
+}
+inline FluidSettings contract_fluid(int max_substeps) {
+  FluidSettings s;
+  s.max_substeps = max_substeps;
+  return s;
+}
+inline ContactSettings contract_contact() {
+  ContactSettings s;
+  s.verify = true;
+  return s;
+}
+
 template <class Fixture>
 class HostContract : public ::testing::Test {
  protected:

@@ -1,4 +1,4 @@
-/// Exact answers for tests: every finite double is an integer times a power of two, so a query of the path or
+/// Exact results for tests: every finite double is an integer times a power of two, so a query of the path or
 /// of a distance can be decided without rounding. Slow, and on purpose another route than src/ccd: it shares
 /// no code with the library and no method but the cubic of coplanarity itself.
 #pragma once
@@ -61,7 +61,7 @@ struct Answer {
   double touch_upper = 1;
 };
 
-/// The exact answer, for any finite input: coplanar motion, segments, points, touching.
+/// The exact result, for any finite input: coplanar motion, segments, points, touching.
 Answer point_triangle(const Motion& motion);
 
 /// Is the distance of the point from the closed triangle less than `limit` (not negative)? Exact for any

@@ -1,4 +1,4 @@
-/// A mass–spring grid behind the two verbs of the seam: what a host must do, in little. Keeps its numbers as
+/// A mass–spring grid as a SurfaceHost: the smallest host that does all of its duties. Stores its numbers as
 /// floats or doubles, integrates with symplectic Euler sub-steps, so that velocities are primary and nodes
 /// may be moved.
 #pragma once
@@ -99,7 +99,7 @@ class MockCloth : public SurfaceHost {
     springs_.push_back({a, b, (x[b] - x[a]).template cast<double>().norm()});
   }
 
-  // Eight springs meet at a node: their stiffest mode must stay well below symplectic Euler's limit of 2/ω.
+  // Eight springs join at a node: their stiffest mode must stay well below symplectic Euler's limit of 2/ω.
   double stable_step() const {
     double lightest = std::numeric_limits<double>::infinity();
     for (Scalar u : inverse_mass)

@@ -5,16 +5,11 @@
 #include <sstream>
 
 #include "audit/trace_auditor.h"
-#include "support/mock_cloth.h"
+#include "support/cloth_over_floor.h"
 #include "support/random.h"
-#include "support/static_mesh.h"
-#include "support/world_helpers.h"
 
 namespace oilskin {
 namespace {
-
-using test::GridShape;
-using test::MockCloth;
 
 template <class Scalar>
 std::string record_scene(bool promise, audit::Limits* limits) {
@@ -24,19 +19,9 @@ std::string record_scene(bool promise, audit::Limits* limits) {
   settings.kill_box = {Vec3(-0.5, -0.12, -0.5), Vec3::Constant(0.5)};
   settings.threads = 2;
   World w(settings, FluidSettings{}, contact);
-  GridShape g;
-  g.nu = g.nv = 17;
-  g.origin = Vec3(-0.1, 0, -0.1);
-  g.u = Vec3(0.2, 0.02, 0);
-  g.v = Vec3(0, 0, 0.2);
-  MockCloth<Scalar> cloth(g);
-  cloth.gravity = Vec3(0, -9.81, 0);
-  for (std::size_t i = 0; i < 17; ++i) cloth.pin(i), cloth.pin(16 * 17 + i);
-  test::StaticMesh floor;
-  floor.add_rectangle(Vec3(-0.4, -0.1, -0.4), Vec3(0.8, 0, 0), Vec3(0, 0, 0.8), 3, 3);
-  SurfaceId cloth_id, floor_id;
-  EXPECT_TRUE(w.attach(cloth, test::sheet_settings(), &cloth_id).ok());
-  EXPECT_TRUE(w.attach(floor, test::sheet_settings(0.002), &floor_id).ok());
+  test::ClothOverFloor<Scalar> sheets;
+  for (std::size_t i = 0; i < 17; ++i) sheets.cloth.pin(i), sheets.cloth.pin(16 * 17 + i);
+  sheets.attach_to(w);
   DiscEmitter jet;
   jet.center = Vec3(0.003, 0.05, -0.002);
   jet.radius = 0.012;
@@ -50,10 +35,11 @@ std::string record_scene(bool promise, audit::Limits* limits) {
   test::Random random(4);
   for (int k = 0; k < 120; ++k) {
     if (k == 60)
-      for (std::size_t i = 0; i < 17; ++i) cloth.x[i] += Eigen::Matrix<Scalar, 3, 1>(0, Scalar(0.01), 0);
+      for (std::size_t i = 0; i < 17; ++i)
+        sheets.cloth.x[i] += Eigen::Matrix<Scalar, 3, 1>(0, Scalar(0.01), 0);
     EXPECT_TRUE(w.step(random.uniform(2e-4, 1.5e-3)).status.ok());
   }
-  for (SurfaceId id : {cloth_id, floor_id}) limits->delta_of[w.surface(id)->id] = w.surface(id)->delta;
+  *limits = sheets.limits(w);
   return out.str();
 }
 

@@ -10,7 +10,8 @@ class MockFixture {
  public:
   static constexpr bool is_double = sizeof(Scalar) == 8;
 
-  MockFixture() : world_(world_settings(), fluid_settings(), contact_settings()), cloth_(grid()) {}
+  MockFixture()
+      : world_(contract_world(), contract_fluid(max_substeps), contract_contact()), cloth_(grid()) {}
 
   World& world() { return world_; }
   Status attach(const SurfaceSettings& s) { return world_.attach(cloth_, s, &id_); }
@@ -22,22 +23,6 @@ class MockFixture {
   SurfaceId id() const { return id_; }
 
  private:
-  static WorldSettings world_settings() {
-    WorldSettings s;
-    s.gravity.setZero();
-    s.kill_box = {Vec3::Constant(-2), Vec3::Constant(2)};
-    return s;
-  }
-  static FluidSettings fluid_settings() {
-    FluidSettings s;
-    s.max_substeps = max_substeps;
-    return s;
-  }
-  static ContactSettings contact_settings() {
-    ContactSettings s;
-    s.verify = true;
-    return s;
-  }
   static GridShape grid() {
     GridShape g;
     g.nu = g.nv = 17;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "support/record.h"
 #include "support/static_mesh.h"
 #include "support/world_helpers.h"
 
@@ -96,8 +97,9 @@ Force measure(const Case& c) {
   f.tangential = (force - force.dot(normal) * normal).norm() / force.norm();
   f.bounced = (removed - mass_removed * u * jet).dot(normal) / time / (hits * (speed - u) * std::sin(phi));
   f.flow = flow / (1000 * M_PI * radius * radius * speed);
-  std::cout << "  force over theory " << f.normal << ", tangential over normal " << f.tangential
-            << ", bounced " << f.bounced << ", flow " << f.flow << '\n';
+  test::record("force over theory", f.normal);
+  test::record("tangential over normal force", f.tangential);
+  test::record("momentum of the water that left, over that which came", f.bounced);
   return f;
 }
 

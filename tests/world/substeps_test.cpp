@@ -5,32 +5,11 @@
 #include <sstream>
 
 #include "audit/trace_auditor.h"
-#include "support/mock_cloth.h"
-#include "support/static_mesh.h"
-#include "support/world_helpers.h"
-#include "world/substeps.h"
+#include "support/cloth_over_floor.h"
+#include "world/driven_sheet.h"
 
-namespace oilskin {
+namespace oilskin::test {
 namespace {
-
-using test::GridShape;
-using test::MockCloth;
-using world::SurfacePaths;
-
-WorldSettings box(double half, const Vec3& gravity = Vec3::Zero(), int threads = 1) {
-  WorldSettings s;
-  s.kill_box = {Vec3::Constant(-half), Vec3::Constant(half)};
-  s.gravity = gravity;
-  s.threads = threads;
-  return s;
-}
-
-FluidSettings cut_into(int max_substeps, double cfl = 0.4) {
-  FluidSettings s;
-  s.max_substeps = max_substeps;
-  s.cfl = cfl;
-  return s;
-}
 
 ContactSettings verified() {
   ContactSettings s;
@@ -44,8 +23,6 @@ Vec3 sum(const std::vector<Vec3>& values) {
   return total;
 }
 
-// --- A fast jet on a cloth whose corners are pinned and pulled, above a floor.
-
 struct Jet {
   std::uint64_t hash = 0, emitted = 0, intervals = 0, crossings = 0;
   int maximum = 0, minimum = 1000;  ///< sub-steps of a step
@@ -56,19 +33,9 @@ struct Jet {
 template <class Scalar>
 Jet run_jet(const FluidSettings& fluid, int threads, double dt, double duration, bool with_trace) {
   World w(box(0.5, Vec3(0, -9.81, 0), threads), fluid, verified());
-  GridShape g;
-  g.nu = g.nv = 17;
-  g.origin = Vec3(-0.1, 0, -0.1);
-  g.u = Vec3(0.2, 0.02, 0);
-  g.v = Vec3(0, 0, 0.2);
-  MockCloth<Scalar> cloth(g);
-  cloth.gravity = Vec3(0, -9.81, 0);
-  for (std::size_t corner : {0u, 16u, 272u, 288u}) cloth.pin(corner);
-  test::StaticMesh floor;
-  floor.add_rectangle(Vec3(-0.4, -0.1, -0.4), Vec3(0.8, 0, 0), Vec3(0, 0, 0.8), 3, 3);
-  SurfaceId cloth_id, floor_id;
-  EXPECT_TRUE(w.attach(cloth, test::sheet_settings(), &cloth_id).ok());
-  EXPECT_TRUE(w.attach(floor, test::sheet_settings(0.002), &floor_id).ok());
+  ClothOverFloor<Scalar> sheets;
+  for (std::size_t corner : {0u, 16u, 272u, 288u}) sheets.cloth.pin(corner);
+  sheets.attach_to(w);
   DiscEmitter nozzle;
   nozzle.center = Vec3(0.003, 0.03, -0.002);
   nozzle.radius = 0.008;
@@ -80,7 +47,7 @@ Jet run_jet(const FluidSettings& fluid, int threads, double dt, double duration,
   if (with_trace) w.set_observer(&trace);
   Jet jet;
   for (int k = 0; k < static_cast<int>(duration / dt + 0.5); ++k) {
-    cloth.x[16].x() += Scalar(0.0002);
+    sheets.cloth.x[16].x() += Scalar(0.0002);
     const StepReport& r = w.step(dt);
     EXPECT_TRUE(r.status.ok());
     EXPECT_EQ(r.flags & (flag_scatter_mismatch | flag_no_promise), 0u);
@@ -92,7 +59,7 @@ Jet run_jet(const FluidSettings& fluid, int threads, double dt, double duration,
   }
   jet.hash = w.state_hash();
   jet.trace = out.str();
-  for (SurfaceId id : {cloth_id, floor_id}) jet.limits.delta_of[w.surface(id)->id] = w.surface(id)->delta;
+  jet.limits = sheets.limits(w);
   return jet;
 }
 
@@ -149,7 +116,7 @@ TEST(Substeps, lengths_of_intervals_add_up_to_the_step) {
     void on_interval(const Interval& i) override { length += i.length; }
   } watch;
   World w(box(1), cut_into(7));
-  test::add_block(w, 3, Vec3::Zero(), Vec3(3, 0, 0));
+  add_block(w, 3, Vec3::Zero(), Vec3(3, 0, 0));
   w.set_observer(&watch);
   EXPECT_EQ(w.step(3e-3).substeps, 5);
   EXPECT_NEAR(watch.length, 3e-3, 1e-17);
@@ -157,8 +124,6 @@ TEST(Substeps, lengths_of_intervals_add_up_to_the_step) {
   EXPECT_EQ(w.report().time, 3e-3);
   EXPECT_EQ(w.step_count(), 1u);
 }
-
-// --- What a step gives to surfaces and to the ledger.
 
 TEST(Substeps, the_ledger_closes_and_impulses_are_those_of_the_whole_step) {
   World w(box(1, Vec3(0, -9.81, 0)), cut_into(8), verified());
@@ -170,13 +135,13 @@ TEST(Substeps, the_ledger_closes_and_impulses_are_those_of_the_whole_step) {
   MockCloth<double> cloth(g);
   for (std::size_t i = 0; i < 17; ++i) cloth.pin(i);
   SurfaceId id;
-  ASSERT_TRUE(w.attach(cloth, test::sheet_settings(), &id).ok());
+  ASSERT_TRUE(w.attach(cloth, sheet_settings(), &id).ok());
   DiscEmitter nozzle;
   nozzle.center = Vec3(-0.08, 0.03, 0);
   nozzle.speed = 5;
   nozzle.radius = 0.012;
   ASSERT_TRUE(w.add_emitter(nozzle).ok());
-  test::add_block(w, 4, Vec3(0.01, 0.003, -0.013), Vec3(0, -4, 0));
+  add_block(w, 4, Vec3(0.01, 0.003, -0.013), Vec3(0, -4, 0));
   // Every spring force of the host is internal or holds a pin, so its own part of the momentum is known.
   double given = 0;
   int maximum = 0;
@@ -186,7 +151,7 @@ TEST(Substeps, the_ledger_closes_and_impulses_are_those_of_the_whole_step) {
     maximum = std::max(maximum, r.substeps);
     const double scale = r.momentum_before.norm() + r.momentum_emitted.norm();
     EXPECT_LE(r.momentum_residual().norm(), 1e-12 * scale) << "step " << k;
-    EXPECT_NEAR((r.momentum_after - test::fluid_momentum(w)).norm(), 0, 1e-13 * scale);
+    EXPECT_NEAR((r.momentum_after - fluid_momentum(w)).norm(), 0, 1e-13 * scale);
     const SurfaceMotion& s = *w.surface(id);
     const Vec3 booked = r.contact.impulse_on_free_nodes + r.contact.impulse_on_prescribed;
     EXPECT_LE((sum(s.impulse) - booked).norm(), 1e-13 * scale);
@@ -205,11 +170,11 @@ TEST(Substeps, the_host_gets_the_impulses_of_all_of_them) {
   g.u = Vec3(0.2, 0, 0);
   g.v = Vec3(0, 0, 0.2);
   MockCloth<double> cloth(g);
-  ASSERT_TRUE(w.attach(cloth, test::sheet_settings(), nullptr).ok());
-  test::add_block(w, 4, Vec3(-0.01, 0.003, -0.013), Vec3(0, -4, 0));
-  const Vec3 start = test::fluid_momentum(w);
+  ASSERT_TRUE(w.attach(cloth, sheet_settings(), nullptr).ok());
+  add_block(w, 4, Vec3(-0.01, 0.003, -0.013), Vec3(0, -4, 0));
+  const Vec3 start = fluid_momentum(w);
   for (int k = 0; k < 20; ++k) ASSERT_TRUE(w.step(2e-3).status.ok());
-  EXPECT_LE((test::fluid_momentum(w) + cloth.momentum() - start).norm(), 1e-12 * start.norm());
+  EXPECT_LE((fluid_momentum(w) + cloth.momentum() - start).norm(), 1e-12 * start.norm());
   EXPECT_GT(cloth.momentum().norm(), 0.1 * start.norm());
 }
 
@@ -230,53 +195,13 @@ TEST(Substeps, reports_add_up) {
   EXPECT_TRUE(both.diverged);
 }
 
-// --- Where surfaces go.
-
-/// A sheet that its owner puts somewhere else before every step.
-class Driven : public SurfaceHost {
- public:
-  std::vector<Vec3> nodes;
-  std::vector<Triangle> triangles = {{0, 1, 2}, {0, 2, 3}};
-  Storage storage = Storage::float32;
-  bool holdable = false;
-  int writes = 0;
-
-  explicit Driven(double half) {
-    for (const Vec3& x :
-         {Vec3(-half, 0, -half), Vec3(half, 0, -half), Vec3(half, 0, half), Vec3(-half, 0, half)})
-      nodes.push_back(x);
-  }
-  void move(const Vec3& by) {
-    for (Vec3& x : nodes) x = stored(x + by, storage);
-  }
-  Gathered gather(double dt, SurfaceMotion& m) override {
-    const bool is_new = m.triangles.empty();
-    m.triangles = triangles;
-    m.storage = storage;
-    for (Vec3& x : nodes) x = stored(x, storage);
-    m.x_t1 = nodes;
-    m.velocity.assign(4, Vec3::Zero());
-    if (dt > 0 && m.x_t0.size() == 4)
-      for (int i = 0; i < 4; ++i) m.velocity[i] = (m.x_t1[i] - m.x_t0[i]) / dt;
-    m.inverse_mass.assign(4, 0);
-    m.holdable.assign(4, holdable);
-    return {Status{}, is_new};
-  }
-  void scatter(SurfaceMotion& m) override {
-    for (int i = 0; i < 4; ++i) {
-      if (m.moved[i]) nodes[i] = m.x_t1[i], ++writes;
-      m.x_t1[i] = nodes[i];
-    }
-  }
-};
-
 void expect_exact_arrival(Storage storage) {
   World w(box(1), cut_into(50), verified());
   Driven sheet(0.1);
   sheet.storage = storage;
   SurfaceId id;
-  ASSERT_TRUE(w.attach(sheet, test::sheet_settings(), &id).ok());
-  test::add_block(w, 4, Vec3(-0.01, 0.01, -0.01), Vec3::Zero());
+  ASSERT_TRUE(w.attach(sheet, sheet_settings(), &id).ok());
+  add_block(w, 4, Vec3(-0.01, 0.01, -0.01), Vec3::Zero());
   class Watch : public IntervalObserver {
    public:
     std::vector<Vec3> begin;
@@ -320,93 +245,11 @@ TEST(Substeps, a_fast_wall_is_cut_where_it_meets_the_water_and_nowhere_else) {
   for (double at : {0.01, 0.3}) {  // the water's height above the sheet
     World w(box(1), cut_into(50));
     Driven sheet(0.1);
-    ASSERT_TRUE(w.attach(sheet, test::sheet_settings(), nullptr).ok());
-    test::add_block(w, 3, Vec3(0, at, 0), Vec3::Zero());
+    ASSERT_TRUE(w.attach(sheet, sheet_settings(), nullptr).ok());
+    add_block(w, 3, Vec3(0, at, 0), Vec3::Zero());
     sheet.move(Vec3(0, 0.005, 0));
     EXPECT_EQ(w.step(1e-3).substeps, at < 0.1 ? 3 : 1) << at;
   }
-}
-
-/// One node on its way from 0 to (1, 0, 0).
-SurfaceMotion one_node(double inverse_mass) {
-  SurfaceMotion m;
-  m.x_t0 = {Vec3::Zero()};
-  m.x_t1 = {Vec3(1, 0, 0)};
-  m.velocity = {Vec3(0.25, 0, 0)};
-  m.inverse_mass = {inverse_mass};
-  return m;
-}
-
-/// As contact does: resets the output, moves the node, gives an impulse.
-void act(SurfaceMotion& m, const Vec3& end, const Vec3& impulse) {
-  m.impulse = {impulse};
-  m.velocity[0] += m.inverse_mass[0] * impulse;
-  m.moved = {std::uint8_t(end != m.x_t1[0])};
-  m.x_t1[0] = end;
-}
-
-TEST(SurfacePaths, a_node_continues_from_where_it_is_to_where_the_host_wants_it) {
-  SurfaceMotion m = one_node(2);
-  SurfaceMotion* const surfaces[] = {&m};
-  SurfacePaths paths;
-  paths.begin(surfaces, 4, 1);
-  paths.next();
-  EXPECT_EQ(m.x_t1[0], Vec3(0.25, 0, 0));
-  act(m, Vec3(0.25, 0.3, 0), Vec3(0, 1, 0));  // moved aside
-  paths.next();
-  EXPECT_EQ(m.x_t0[0], Vec3(0.25, 0.3, 0));
-  EXPECT_TRUE(m.x_t1[0].isApprox(Vec3(0.5, 0.2, 0), 1e-15));
-  EXPECT_EQ(m.velocity[0], Vec3(0.25, 2, 0));
-  act(m, m.x_t0[0], Vec3(0, 0, 1));  // held
-  paths.next();
-  EXPECT_TRUE(m.x_t1[0].isApprox(Vec3(0.625, 0.15, 0), 1e-15));
-  act(m, m.x_t1[0], Vec3::Zero());
-  paths.next();
-  EXPECT_EQ(m.x_t1[0], Vec3(1, 0, 0));
-  act(m, m.x_t1[0], Vec3(0, 1, 0));
-  paths.end();
-  EXPECT_EQ(m.x_t0[0], Vec3::Zero());
-  EXPECT_EQ(m.x_t1[0], Vec3(1, 0, 0));
-  EXPECT_EQ(m.impulse[0], Vec3(0, 2, 1));
-  EXPECT_EQ(m.velocity[0], Vec3(0.25, 4, 2));
-  EXPECT_FALSE(m.moved[0]) << "it has arrived: the host need not write anything";
-}
-
-TEST(SurfacePaths, a_held_pin_catches_up_at_the_speed_that_this_takes_and_moved_says_where_it_did_not) {
-  SurfaceMotion m = one_node(0);
-  SurfaceMotion* const surfaces[] = {&m};
-  SurfacePaths paths;
-  paths.begin(surfaces, 4, 1);
-  paths.next();
-  act(m, m.x_t0[0], Vec3(0, -1, 0));  // held
-  paths.next();
-  EXPECT_TRUE(m.x_t1[0].isApprox(Vec3(1.0 / 3, 0, 0), 1e-15));
-  EXPECT_TRUE(m.velocity[0].isApprox(Vec3(1.0 / 3, 0, 0), 1e-15));
-  act(m, m.x_t1[0], Vec3::Zero());
-  paths.next();
-  act(m, m.x_t1[0], Vec3::Zero());
-  paths.next();
-  EXPECT_EQ(m.x_t1[0], Vec3(1, 0, 0));
-  act(m, m.x_t0[0], Vec3(0, -1, 0));  // held in the last one
-  paths.end();
-  EXPECT_TRUE(m.moved[0]);
-  EXPECT_TRUE(m.x_t1[0].isApprox(Vec3(2.0 / 3, 0, 0), 1e-15));
-  EXPECT_EQ(m.velocity[0], Vec3(0.25, 0, 0)) << "the host's";
-  EXPECT_EQ(m.impulse[0], Vec3(0, -2, 0));
-}
-
-TEST(SurfacePaths, one_part_changes_nothing) {
-  SurfaceMotion m = one_node(1);
-  SurfaceMotion* const surfaces[] = {&m};
-  SurfacePaths paths;
-  paths.begin(surfaces, 1, 1);
-  paths.next();
-  EXPECT_EQ(m.x_t1[0], Vec3(1, 0, 0));
-  m.impulse = {Vec3(1, 2, 3)};
-  m.moved = {1};
-  paths.end();
-  EXPECT_EQ(m.impulse[0], Vec3(1, 2, 3));
-  EXPECT_TRUE(m.moved[0]);
 }
 
 TEST(Substeps, two_pinned_sheets_that_close_on_water_hold_and_lose_nothing) {
@@ -414,9 +257,9 @@ TEST(Substeps, two_pinned_sheets_that_close_on_water_hold_and_lose_nothing) {
   Driven low(0.1), high(0.1);
   low.holdable = high.holdable = true;
   high.move(Vec3(0, 0.03, 0));
-  ASSERT_TRUE(w.attach(low, test::sheet_settings(), nullptr).ok());
-  ASSERT_TRUE(w.attach(high, test::sheet_settings(), nullptr).ok());
-  test::add_block(w, 3, Vec3(0, 0.008, 0), Vec3::Zero());
+  ASSERT_TRUE(w.attach(low, sheet_settings(), nullptr).ok());
+  ASSERT_TRUE(w.attach(high, sheet_settings(), nullptr).ok());
+  add_block(w, 3, Vec3(0, 0.008, 0), Vec3::Zero());
   std::uint64_t stalled = 0;
   for (int k = 0; k < 12; ++k) {
     low.move(Vec3(0, 0.002, 0));
@@ -431,105 +274,5 @@ TEST(Substeps, two_pinned_sheets_that_close_on_water_hold_and_lose_nothing) {
   EXPECT_EQ(w.particle_count(), 27u);
 }
 
-// --- How many, and how long.
-
-TEST(SubstepCount, follows_the_rule) {
-  world::Speeds s;
-  EXPECT_EQ(substep_count(s, 1, 0.002, 10), 1);
-  s.fluid = 4;
-  EXPECT_EQ(substep_count(s, 1e-3, 0.002, 10), 2);
-  EXPECT_EQ(substep_count(s, 1.001e-3, 0.002, 10), 3);
-  EXPECT_EQ(substep_count(s, 1, 0.002, 10), 10);
-  s.gravity = 10;
-  EXPECT_EQ(substep_count(s, 0.2, 0.25, 10), 5) << "0.2 s at 4 + 0.2 · 10 m/s";
-  s.surfaces = 1e300;
-  EXPECT_EQ(substep_count(s, 1e300, 1e-6, 1000), 1000);
-}
-
-TEST(SubstepCount, the_longest_step_needs_one) {
-  for (double gravity : {0.0, 9.81})
-    for (double v : {0.0, 1e-3, 2.0, 1e6})
-      for (double wall : {0.0, 3.0}) {
-        const world::Speeds s{v, gravity, wall};
-        const double dt = world::longest_step(s, 0.002);
-        if (v + gravity + wall == 0) {
-          EXPECT_TRUE(std::isinf(dt));
-          continue;
-        }
-        EXPECT_EQ(substep_count(s, dt * (1 - 1e-12), 0.002, 10), 1);
-        EXPECT_EQ(substep_count(s, dt * (1 + 1e-9), 0.002, 10), 2);
-      }
-}
-
-double suggested(const FluidSettings& fluid, const Vec3& velocity, double gravity, double largest = 1) {
-  World w(box(1, Vec3(0, -gravity, 0)), fluid);
-  test::add_block(w, 1, Vec3::Zero(), velocity);
-  return w.suggested_dt(largest);
-}
-
-TEST(SuggestedDt, is_the_least_of_its_limits) {
-  EXPECT_EQ(World(box(1)).suggested_dt(0.25), 0.25) << "nothing there";
-  EXPECT_EQ(suggested(FluidSettings{}, Vec3::Zero(), 0), 1);
-  EXPECT_NEAR(suggested(FluidSettings{}, Vec3(0, 2, 0), 0), 0.4 * 0.005 / 2, 1e-15);
-  EXPECT_NEAR(suggested(cut_into(3, 0.5), Vec3(0, 2, 0), 0), 3 * 0.5 * 0.005 / 2, 1e-15);
-  const double falling = suggested(FluidSettings{}, Vec3(0, -2, 0), 9.81);
-  EXPECT_NEAR(falling * (2 + 9.81 * falling), 0.4 * 0.005, 1e-15);
-  EXPECT_EQ(suggested(FluidSettings{}, Vec3(0, 2, 0), 0, 1e-4), 1e-4);
-  FluidSettings honey;
-  honey.viscosity = 1;
-  EXPECT_NEAR(suggested(honey, Vec3::Zero(), 0), 0.035 * 0.01 * 0.01, 1e-15);
-  FluidSettings gas;
-  gas.solver = PressureSolver::mcg03;
-  EXPECT_NEAR(suggested(gas, Vec3(0, 0.1, 0), 0), 0.4 * 0.01 / 2.1, 1e-15);
-}
-
-TEST(SuggestedDt, foresees_what_the_emitters_do) {
-  World w(box(1));
-  DiscEmitter nozzle;
-  nozzle.speed = 4;
-  nozzle.start = 0.5;
-  nozzle.stop = 0.6;
-  ASSERT_TRUE(w.add_emitter(nozzle).ok());
-  BoxEmitter block;
-  block.box = {Vec3::Zero(), Vec3::Constant(0.02)};
-  block.velocity = Vec3(1, 0, 0);
-  ASSERT_TRUE(w.add_emitter(block).ok());
-  EXPECT_NEAR(w.suggested_dt(0.01), 0.002, 1e-15) << "the block starts, the nozzle waits";
-  EXPECT_NEAR(w.suggested_dt(0.51), 0.0005, 1e-15);
-  EXPECT_EQ(w.particle_count(), 0u) << "a question";
-  w.step(0.001);
-  EXPECT_EQ(w.report().emitted, 64u);
-}
-
-TEST(SuggestedDt, knows_accelerations_and_surfaces_from_the_last_step) {
-  World falls(box(1, Vec3(0, -9.81, 0)));
-  test::add_block(falls, 1, Vec3::Zero(), Vec3::Zero());
-  falls.step(1e-3);
-  EXPECT_NEAR(falls.suggested_dt(1), 0.25 * std::sqrt(0.01 / 9.81), 1e-6);
-
-  World w(box(1));
-  Driven sheet(0.1);
-  ASSERT_TRUE(w.attach(sheet, test::sheet_settings(), nullptr).ok());
-  test::add_block(w, 3, Vec3(0, 0.012, 0), Vec3::Zero());
-  EXPECT_EQ(w.suggested_dt(1), 1);
-  sheet.move(Vec3(0, 0.004, 0));
-  w.step(1e-3);
-  EXPECT_NEAR(w.suggested_dt(1), 0.4 * 0.005 / 4, 1e-8);
-}
-
-TEST(SuggestedDt, is_never_zero_and_asks_for_nothing_sensible) {
-  World w(box(1));
-  test::add_block(w, 2, Vec3::Zero(), Vec3::Zero());
-  std::vector<Vec3> dv(8, Vec3::Zero());
-  dv[1].x() = 1e300;
-  dv[2].y() = std::nan("");
-  ASSERT_TRUE(w.add_velocities(dv).ok());
-  EXPECT_EQ(w.suggested_dt(0.5), 0.5) << "they are quarantined first";
-  EXPECT_EQ(w.suggested_dt(0), 0);
-  FluidSettings bad;
-  bad.cfl = 0;
-  EXPECT_EQ(World(box(1), bad).suggested_dt(0.5), 0.5);
-}
-
 }  // namespace
-}  // namespace oilskin
+}  // namespace oilskin::test

@@ -1,4 +1,4 @@
-// The world: bad input, quarantine, kill box, emission by contact's rules, threads.
+// The world: bad input, invalid particles, kill box, emission by contact's rules, threads.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -122,7 +122,7 @@ TEST(World, a_surface_that_changes_its_mesh_is_a_new_surface) {
   for (int k = 0; k < 20; ++k) ASSERT_TRUE(w.step(1e-3).status.ok());
 }
 
-TEST(World, non_finite_particles_are_quarantined_and_counted_the_rest_goes_on) {
+TEST(World, non_finite_particles_are_removed_and_counted_and_the_others_continue) {
   World w(box(2, Vec3::Zero()));
   test::add_block(w, 3, Vec3(0, 0, 0), Vec3(1, 0, 0));
   std::vector<Vec3> dv(w.particle_count(), Vec3::Zero());
@@ -139,7 +139,7 @@ TEST(World, non_finite_particles_are_quarantined_and_counted_the_rest_goes_on) {
   EXPECT_FALSE(w.add_particles(Span<const Vec3>(&bad, 1), Span<const Vec3>(&zero, 1)).ok());
 }
 
-TEST(World, what_leaves_the_kill_box_is_removed_and_booked) {
+TEST(World, what_leaves_the_kill_box_is_removed_and_is_in_the_ledger) {
   World w(box(0.1, Vec3::Zero()));
   test::add_block(w, 2, Vec3(0.05, 0, 0), Vec3(10, 0, 0));
   Vec3 removed = Vec3::Zero();
@@ -155,7 +155,7 @@ TEST(World, what_leaves_the_kill_box_is_removed_and_booked) {
   EXPECT_NEAR(removed.x(), 80 * w.particle_mass(), 1e-6);
 }
 
-TEST(World, starts_too_near_a_surface_are_blocked_counted_and_wait) {
+TEST(World, starts_too_close_to_a_surface_are_blocked_counted_and_wait) {
   World w(box(1));
   GridShape g = sheet(0.2, 9);
   MockCloth<double> cloth(g);
@@ -200,7 +200,7 @@ TEST(World, a_surface_left_out_is_not_asked_about_again) {
   EXPECT_TRUE(w.step(1e-3).status.ok());
 }
 
-TEST(World, momentum_of_the_quarantined_is_booked) {
+TEST(World, momentum_of_invalid_particles_is_in_the_ledger) {
   World w(box(2, Vec3::Zero()));
   test::add_block(w, 2, Vec3::Zero(), Vec3(0, 1, 0));
   std::vector<Vec3> dv(8, Vec3::Zero());
@@ -211,7 +211,7 @@ TEST(World, momentum_of_the_quarantined_is_booked) {
   EXPECT_NEAR(r.momentum_residual().norm(), 0, 1e-9 * w.particle_mass() * 1e13);
 }
 
-TEST(World, particles_that_begin_nearer_than_delta_void_the_promise_and_it_is_said) {
+TEST(World, particles_that_start_closer_than_delta_void_the_promise_and_raise_a_flag) {
   ContactSettings off;
   off.ccd = off.zones = false;
   WorldSettings settings = box(1, Vec3::Zero());
@@ -244,7 +244,7 @@ TEST(World, emitters_and_cloths_where_nothing_lives_are_refused) {
   EXPECT_NE(w.attach(cloth, test::sheet_settings(), nullptr).message.find("kill box"), std::string::npos);
 }
 
-TEST(World, each_side_of_a_surface_slips_by_its_own_settings) {
+TEST(World, each_side_of_a_surface_has_its_own_slip_settings) {
   FluidSettings fluid;
   fluid.viscosity = fluid.xsph_rate = 0;
   World w(box(1, Vec3::Zero()), fluid);

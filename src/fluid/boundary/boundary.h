@@ -1,4 +1,4 @@
-/// Boundary terms: what the surfaces near a fluid add to its density and pressure (theory/boundary.md).
+/// Boundary terms: what the surfaces near a fluid add to its density and pressure (docs/theory/boundary.md).
 ///
 /// A pressure model uses them in three places: λ_i counts in the density at the start; the density grows at
 /// the rate −(1/H) Σ_T γ_T·(v_i − v_T) (B.12); and the pressure of particle i changes its velocity by

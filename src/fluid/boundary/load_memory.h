@@ -1,7 +1,7 @@
 /// What each node remembers of the loads of earlier steps, and how much of a load its host will carry.
 ///
 /// A host such as a cloth solver responds to the load of a step in the next one. Without a memory of loads
-/// and responses every sheet would seem to yield freely (theory/boundary.md, section 8).
+/// and responses every sheet would seem to yield freely (docs/theory/boundary.md, section 8).
 #pragma once
 
 #include <map>

@@ -6,7 +6,8 @@
 /// spacing off the wall has its rest density and a uniform pressure (B.6).
 ///
 /// A half-space of fluid behind the wall with mirrored pressure, Λ of (B.1), has the right density and the
-/// right force as well, but its force is twice its slope: columns at rest boil (docs/decisions/0001).
+/// right force as well, but its force is twice its slope: columns at rest boil
+/// (docs/decisions/0001-mirrored-boundary.md).
 #pragma once
 
 #include "fluid/boundary/wall_integral.h"

@@ -1,4 +1,4 @@
-/// How walls move under the pressure of the particles (theory/boundary.md, section 7).
+/// How walls move under the pressure of the particles (docs/theory/boundary.md, section 7).
 #pragma once
 
 #include <vector>

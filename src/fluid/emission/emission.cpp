@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "core/assert.h"
+#include "core/refuse.h"
 #include "fluid/emission/random.h"
 #include "fluid/kernels.h"
 
@@ -12,24 +12,17 @@ namespace oilskin::fluid {
 
 namespace {
 
-template <class T>
-Status wrong(const char* field, const T& value, const char* range) {
-  std::ostringstream s;
-  s << field << " is " << value << "; it must be " << range;
-  return Status::refused(s.str());
-}
-
 Status check_vector(const char* field, const Vec3& v) {
-  return v.allFinite() ? Status{} : wrong(field, v.transpose(), "finite");
+  return v.allFinite() ? Status{} : refuse_value(field, v.transpose(), "finite");
 }
 
 Status check_positive(const char* field, double x, const char* range) {
-  return std::isfinite(x) && x > 0 ? Status{} : wrong(field, x, range);
+  return std::isfinite(x) && x > 0 ? Status{} : refuse_value(field, x, range);
 }
 
 Status check_times(const char* start_field, double start, const char* stop_field, double stop) {
-  if (!std::isfinite(start) || start < 0) return wrong(start_field, start, "a finite time >= 0");
-  if (!(stop > start)) return wrong(stop_field, stop, "a time after start");
+  if (!std::isfinite(start) || start < 0) return refuse_value(start_field, start, "a finite time >= 0");
+  if (!(stop > start)) return refuse_value(stop_field, stop, "a time after start");
   return {};
 }
 
@@ -180,9 +173,9 @@ Status Emission::add(const DiscEmitter& e) {
                        check_times("disc emitter: start", e.start, "disc emitter: stop", e.stop)});
   if (!s.ok()) return s;
   if (!(e.direction.stableNorm() > 0))
-    return wrong("disc emitter: direction", e.direction.transpose(), "longer than 0");
+    return refuse_value("disc emitter: direction", e.direction.transpose(), "longer than 0");
   if (e.radius / dx > 1e4)
-    return wrong("disc emitter: radius", e.radius, "at most 10000 spacings of the fluid");
+    return refuse_value("disc emitter: radius", e.radius, "at most 10000 spacings of the fluid");
   Source source;
   source.kind = Source::Kind::nozzle;
   source.sites = disc_sites(e, dx);
@@ -193,14 +186,12 @@ Status Emission::add(const DiscEmitter& e) {
   const double layer = static_cast<double>(source.sites.size()) * impl_->particle_mass /
                        (impl_->rest_density * pi * e.radius * e.radius);
   if (layer < 0.65 * dx) {
-    std::ostringstream message;
-    message << "disc emitter: radius is " << e.radius << "; the " << source.sites.size()
-            << " sites within it cannot carry the flow of its area; use a radius of " << dx << " m or more";
-    return Status::refused(message.str());
+    return refuse("disc emitter: radius is ", e.radius, "; the ", source.sites.size(),
+                  " sites within it cannot carry the flow of its area; use a radius of ", dx, " m or more");
   }
   source.period = layer / e.speed;
   if (!(source.period >= min_period))
-    return wrong("disc emitter: speed", e.speed, "at most 1e9 layers per second");
+    return refuse_value("disc emitter: speed", e.speed, "at most 1e9 layers per second");
   source.waiting.assign(source.sites.size(), 0);
   impl_->sources.push_back(std::move(source));
   return {};
@@ -211,14 +202,14 @@ Status Emission::add(const BoxEmitter& e) {
                        check_vector("box emitter: box.max", e.box.max),
                        check_vector("box emitter: velocity", e.velocity)});
   if (!s.ok()) return s;
-  if (!std::isfinite(e.start)) return wrong("box emitter: start", e.start, "a finite time");
+  if (!std::isfinite(e.start)) return refuse_value("box emitter: start", e.start, "a finite time");
   const Eigen::Array3d cells = ((e.box.max - e.box.min).array() / impl_->spacing + 1e-6).floor();
   if (!(cells >= 1).all()) {
-    return wrong("box emitter: size", (e.box.max - e.box.min).transpose(),
-                 "at least one spacing of the fluid on every axis; it has no emission site");
+    return refuse_value("box emitter: size", (e.box.max - e.box.min).transpose(),
+                        "at least one spacing of the fluid on every axis; it has no emission site");
   }
   if (cells.prod() > max_points)
-    return wrong("box emitter: number of particles", cells.prod(), "at most 1e9");
+    return refuse_value("box emitter: number of particles", cells.prod(), "at most 1e9");
   Source source;
   source.sites = box_sites(e.box, cells, impl_->spacing);
   source.velocity = e.velocity;
@@ -230,7 +221,7 @@ Status Emission::add(const BoxEmitter& e) {
 Status Emission::add(const MeshEmitter& e) {
   Status s = check_vector("mesh emitter: velocity", e.velocity);
   if (!s.ok()) return s;
-  if (!std::isfinite(e.start)) return wrong("mesh emitter: start", e.start, "a finite time");
+  if (!std::isfinite(e.start)) return refuse_value("mesh emitter: start", e.start, "a finite time");
   Source source;
   s = lattice_inside(e, impl_->spacing, &source.sites);
   if (!s.ok()) return s;
@@ -254,7 +245,7 @@ Status Emission::add(const RainEmitter& e) {
        check_times("rain emitter: start", e.start, "rain emitter: stop", e.stop)});
   if (!s.ok()) return s;
   if (!(std::isfinite(e.drop_radius) && e.drop_radius >= 0 && e.drop_radius <= 500 * impl_->spacing))
-    return wrong("rain emitter: drop_radius", e.drop_radius, "0 … 500 spacings of the fluid");
+    return refuse_value("rain emitter: drop_radius", e.drop_radius, "0 … 500 spacings of the fluid");
   Source source;
   source.kind = Source::Kind::rain;
   source.sites = ball_sites(e.drop_radius, impl_->spacing);
@@ -263,7 +254,7 @@ Status Emission::add(const RainEmitter& e) {
   source.stop = e.stop;
   source.period = 1 / e.drops_per_second;
   if (!(source.period >= min_period))
-    return wrong("rain emitter: drops_per_second", e.drops_per_second, "at most 1e9 1/s");
+    return refuse_value("rain emitter: drops_per_second", e.drops_per_second, "at most 1e9 1/s");
   source.rain = e;
   impl_->sources.push_back(std::move(source));
   return {};

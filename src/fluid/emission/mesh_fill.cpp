@@ -1,9 +1,9 @@
 /// Lattice points inside a closed mesh, by winding number along the rows of the lattice.
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "core/assert.h"
+#include "core/refuse.h"
 #include "fluid/emission/emission.h"
 #include "fluid/kernels.h"
 
@@ -12,24 +12,17 @@ namespace oilskin::fluid {
 namespace {
 
 Status check_mesh(const MeshEmitter& mesh, double spacing) {
-  std::ostringstream s;
-  if (!(std::isfinite(spacing) && spacing > 0)) {
-    s << "mesh emitter: spacing is " << spacing << "; it must be a finite length > 0 m";
-    return Status::refused(s.str());
-  }
+  if (!(std::isfinite(spacing) && spacing > 0))
+    return refuse_value("mesh emitter: spacing", spacing, "a finite length > 0 m");
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-    if (!mesh.vertices[i].allFinite()) {
-      s << "mesh emitter: vertex " << i << " is " << mesh.vertices[i].transpose() << "; it must be finite";
-      return Status::refused(s.str());
-    }
-  if (mesh.triangles.empty()) return Status::refused("mesh emitter: the mesh has no triangles");
+    if (!mesh.vertices[i].allFinite())
+      return refuse("mesh emitter: vertex ", i, " is ", mesh.vertices[i].transpose(), "; it must be finite");
+  if (mesh.triangles.empty()) return refuse("mesh emitter: the mesh has no triangles");
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     for (const std::uint32_t v : mesh.triangles[i])
-      if (v >= mesh.vertices.size()) {
-        s << "mesh emitter: triangle " << i << " refers to vertex " << v << "; there are "
-          << mesh.vertices.size();
-        return Status::refused(s.str());
-      }
+      if (v >= mesh.vertices.size())
+        return refuse("mesh emitter: triangle ", i, " refers to vertex ", v, "; there are ",
+                      mesh.vertices.size());
   return {};
 }
 
@@ -161,10 +154,8 @@ Status lattice_inside(const MeshEmitter& mesh, double spacing, std::vector<Vec3>
     for (const std::uint32_t v : t) box.add(mesh.vertices[v]);
   const Lattice lattice(box, spacing);
   if (!(lattice.size() <= 1e9 && lattice.rows() <= 1e8)) {
-    std::ostringstream s;
-    s << "mesh emitter: the box of the mesh holds " << lattice.size()
-      << " points of the lattice; at most 1e9";
-    return Status::refused(s.str());
+    return refuse("mesh emitter: the box of the mesh holds ", lattice.size(),
+                  " points of the lattice; at most 1e9");
   }
   RowCrossings crossings(mesh, lattice);
   for (std::int64_t k = 0; k < lattice.n[2]; ++k)

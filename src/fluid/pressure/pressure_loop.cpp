@@ -64,7 +64,7 @@ PressureLoop::Verdict PressureLoop::judge(const Errors& errors) {
 
 /// A step with more iterations than necessary leaves the next ones little to do; those then iterate too
 /// little, and the pressures oscillate between the two. So the number of iterations falls slowly, and only
-/// where fewer would have met the tolerance for some steps: the error is proportional to their inverse
+/// where fewer would have satisfied the tolerance for some steps: the error is proportional to their inverse
 /// square.
 bool PressureLoop::may_end(double mean) {
   if (!converged_ || iterations_ < goal_.min_iterations) return false;

@@ -35,7 +35,7 @@ struct Errors {
 /// Number of iterations of the last step, where it may fall only slowly (F.35).
 struct IterationController {
   int iterations = 0;     // of the last step; 0 = the loop ends when it has converged
-  int settled_steps = 0;  // consecutive steps in which fewer iterations would have met the tolerance
+  int settled_steps = 0;  // consecutive steps in which fewer iterations would have satisfied the tolerance
 
   void visit(Archive& archive);
 };

@@ -1,5 +1,6 @@
 /// The part of a pressure iteration that walls take: their motion under the pressures, their density at the
-/// predicted positions, and the coupled correction of the particles at walls (theory/boundary.md, 5 to 9).
+/// predicted positions, and the coupled correction of the particles at walls (docs/theory/boundary.md, 5 to
+/// 9).
 #pragma once
 
 #include "fluid/pressure/incompressible.h"

@@ -1,0 +1,112 @@
+// How many sub-steps a step has, and the step that the world suggests.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/world_helpers.h"
+#include "world/driven_sheet.h"
+#include "world/substeps.h"
+
+namespace oilskin::test {
+namespace {
+
+TEST(SubstepCount, follows_the_rule) {
+  world::Speeds s;
+  EXPECT_EQ(substep_count(s, 1, 0.002, 10), 1);
+  s.fluid = 4;
+  EXPECT_EQ(substep_count(s, 1e-3, 0.002, 10), 2);
+  EXPECT_EQ(substep_count(s, 1.001e-3, 0.002, 10), 3);
+  EXPECT_EQ(substep_count(s, 1, 0.002, 10), 10);
+  s.gravity = 10;
+  EXPECT_EQ(substep_count(s, 0.2, 0.25, 10), 5) << "0.2 s at 4 + 0.2 · 10 m/s";
+  s.surfaces = 1e300;
+  EXPECT_EQ(substep_count(s, 1e300, 1e-6, 1000), 1000);
+}
+
+TEST(SubstepCount, the_longest_step_needs_one) {
+  for (double gravity : {0.0, 9.81})
+    for (double v : {0.0, 1e-3, 2.0, 1e6})
+      for (double wall : {0.0, 3.0}) {
+        const world::Speeds s{v, gravity, wall};
+        const double dt = world::longest_step(s, 0.002);
+        if (v + gravity + wall == 0) {
+          EXPECT_TRUE(std::isinf(dt));
+          continue;
+        }
+        EXPECT_EQ(substep_count(s, dt * (1 - 1e-12), 0.002, 10), 1);
+        EXPECT_EQ(substep_count(s, dt * (1 + 1e-9), 0.002, 10), 2);
+      }
+}
+
+double suggested(const FluidSettings& fluid, const Vec3& velocity, double gravity, double largest = 1) {
+  World w(box(1, Vec3(0, -gravity, 0)), fluid);
+  add_block(w, 1, Vec3::Zero(), velocity);
+  return w.suggested_dt(largest);
+}
+
+TEST(SuggestedDt, is_the_smallest_of_its_limits) {
+  EXPECT_EQ(World(box(1)).suggested_dt(0.25), 0.25) << "nothing there";
+  EXPECT_EQ(suggested(FluidSettings{}, Vec3::Zero(), 0), 1);
+  EXPECT_NEAR(suggested(FluidSettings{}, Vec3(0, 2, 0), 0), 0.4 * 0.005 / 2, 1e-15);
+  EXPECT_NEAR(suggested(cut_into(3, 0.5), Vec3(0, 2, 0), 0), 3 * 0.5 * 0.005 / 2, 1e-15);
+  const double falling = suggested(FluidSettings{}, Vec3(0, -2, 0), 9.81);
+  EXPECT_NEAR(falling * (2 + 9.81 * falling), 0.4 * 0.005, 1e-15);
+  EXPECT_EQ(suggested(FluidSettings{}, Vec3(0, 2, 0), 0, 1e-4), 1e-4);
+  FluidSettings honey;
+  honey.viscosity = 1;
+  EXPECT_NEAR(suggested(honey, Vec3::Zero(), 0), 0.035 * 0.01 * 0.01, 1e-15);
+  FluidSettings gas;
+  gas.solver = PressureSolver::mcg03;
+  EXPECT_NEAR(suggested(gas, Vec3(0, 0.1, 0), 0), 0.4 * 0.01 / 2.1, 1e-15);
+}
+
+TEST(SuggestedDt, takes_the_emitters_of_the_next_step_into_account) {
+  World w(box(1));
+  DiscEmitter nozzle;
+  nozzle.speed = 4;
+  nozzle.start = 0.5;
+  nozzle.stop = 0.6;
+  ASSERT_TRUE(w.add_emitter(nozzle).ok());
+  BoxEmitter block;
+  block.box = {Vec3::Zero(), Vec3::Constant(0.02)};
+  block.velocity = Vec3(1, 0, 0);
+  ASSERT_TRUE(w.add_emitter(block).ok());
+  EXPECT_NEAR(w.suggested_dt(0.01), 0.002, 1e-15) << "the block starts, the nozzle waits";
+  EXPECT_NEAR(w.suggested_dt(0.51), 0.0005, 1e-15);
+  EXPECT_EQ(w.particle_count(), 0u) << "a question";
+  w.step(0.001);
+  EXPECT_EQ(w.report().emitted, 64u);
+}
+
+TEST(SuggestedDt, knows_accelerations_and_surfaces_from_the_last_step) {
+  World falls(box(1, Vec3(0, -9.81, 0)));
+  add_block(falls, 1, Vec3::Zero(), Vec3::Zero());
+  falls.step(1e-3);
+  EXPECT_NEAR(falls.suggested_dt(1), 0.25 * std::sqrt(0.01 / 9.81), 1e-6);
+
+  World w(box(1));
+  Driven sheet(0.1);
+  ASSERT_TRUE(w.attach(sheet, sheet_settings(), nullptr).ok());
+  add_block(w, 3, Vec3(0, 0.012, 0), Vec3::Zero());
+  EXPECT_EQ(w.suggested_dt(1), 1);
+  sheet.move(Vec3(0, 0.004, 0));
+  w.step(1e-3);
+  EXPECT_NEAR(w.suggested_dt(1), 0.4 * 0.005 / 4, 1e-8);
+}
+
+TEST(SuggestedDt, is_never_zero_for_invalid_particles_or_settings) {
+  World w(box(1));
+  add_block(w, 2, Vec3::Zero(), Vec3::Zero());
+  std::vector<Vec3> dv(8, Vec3::Zero());
+  dv[1].x() = 1e300;
+  dv[2].y() = std::nan("");
+  ASSERT_TRUE(w.add_velocities(dv).ok());
+  EXPECT_EQ(w.suggested_dt(0.5), 0.5) << "they are quarantined first";
+  EXPECT_EQ(w.suggested_dt(0), 0);
+  FluidSettings bad;
+  bad.cfl = 0;
+  EXPECT_EQ(World(box(1), bad).suggested_dt(0.5), 0.5);
+}
+
+}  // namespace
+}  // namespace oilskin::test
