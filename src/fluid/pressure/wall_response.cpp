@@ -42,10 +42,9 @@ void WallResponse::predict_walls(StepState& state, Pressures phi) {
   state.boundary.compliance().predict_wall_velocity(theta_, state.workers);
 }
 
-void WallResponse::constrain(const StepState& state, std::size_t i, float phi,
-                             Span<const PredictionContact> contacts, Vec3& displacement) {
+void WallResponse::constrain_at(const StepState& state, std::uint32_t k, float phi,
+                                Span<const PredictionContact> contacts, Vec3& displacement) {
   const double dt_over_h = state.dt / fluid_.support_radius;
-  const std::uint32_t k = point_of(state, i);
   if (k == Boundary::none) return keep_side(contacts, dt_over_h, displacement);
   const WallPoint& point = state.boundary.points()[k];
   displacement +=

@@ -35,7 +35,10 @@ class WallResponse {
   /// `displacement` of particle i [H] without walls and contacts → with the force of its walls, on its side
   /// of the sheets that it is in contact with (F.36). Stores the density of its walls there (B.17).
   void constrain(const StepState& state, std::size_t i, float phi, Span<const PredictionContact> contacts,
-                 Vec3& displacement);
+                 Vec3& displacement) {
+    const std::uint32_t point = point_of(state, i);
+    if (point != Boundary::none || !contacts.empty()) constrain_at(state, point, phi, contacts, displacement);
+  }
   /// λ* of a point.
   float density(std::uint32_t point) const { return density_[point]; }
 
@@ -52,6 +55,8 @@ class WallResponse {
   void apply(StepState& state, Pressures phi);
 
  private:
+  void constrain_at(const StepState& state, std::uint32_t k, float phi,
+                    Span<const PredictionContact> contacts, Vec3& displacement);
   template <class T>
   WallLoad<T> load_on_walls(const WallPoint& point, T phi) const;
   double rebound_limit(const StepState& state, std::size_t point, const WallLoad<double>& load) const;
