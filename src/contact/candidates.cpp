@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "contact/friction.h"
+#include "contact/reach.h"
 #include "core/assert.h"
 
 namespace oilskin::contact {
@@ -22,14 +22,14 @@ Box swept_box(const ParticleMotion& particles, std::uint32_t p) {
 
 }  // namespace
 
-// Room for what pressure and rounds of impulses add to the predicted way. Who leaves it is queried again.
+// Covers what pressure and impulses usually add to the predicted displacement.
 double CandidateSet::prediction_margin(const ParticleMotion& particles) {
   return 0.2 * particles.spacing;
 }
 
 void CandidateSet::collect(Context& context) {
   const std::size_t n = context.particle_count();
-  OILSKIN_ASSERT(context.caches.size() == context.surfaces.size());
+  OILSKIN_ASSERT(context.geometry.size() == context.surfaces.size());
   surfaces_.resize(context.surfaces.size());
   std::vector<std::uint32_t> all(n);
   std::iota(all.begin(), all.end(), 0u);
@@ -40,7 +40,7 @@ void CandidateSet::collect(Context& context) {
     set.count.assign(n, 0);
     set.pool.clear();
     const SurfaceMotion& motion = *context.surfaces[s];
-    context.caches[s]->tree.update(motion.triangles, motion.x_t0, motion.x_t1);
+    context.geometry[s]->tree.update(motion.triangles, motion.x_t0, motion.x_t1);
     set.tree_epoch = context.epoch;
     query(context, s, all);
   }
@@ -59,7 +59,7 @@ void CandidateSet::query(Context& context, std::uint32_t surface,
     boxes_[k] = context.out_of_play[p] ? Box{} : swept_box(*context.particles, p).inflated(reach);
     set.box[p] = boxes_[k];
   });
-  context.caches[surface]->tree.query(boxes_, *context.workers, set.scratch);
+  context.geometry[surface]->tree.query(boxes_, *context.workers, set.scratch);
   OILSKIN_ASSERT(reach > 2 * motion.delta && std::isfinite(reach));
   OILSKIN_ASSERT(set.pool.size() + set.scratch.triangle.size() <= std::numeric_limits<std::uint32_t>::max());
   const auto base = static_cast<std::uint32_t>(set.pool.size());
@@ -82,13 +82,12 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
     const SurfaceMotion& motion = *context.surfaces[s];
     const bool nodes_moved = context.surface_stamp[s] >= set.tree_epoch && context.surface_stamp[s] > 0;
     if (nodes_moved) {
-      context.caches[s]->tree.update(motion.triangles, motion.x_t0, motion.x_t1);
+      context.geometry[s]->tree.update(motion.triangles, motion.x_t0, motion.x_t1);
       set.tree_epoch = context.epoch + 1;
       set.pool.clear();
     }
     stale.clear();
-    // Beyond δ nothing can be bad, so for detection a swept box inflated by 2 δ within the queried one is
-    // covered.
+    // Pairs farther apart than δ are no violations: for detection a swept box inflated by 2 δ is enough.
     const double reach = std::max(2 * motion.delta, margin * motion.thickness);
     for (std::uint32_t p = 0; p < context.particle_count(); ++p) {
       if (context.out_of_play[p]) {

@@ -1,4 +1,5 @@
-/// Pairs whose swept boxes meet, kept through the rounds of an interval and collected anew where boxes grew.
+/// Candidates: pairs whose swept boxes overlap. They are kept through the iterations of an interval, and
+/// queried again for particles whose boxes have grown.
 #pragma once
 
 #include "contact/context.h"
@@ -8,22 +9,24 @@ namespace oilskin::contact {
 
 struct CandidatePair {
   std::uint32_t triangle = 0;
-  std::uint32_t tested = 0;  ///< epoch of the last test that found it good; 0 = never, or bad
-  double end_distance = std::numeric_limits<double>::infinity();  ///< where it was computed
+  /// Epoch of the last test that found no violation; 0 = none.
+  std::uint32_t tested = 0;
+  /// Distance at the end [m]; infinity where it was not computed.
+  double end_distance = std::numeric_limits<double>::infinity();
 };
 
 class CandidateSet {
  public:
-  /// Queries every particle: box of x_t0 ∪ x_t1 inflated by thickness + slack, or by the first layer of a
-  /// viscous wall.
+  /// Queries every particle: the box of x_t0 ∪ x_t1, inflated by thickness + prediction_margin(), or by the
+  /// first layer of a viscous wall if that is wider.
   void collect(Context& context);
 
-  /// Makes the set cover the present x_t1 up to a margin: particles whose swept box, inflated by max(2 δ,
-  /// `margin` × h), left the box that they were queried with are queried again; all are where nodes of the
-  /// surface moved since its tree was fitted. Returns those that were, ascending.
+  /// Covers the present x_t1 up to a margin. A particle is queried again if its swept box, inflated by
+  /// max(2 δ, `margin` × h), is not within the box of its last query; all are if nodes of the surface moved
+  /// since its tree was fitted. Returns the particles that were queried, ascending.
   std::vector<std::uint32_t> refresh(Context& context, double margin = 0);
 
-  /// How far an end may wander from the prediction, per axis, before refresh(…, 1) queries again [m].
+  /// The largest change of an end, per axis, after which refresh(…, 1) does not query again [m].
   static double prediction_margin(const ParticleMotion& particles);
 
   Span<CandidatePair> of(std::uint32_t surface, std::uint32_t particle) {
@@ -39,12 +42,12 @@ class CandidateSet {
     return {s.pool.data() + s.begin[particle], s.count[particle]};
   }
   std::uint64_t size() const;
-  /// Over live particles and pairs that end within the thickness; infinity where there are none.
+  /// Minimum over particles in play and pairs that end within the thickness; infinity if there are none [m].
   double min_end_distance(const Context& context) const;
 
  private:
   struct Surface {
-    std::vector<Box> box;  // that the particle was queried with
+    std::vector<Box> box;  // of each particle's last query
     std::vector<std::uint32_t> begin, count;
     std::vector<CandidatePair> pool;
     std::uint32_t tree_epoch = 0;

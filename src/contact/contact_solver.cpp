@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
 
-#include "contact/contact_loop.h"
+#include "contact/contact_pass.h"
 #include "core/assert.h"
 #include "core/inverse_mass.h"
 
@@ -12,17 +13,16 @@ namespace oilskin {
 
 struct ContactSolver::Impl {
   ContactSettings settings;
-  std::shared_ptr<Workers> workers;
-  contact::ContactLoop loop;
+  Workers workers;
+  std::map<std::uint64_t, contact::SurfaceGeometry> geometry;  // by surface id
+  contact::ContactBuffers buffers;
+  std::vector<Contact> contacts;
 
-  Impl(const ContactSettings& s, std::shared_ptr<Workers> w)
-      : settings(s), workers(std::move(w)), loop(workers) {}
+  Impl(const ContactSettings& s, int threads) : settings(s), workers(threads) {}
 };
 
 ContactSolver::ContactSolver(const ContactSettings& settings, int threads)
-    : ContactSolver(settings, std::make_shared<Workers>(threads)) {}
-ContactSolver::ContactSolver(const ContactSettings& settings, std::shared_ptr<Workers> workers)
-    : impl_(std::make_unique<Impl>(settings, std::move(workers))) {}
+    : impl_(std::make_unique<Impl>(settings, threads)) {}
 ContactSolver::~ContactSolver() = default;
 ContactSolver::ContactSolver(ContactSolver&&) noexcept = default;
 ContactSolver& ContactSolver::operator=(ContactSolver&&) noexcept = default;
@@ -87,7 +87,9 @@ Status check_surface(const SurfaceMotion& s) {
   if (s.triangles.empty()) return refuse("surface ", s.id, " has no triangles");
   for (std::size_t t = 0; t < s.triangles.size(); ++t)
     for (std::uint32_t v : s.triangles[t])
-      if (v >= n) return refuse("triangle ", t, " of surface ", s.id, " names node ", v, "; there are ", n);
+      if (v >= n)
+        return refuse("triangle ", t, " of surface ", s.id, " has the node index ", v, "; there are ", n,
+                      " nodes");
   if (!(s.delta > 0) || !(s.thickness >= 4 * s.delta))
     return refuse("surface ", s.id, " has thickness ", s.thickness, " and delta ", s.delta,
                   "; it must hold that thickness ≥ 4 delta > 0");
@@ -102,6 +104,18 @@ Status check_surface(const SurfaceMotion& s) {
   return {};
 }
 
+Status check_surfaces(Span<SurfaceMotion* const> surfaces) {
+  std::vector<std::uint64_t> ids;
+  for (const SurfaceMotion* s : surfaces) {
+    if (Status status = check_surface(*s); !status.ok()) return status;
+    ids.push_back(s->id);
+  }
+  std::sort(ids.begin(), ids.end());
+  const auto repeated = std::adjacent_find(ids.begin(), ids.end());
+  if (repeated != ids.end()) return refuse("two surfaces have the id ", *repeated, "; ids must differ");
+  return {};
+}
+
 }  // namespace
 
 Status ContactSolver::resolve(double dt, ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
@@ -109,36 +123,34 @@ Status ContactSolver::resolve(double dt, ParticleMotion& particles, Span<Surface
   if (!(dt > 0) || !std::isfinite(dt)) return refuse("dt is ", dt, "; it must be finite and > 0 s");
   if (Status s = impl_->settings.validate(); !s.ok()) return s;
   if (Status s = check_particles(particles); !s.ok()) return s;
-  for (const SurfaceMotion* surface : surfaces)
-    if (Status s = check_surface(*surface); !s.ok()) return s;
+  if (Status s = check_surfaces(surfaces); !s.ok()) return s;
   report = {};
   std::fill(particles.removed.begin(), particles.removed.end(), std::uint8_t{0});
-  impl_->loop.begin(dt, impl_->settings, particles, surfaces, report, seconds);
-  impl_->loop.run();
+  std::vector<contact::SurfaceGeometry*> geometry;
+  for (const SurfaceMotion* s : surfaces) {
+    geometry.push_back(&impl_->geometry[s->id]);
+    geometry.back()->analyse(*s);
+  }
+  contact::ContactPass pass(dt, impl_->settings, impl_->workers, particles, surfaces, geometry,
+                            impl_->buffers, report, seconds);
+  pass.find();
+  pass.solve();
+  impl_->contacts = pass.take_contacts();
   OILSKIN_ASSERT(static_cast<std::uint64_t>(
                      std::count(particles.removed.begin(), particles.removed.end(), 1)) == report.removed);
   if (impl_->settings.verify) {
-    contact::StageTimer timer(seconds.verify);
+    StageTimer timer(seconds.verify);
     report.crossings_found_by_verify = count_crossings(particles, surfaces, &report.verified_pairs);
   }
   return {};
 }
 
-const std::vector<Contact>& ContactSolver::find_contacts(const ParticleMotion& particles,
-                                                         Span<SurfaceMotion* const> surfaces) {
-  static thread_local ContactReport report;
-  static thread_local StageSeconds seconds;
-  ParticleMotion copy = particles;
-  impl_->loop.begin(1, impl_->settings, copy, surfaces, report, seconds);
-  return impl_->loop.select_contacts();
-}
-
 const std::vector<Contact>& ContactSolver::contacts() const {
-  return impl_->loop.contacts();
+  return impl_->contacts;
 }
 
 void ContactSolver::forget(std::uint64_t surface_id) {
-  impl_->loop.forget(surface_id);
+  impl_->geometry.erase(surface_id);
 }
 
 }  // namespace oilskin

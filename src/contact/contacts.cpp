@@ -5,6 +5,7 @@
 
 #include "contact/features.h"
 #include "contact/friction.h"
+#include "contact/reach.h"
 #include "core/assert.h"
 
 namespace oilskin::contact {
@@ -24,7 +25,7 @@ Contact make_contact(const Context& context, std::uint32_t p, std::uint32_t surf
   contact.weights = c.weights;
   contact.distance = c.distance;
   contact.normal = c.distance > 0 ? Vec3(c.offset / c.distance) : geometric_normal(q.a, q.b, q.c);
-  const MeshTopology& topology = context.caches[surface]->topology;
+  const MeshTopology& topology = context.geometry[surface]->topology;
   contact.feature = feature_key(topology, triangle, contact.nodes, c.feature);
   const SurfaceSide side =
       side_of(topology, motion.triangles, motion.x_t0, triangle, c.feature, contact.normal);
@@ -68,7 +69,7 @@ void find_for_particle(const Context& context, const CandidateSet& candidates,
       if (squared_distance_to_box(q) >= reach * reach) continue;
       const ClosestPoint c = closest_point(q.p, q.a, q.b, q.c);
       if (c.distance >= reach) continue;
-      const MeshTopology& topology = context.caches[s]->topology;
+      const MeshTopology& topology = context.geometry[s]->topology;
       const std::uint64_t feature =
           feature_key(topology, pair.triangle, motion.triangles[pair.triangle], c.feature);
       const bool is_vertex = (c.feature & (c.feature - 1)) == 0;
@@ -180,7 +181,7 @@ bool passes_beside(const Context& context, const Contact& contact, double h) {
     (u == UINT32_MAX ? u : v) = contact.nodes[k];
   }
   if (v == UINT32_MAX) v = u;
-  for (std::uint32_t t : context.caches[contact.surface]->topology.triangles_of(u)) {
+  for (std::uint32_t t : context.geometry[contact.surface]->topology.triangles_of(u)) {
     const Triangle& nodes = s.triangles[t];
     if (std::find(nodes.begin(), nodes.end(), v) == nodes.end()) continue;
     if (comes_within(particles.x_t0[contact.particle], displacement, s.x_t0[nodes[0]], s.x_t0[nodes[1]],

@@ -1,23 +1,14 @@
-/// The context of one interval: what the stages of contact read, what they change, what they leave behind.
+/// The data of one interval: input, state and output of the stages of contact.
 #pragma once
 
-#include <chrono>
-
 #include "contact/predicates.h"
+#include "contact/surface_geometry.h"
 #include "core/assert.h"
-#include "core/mesh_topology.h"
 #include "core/parallel.h"
+#include "core/stage_timer.h"
 #include "oilskin/contact.h"
-#include "proximity/surface_tree.h"
 
 namespace oilskin::contact {
-
-/// What is kept of a surface from step to step.
-struct SurfaceCache {
-  std::uint64_t id = 0;
-  MeshTopology topology;
-  proximity::SurfaceTree tree;
-};
 
 struct Context {
   // Input
@@ -26,15 +17,15 @@ struct Context {
   const Workers* workers = nullptr;
   ParticleMotion* particles = nullptr;
   Span<SurfaceMotion* const> surfaces;
-  std::vector<SurfaceCache*> caches;  // one per surface
+  Span<SurfaceGeometry* const> geometry;  // one per surface
 
-  // State: the epoch in which a point's end position last changed. Pairs are tested again when a stamp is
-  // younger than their last test.
+  // State. A stamp is the epoch in which an end position last changed; a pair is tested again if a stamp of
+  // its points is younger than its last test.
   std::uint32_t epoch = 1;
   std::vector<std::uint32_t> particle_stamp;
   std::vector<std::vector<std::uint32_t>> node_stamp;
-  std::vector<std::uint32_t> surface_stamp;  // youngest stamp of the surface's nodes
-  std::vector<std::uint8_t> out_of_play;     // removed, or allowed to pass
+  std::vector<std::uint32_t> surface_stamp;  // the youngest of the surface's nodes
+  std::vector<std::uint8_t> out_of_play;     // per particle: removed, or allowed to pass by policy
 
   // Output
   ContactReport* report = nullptr;
@@ -53,7 +44,7 @@ struct Context {
     const Triangle& t = s.triangles[triangle];
     return {particles->x_t1[p], s.x_t1[t[0]], s.x_t1[t[1]], s.x_t1[t[2]]};
   }
-  /// Positions change through these two only, so that no stamp is forgotten.
+  /// End positions change through these two functions only, so that every change has a stamp.
   void set_particle_end(std::uint32_t p, const Vec3& x) {
     OILSKIN_ASSERT(p < particles->x_t1.size() && !out_of_play[p]);
     OILSKIN_ASSERT(x.allFinite());
@@ -71,20 +62,6 @@ struct Context {
     node_stamp[surface][node] = epoch;
     surface_stamp[surface] = epoch;
   }
-};
-
-/// Adds the wall time of a scope to a stage.
-class StageTimer {
- public:
-  explicit StageTimer(double& seconds) : seconds_(seconds), begin_(Clock::now()) {}
-  ~StageTimer() { seconds_ += std::chrono::duration<double>(Clock::now() - begin_).count(); }
-  StageTimer(const StageTimer&) = delete;
-  StageTimer& operator=(const StageTimer&) = delete;
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double& seconds_;
-  Clock::time_point begin_;
 };
 
 }  // namespace oilskin::contact

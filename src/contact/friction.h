@@ -5,14 +5,6 @@
 
 namespace oilskin::contact {
 
-/// Distance d0 up to which friction acts without a normal impulse [m]; 0 for free slip.
-double friction_distance(const ParticleMotion& particles, const SurfaceMotion& surface,
-                         const SlipSettings& slip);
-
-/// Distance d0 within which each particle needs a contact even if it does not approach: the first layer of a
-/// viscous wall [m]. 0 if neither side of the surface is one.
-double wall_layer(const ParticleMotion& particles, const SurfaceMotion& surface);
-
 /// Orientation of a surface at its closest feature to a point.
 struct SurfaceSide {
   bool back = false;            ///< the point is on the back

@@ -1,5 +1,7 @@
 #include "fluid/particles.h"
 
+#include <algorithm>
+
 #include "core/assert.h"
 
 namespace oilskin::fluid {
@@ -21,7 +23,22 @@ void permute_array(std::vector<T>& values, Span<const std::uint32_t> order, std:
   values.swap(scratch);
 }
 
+// At least doubles the capacity, so that particles that come one by one are not copied each time.
+template <class T>
+void reserve_array(std::vector<T>& values, std::size_t count) {
+  if (values.capacity() - values.size() < count)
+    values.reserve(std::max(values.size() + count, 2 * values.capacity()));
+}
+
 }  // namespace
+
+void Particles::reserve_more(std::size_t count) {
+  reserve_array(id, count);
+  reserve_array(position, count);
+  reserve_array(velocity, count);
+  reserve_array(density, count);
+  reserve_array(pressure, count);
+}
 
 void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density) {
   OILSKIN_ASSERT(new_id != 0 && rest_density > 0);

@@ -16,6 +16,8 @@ struct Particles {
 
   std::size_t size() const { return id.size(); }
   void push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density);
+  /// The next `count` calls of push_back() do not throw.
+  void reserve_more(std::size_t count);
   /// Keeps those with keep[i] != 0, in order.
   void compress(Span<const std::uint8_t> keep);
   /// New storage order: the i-th particle is the one that was at order[i].

@@ -11,8 +11,6 @@
 
 namespace oilskin {
 
-class Workers;
-
 /// Particles over one interval. The spans view the caller's arrays and have the same length.
 struct ParticleMotion {
   /// Unique numbers.
@@ -66,13 +64,16 @@ struct Contact {
 /// After resolve() is accepted with ContactSettings::ccd and zones on, the straight motion x_t0 → x_t1 of
 /// every particle that is not `removed` keeps a distance > 0 from the straight motion of every triangle, and
 /// ends no closer than δ, if it started no closer than δ.
+///
+/// One thread at a time may call a solver; different solvers are independent. It calls nothing of the
+/// caller's. If resolve() throws (std::bad_alloc, std::runtime_error where FCL has no memory,
+/// std::length_error beyond 2^32 candidate pairs), the solver can be used again; x_t0 is as it was, the ends,
+/// velocities and impulses in `particles` and `surfaces` have no meaning.
 class ContactSolver {
  public:
   /// `threads`: 0 = all hardware threads; the results do not depend on it. Settings are validated by
   /// resolve().
   explicit ContactSolver(const ContactSettings& settings = {}, int threads = 0);
-  /// Shares the threads of a world.
-  ContactSolver(const ContactSettings& settings, std::shared_ptr<Workers> workers);
   ~ContactSolver();
   /// Takes over settings, caches and contacts.
   ContactSolver(ContactSolver&&) noexcept;
@@ -85,8 +86,8 @@ class ContactSolver {
   Status set_settings(const ContactSettings& settings);
 
   /// One interval of length dt [s] > 0. Refuses numbers that are not finite and arrays of different lengths,
-  /// with the name of the array and the index. `surfaces` need id, δ and thickness; x_t0 and x_t1 must be
-  /// stored numbers. The results are in `particles` and `surfaces`.
+  /// with the name of the array and the index. `surfaces` need different ids, δ and thickness; x_t0 and x_t1
+  /// must be stored numbers. The results are in `particles` and `surfaces`.
   Status resolve(double dt, ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
                  ContactReport& report, StageSeconds& seconds);
   /// The same without times.
@@ -96,11 +97,6 @@ class ContactSolver {
     return resolve(dt, particles, surfaces, report, seconds);
   }
 
-  /// The contacts at the start positions alone, ordered by particle, surface and feature, with x_t1 as the
-  /// prediction. Valid until the next call.
-  const std::vector<Contact>& find_contacts(const ParticleMotion& particles,
-                                            Span<SurfaceMotion* const> surfaces);
-
   /// The contacts of the last resolve() that had a constraint.
   const std::vector<Contact>& contacts() const;
 
@@ -109,7 +105,8 @@ class ContactSolver {
   static std::uint64_t count_crossings(const ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
                                        std::uint64_t* pairs_tested = nullptr);
 
-  /// Releases what is cached for a surface.
+  /// Forgets what is kept of a surface from call to call: its tree and the analysis of its mesh. Results do
+  /// not depend on it. A changed mesh needs a new id, or this call.
   void forget(std::uint64_t surface_id);
 
  private:

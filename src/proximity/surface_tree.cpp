@@ -77,6 +77,8 @@ struct SurfaceTree::Impl {
   std::size_t builds = 0;
   double leaf_size_built = 0, tree_size_built = 0;
 
+  void update(Span<const Triangle> tris, Span<const Vec3> x_t0, Span<const Vec3> x_t1);
+  void clear();
   void build(Span<const Triangle> tris, Span<const Vec3> x_t1);
   void refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1);
   bool is_fitted_to(Span<const Vec3> x_t0, Span<const Vec3> x_t1) const;
@@ -185,30 +187,40 @@ SurfaceTree::~SurfaceTree() = default;
 SurfaceTree::SurfaceTree(SurfaceTree&&) noexcept = default;
 SurfaceTree& SurfaceTree::operator=(SurfaceTree&&) noexcept = default;
 
+void SurfaceTree::Impl::clear() {
+  // FCL, out of memory in its first refit, leaves one array under two names and would free it twice.
+  if (model && model->prev_vertices == model->vertices) model->prev_vertices = nullptr;
+  const std::size_t kept = builds;
+  *this = Impl();
+  builds = kept;
+}
+
+void SurfaceTree::Impl::update(Span<const Triangle> tris, Span<const Vec3> x_t0, Span<const Vec3> x_t1) {
+  double leaf_size = 0, tree_size = 0;
+  if (nodes == x_t1.size() && same_triangles(tris, triangles)) {
+    if (is_fitted_to(x_t0, x_t1)) return;
+    refit(x_t0, x_t1);
+    read_leaves(&leaf_size, &tree_size);
+    // Leaves grow with stretch and speed; inner nodes also if parts that were close have moved apart.
+    if (leaf_size <= rebuild_growth * leaf_size_built && tree_size <= rebuild_growth * tree_size_built)
+      return;
+  }
+  build(tris, x_t1);
+  refit(x_t0, x_t1);
+  read_leaves(&leaf_size_built, &tree_size_built);
+}
+
 void SurfaceTree::update(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1) {
   OILSKIN_ASSERT(x_t0.size() == x_t1.size());
   OILSKIN_ASSERT(all_in_range(triangles, x_t1.size()));
   OILSKIN_ASSERT(all_finite(x_t0) && all_finite(x_t1));
-  Impl& s = *impl_;
-  const bool same = s.nodes == x_t1.size() && same_triangles(triangles, s.triangles);
-  if (triangles.empty()) {
-    const std::size_t builds = s.builds;
-    s = Impl();
-    s.builds = builds;
-    return;
+  if (triangles.empty()) return impl_->clear();
+  try {
+    impl_->update(triangles, x_t0, x_t1);
+  } catch (...) {
+    impl_->clear();  // FCL's model may be inconsistent
+    throw;
   }
-  double leaf_size = 0, tree_size = 0;
-  if (same) {
-    if (s.is_fitted_to(x_t0, x_t1)) return;
-    s.refit(x_t0, x_t1);
-    s.read_leaves(&leaf_size, &tree_size);
-    // Leaves grow with stretch and speed; inner nodes also if parts that were close have moved apart.
-    if (leaf_size <= rebuild_growth * s.leaf_size_built && tree_size <= rebuild_growth * s.tree_size_built)
-      return;
-  }
-  s.build(triangles, x_t1);
-  s.refit(x_t0, x_t1);
-  s.read_leaves(&s.leaf_size_built, &s.tree_size_built);
 }
 
 std::size_t SurfaceTree::builds() const {

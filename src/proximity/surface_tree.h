@@ -31,7 +31,8 @@ class SurfaceTree {
   /// Fits each leaf to x_t0 ∪ x_t1 of its triangle exactly (no inflation, no rounding). Builds a new tree if
   /// the triangles differ from those of the last call, or if the leaves or the nodes have grown to more than
   /// twice their size after the last build; otherwise refits. Query results are the same for both. Positions
-  /// must be finite and indices in range (asserted). Throws std::runtime_error if FCL fails (out of memory).
+  /// must be finite and indices in range (asserted). Throws std::runtime_error if FCL fails (out of memory);
+  /// after any exception the tree has no triangles, and the next call builds it.
   void update(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1);
 
   std::size_t builds() const;  ///< number of builds, for tests and reports

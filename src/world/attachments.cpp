@@ -4,7 +4,6 @@
 #include <cmath>
 #include <sstream>
 
-#include "contact/predicates.h"
 #include "core/assert.h"
 #include "core/inverse_mass.h"
 #include "world/numeric_range.h"
@@ -30,8 +29,8 @@ Status check_mesh(const SurfaceMotion& m) {
   for (std::size_t t = 0; t < m.triangles.size(); ++t)
     for (std::uint32_t v : m.triangles[t])
       if (v >= m.x_t1.size())
-        return refuse("triangle ", t, " names node ", v, "; the surface has ", m.x_t1.size(), " nodes (0 … ",
-                      m.x_t1.size() - 1, ")");
+        return refuse("triangle ", t, " has the node index ", v, "; the surface has ", m.x_t1.size(),
+                      " nodes (0 … ", m.x_t1.size() - 1, ")");
   return {};
 }
 
@@ -49,7 +48,8 @@ Status check_state(const SurfaceMotion& m) {
       return refuse("the inverse mass of node ", i, " is ", m.inverse_mass[i], "; it must be ",
                     inverse_mass_range);
     if (stored(m.x_t1[i], m.storage) != m.x_t1[i])
-      return refuse("the position of node ", i, " is no number that its storage can hold");
+      return refuse("the position of node ", i, " is not a ",
+                    m.storage == Storage::float32 ? "single" : "double", "-precision number");
   }
   return {};
 }
@@ -77,7 +77,7 @@ bool can_collide(const FluidSettings& fluid, const SurfaceSettings& surface) {
 
 Status Attachments::attach(SurfaceHost& host, const SurfaceSettings& settings, const WorldSettings& world,
                            std::uint64_t* handle) {
-  // Of a thickness of zero the host's storage decides what would do: set_delta() says so.
+  // The smallest thickness depends on the host's storage: of a thickness of zero set_delta() says it.
   if (Status s = settings.validate(); !s.ok() && settings.thickness != 0) return s;
   auto a = std::make_unique<Attachment>();
   a->host = &host;
@@ -93,24 +93,19 @@ Status Attachments::attach(SurfaceHost& host, const SurfaceSettings& settings, c
       return refuse("node ", i, " stands at (", a->motion.x_t1[i].transpose(),
                     ") m, beyond the largest coordinate ", r,
                     " m of the kill box, for which δ was chosen; enlarge the kill box");
-  a->motion.id = next_id_++;
   a->motion.x_t0 = a->motion.x_t1;
-  a->handle = next_handle_++;
-  OILSKIN_ASSERT(list_.empty() || list_.back()->handle < a->handle);
+  OILSKIN_ASSERT(list_.empty() || list_.back()->handle < next_handle_);
   OILSKIN_ASSERT(a->motion.delta > 0 && a->motion.thickness >= 4 * a->motion.delta);
-  if (handle) *handle = a->handle;
   list_.push_back(std::move(a));
+  list_.back()->motion.id = next_id_++;
+  list_.back()->handle = next_handle_++;
+  if (handle) *handle = list_.back()->handle;
   return {};
 }
 
-std::uint64_t Attachments::detach(std::uint64_t handle) {
-  for (auto it = list_.begin(); it != list_.end(); ++it) {
-    if ((*it)->handle != handle) continue;
-    const std::uint64_t id = (*it)->motion.id;
-    list_.erase(it);
-    return id;
-  }
-  return 0;
+void Attachments::detach(std::uint64_t handle) {
+  const auto has_handle = [handle](const auto& a) { return a->handle == handle; };
+  list_.erase(std::remove_if(list_.begin(), list_.end(), has_handle), list_.end());
 }
 
 Attachment* Attachments::find(std::uint64_t handle) {
@@ -122,157 +117,124 @@ const Attachment* Attachments::find(std::uint64_t handle) const {
   return const_cast<Attachments*>(this)->find(handle);
 }
 
-void Attachments::gather(double dt, const WorldSettings& world, const FluidSettings& fluid,
-                         StepReport& report, std::vector<SurfaceMotion*>& active,
-                         std::vector<std::uint64_t>& stale) {
-  active.clear();
-  for (auto& a : list_) {
-    if (a->refused && !a->teleported) {
-      report.flags |= flag_surface_refused;
-      continue;
-    }
-    SurfaceMotion& m = a->motion;
-    std::swap(m.x_t0, m.x_t1);
-    const Gathered gathered = a->host->gather(dt, m);
-    Status status = gathered.status;
-    const bool is_new = gathered.new_surface || a->teleported || m.x_t1.size() != m.x_t0.size();
-    if (status.ok() && is_new) status = check_mesh(m);
-    if (status.ok()) status = check_state(m);
-    if (status.ok() && is_new) status = set_delta(m, a->settings, max_coordinate(world.kill_box));
-    a->refused = !status.ok();
-    if (a->refused) {
-      a->teleported = false;
-      report.flags |= flag_surface_refused;
-      report.messages.push_back("surface " + std::to_string(a->handle) + " is left out: " + status.message);
-      continue;
-    }
-    if (is_new) {
-      stale.push_back(m.id);
-      m.id = next_id_++;
-      m.x_t0 = m.x_t1;
-      a->is_new = true;
-      a->teleported = false;
-    }
-    OILSKIN_ASSERT(m.id != 0 && m.delta > 0 && m.x_t0.size() == m.x_t1.size());
-    m.slip = a->settings.slip;
-    m.slip_back = a->settings.slip_back;
-    // Where prescribed nodes stand costs nothing: they are not rounded again (a floor may be larger than the
-    // box).
-    for (std::size_t i = 0; i < m.x_t1.size(); ++i)
-      if (m.inverse_mass[i] > 0 && m.x_t1[i].cwiseAbs().maxCoeff() > max_coordinate(world.kill_box)) {
-        report.flags |= flag_surface_out_of_range;
-        break;
-      }
-    if (can_collide(fluid, a->settings)) active.push_back(&m);
-  }
+namespace {
+
+bool is_out_of_range(const SurfaceMotion& m, double max_coordinate) {
+  for (std::size_t i = 0; i < m.x_t1.size(); ++i)
+    if (m.inverse_mass[i] > 0 && m.x_t1[i].cwiseAbs().maxCoeff() > max_coordinate) return true;
+  return false;
 }
 
-void Attachments::scatter(Span<SurfaceMotion* const> active, StepReport& report) {
+}  // namespace
+
+ActiveSurfaces Attachments::gather(double dt, const WorldSettings& world, const FluidSettings& fluid,
+                                   StepReport& report) {
+  ActiveSurfaces active;
   for (auto& a : list_) {
+    const bool stays_out = a->refused && !a->teleported;
+    if (!stays_out) {
+      const Status status = gather_surface(*a, dt, world.kill_box);
+      a->refused = !status.ok();
+      a->teleported = false;
+      if (a->refused)
+        report.messages.push_back("surface " + std::to_string(a->handle) + " is left out: " + status.message);
+    }
+    if (a->refused) {
+      report.flags |= flag_surface_refused;
+      continue;
+    }
+    // Prescribed nodes are not rounded again, wherever they stand: a floor may be larger than the kill box.
+    if (is_out_of_range(a->motion, max_coordinate(world.kill_box))) report.flags |= flag_surface_out_of_range;
+    if (can_collide(fluid, a->settings)) active.add(*a);
+  }
+  return active;
+}
+
+Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box) {
+  SurfaceMotion& m = a.motion;
+  std::swap(m.x_t0, m.x_t1);
+  const Gathered gathered = a.host->gather(dt, m);
+  if (!gathered.status.ok()) return gathered.status;
+  const bool is_new = gathered.new_surface || a.teleported || m.x_t1.size() != m.x_t0.size();
+  if (is_new)
+    if (Status s = check_mesh(m); !s.ok()) return s;
+  if (Status s = check_state(m); !s.ok()) return s;
+  if (is_new) {
+    if (Status s = set_delta(m, a.settings, max_coordinate(kill_box)); !s.ok()) return s;
+    m.id = next_id_++;
+    m.x_t0 = m.x_t1;
+    a.is_new = true;
+  }
+  OILSKIN_ASSERT(m.id != 0 && m.delta > 0 && m.x_t0.size() == m.x_t1.size());
+  m.slip = a.settings.slip;
+  m.slip_back = a.settings.slip_back;
+  return {};
+}
+
+void Attachments::scatter(const ActiveSurfaces& active, StepReport& report) {
+  std::vector<Vec3> certified;
+  for (Attachment* a : active.attachment) {
     SurfaceMotion& m = a->motion;
-    if (std::find(active.begin(), active.end(), &m) == active.end()) continue;
     OILSKIN_ASSERT(m.impulse.size() == m.x_t1.size() && m.moved.size() == m.x_t1.size());
-    a->certified = m.x_t1;
+    certified = m.x_t1;
     a->host->scatter(m);
-    OILSKIN_ASSERT(m.x_t1.size() == a->certified.size());
-    if (m.x_t1 != a->certified) {
-      // The certificate is about numbers that the host does not keep: what it does keep is a new beginning.
+    OILSKIN_ASSERT(m.x_t1.size() == certified.size());
+    if (m.x_t1 != certified) {
+      // The certificate holds for positions that the host does not store: the stored ones begin a new
+      // surface.
       report.flags |= flag_scatter_mismatch;
       a->teleported = true;
     }
   }
 }
 
-void Attachments::relocate_particles(Span<SurfaceMotion* const> active, fluid::Particles& particles,
-                                     double particle_mass, std::uint64_t& next_id, const Workers& workers,
-                                     StepReport& report) {
-  OILSKIN_ASSERT(particle_mass > 0);
-  std::vector<SurfaceMotion*> is_new;
-  for (auto& a : list_) {
-    if (!a->is_new || std::find(active.begin(), active.end(), &a->motion) == active.end()) continue;
-    a->is_new = false;
-    is_new.push_back(&a->motion);
-  }
-  if (is_new.empty() || particles.size() == 0) return;
-  std::vector<std::uint8_t> too_near;
-  ClearanceTest(is_new, workers).run(particles.position, too_near);
-  const ClearanceTest clearance(active, workers);
-  std::vector<std::uint8_t> keep(particles.size(), 1);
-  for (std::size_t p = 0; p < particles.size(); ++p) {
-    if (!too_near[p]) continue;
-    ++report.contact.relocated;
-    const Vec3& x = particles.position[p];
-    ClosestPoint nearest;
-    nearest.distance = std::numeric_limits<double>::infinity();
-    double thickness = 0;
-    for (const SurfaceMotion* s : is_new)
-      for (const Triangle& t : s->triangles) {
-        const ClosestPoint c = closest_point(x, s->x_t0[t[0]], s->x_t0[t[1]], s->x_t0[t[2]]);
-        if (c.distance >= nearest.distance) continue;
-        nearest = c;
-        thickness = s->thickness;
-      }
-    bool clear = nearest.distance > 0;
-    const Vec3 place = clear ? Vec3(x + nearest.offset / nearest.distance * thickness) : x;
-    if (clear) {
-      std::vector<std::uint8_t> blocked;
-      clearance.run(Span<const Vec3>(&place, 1), blocked);
-      clear = !blocked[0];
-    }
-    for (const SurfaceMotion* s : active) {
-      if (!clear) break;
-      for (const Triangle& t : s->triangles) {
-        const Vec3 &a = s->x_t0[t[0]], &b = s->x_t0[t[1]], &c = s->x_t0[t[2]];
-        if (contact::paths_intersect({x, a, b, c}, {place, a, b, c}).hit) {
-          clear = false;
-          break;
-        }
-      }
-    }
-    if (clear) {
-      // The jump is no motion: a new id says so to whoever reads the trace.
-      particles.position[p] = place;
-      particles.id[p] = next_id++;
-    } else {
-      keep[p] = 0;
-      ++report.removed;
-      report.mass_removed += particle_mass;
-      report.momentum_before += particle_mass * particles.velocity[p];
-      report.momentum_removed += particle_mass * particles.velocity[p];
-    }
-  }
-  particles.compress(keep);
+std::vector<StandingSurface> Attachments::between_steps(const FluidSettings& fluid) const {
+  std::vector<StandingSurface> standing;
+  for (const auto& a : list_)
+    if (!a->refused && can_collide(fluid, a->settings))
+      standing.push_back({a->motion.triangles, a->motion.x_t1, a->motion.delta, &a->geometry.tree});
+  return standing;
 }
 
-void ClearanceTest::run(Span<const Vec3> points, std::vector<std::uint8_t>& blocked) const {
-  blocked.assign(points.size(), 0);
-  for (const SurfaceMotion* s : surfaces_) {
-    OILSKIN_ASSERT(s->delta > 0 && !s->triangles.empty());
-    const double reach = 2 * s->delta;
-    Box bounds;
-    for (const Vec3& x : s->x_t0) bounds.add(x);
-    bounds = bounds.inflated(reach);
-    std::vector<Box> boxes;
-    std::vector<std::uint32_t> index;
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
-      if (blocked[i] || !bounds.contains(points[i])) continue;
-      boxes.push_back(Box{points[i], points[i]}.inflated(reach));
-      index.push_back(i);
-    }
-    if (boxes.empty()) continue;
-    proximity::SurfaceTree tree;
-    tree.update(s->triangles, s->x_t0, s->x_t0);
-    proximity::Candidates candidates;
-    tree.query(boxes, workers_, candidates);
-    OILSKIN_ASSERT(candidates.begin.size() == boxes.size() + 1);
-    for (std::size_t k = 0; k < boxes.size(); ++k)
-      for (std::uint32_t t : candidates.of(k)) {
-        const Triangle& nodes = s->triangles[t];
-        const contact::PointTriangle q{points[index[k]], s->x_t0[nodes[0]], s->x_t0[nodes[1]],
-                                       s->x_t0[nodes[2]]};
-        if (contact::end_distance(q, reach).too_close) blocked[index[k]] = 1;
-      }
+void Attachments::checkpoint() {
+  saved_next_id_ = next_id_;
+  saved_.resize(list_.size());
+  for (std::size_t k = 0; k < list_.size(); ++k) {
+    const Attachment& a = *list_[k];
+    saved_[k].motion = a.motion;
+    saved_[k].is_new = a.is_new;
+    saved_[k].teleported = a.teleported;
+    saved_[k].refused = a.refused;
   }
+}
+
+void Attachments::roll_back() noexcept {
+  OILSKIN_ASSERT(saved_.size() == list_.size());
+  next_id_ = saved_next_id_;
+  for (std::size_t k = 0; k < list_.size(); ++k) {
+    Attachment& a = *list_[k];
+    std::swap(a.motion, saved_[k].motion);
+    a.is_new = saved_[k].is_new;
+    a.teleported = saved_[k].teleported;
+    a.refused = saved_[k].refused;
+    // Another mesh may get the id that the step gave to this one.
+    if (a.geometry.id != a.motion.id) a.geometry.id = 0;
+  }
+}
+
+void ActiveSurfaces::add(Attachment& a) {
+  a.geometry.analyse(a.motion);
+  attachment.push_back(&a);
+  motion.push_back(&a.motion);
+  geometry.push_back(&a.geometry);
+  topology.push_back(&a.geometry.topology);
+}
+
+std::vector<StandingSurface> ActiveSurfaces::at_start() const {
+  std::vector<StandingSurface> standing;
+  for (Attachment* a : attachment)
+    standing.push_back({a->motion.triangles, a->motion.x_t0, a->motion.delta, &a->geometry.tree});
+  return standing;
 }
 
 }  // namespace oilskin::world

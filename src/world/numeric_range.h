@@ -1,11 +1,11 @@
-/// What a particle's numbers must be to take part in a step.
+/// The range of positions and velocities that a step accepts.
 #pragma once
 
 #include "oilskin/types.h"
 
 namespace oilskin::world {
 
-/// Finite, and small enough that products of six of them do not overflow in the continuous test.
+/// Finite, and so small that products of six values do not overflow in the continuous test.
 bool is_in_range(const Vec3& v);
 
 }  // namespace oilskin::world

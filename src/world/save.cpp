@@ -7,7 +7,7 @@
 #include "world/numeric_range.h"
 #include "world/world_impl.h"
 
-// A structured binding names every member, so that a new one that is not saved does not compile.
+// Structured bindings name every member: a new member that is not saved does not compile.
 
 namespace oilskin {
 
@@ -16,7 +16,7 @@ namespace {
 void visit(Archive& archive, WorldSettings& settings) {
   auto& [gravity, kill_box, threads] = settings;
   archive.values(gravity, kill_box);
-  static_cast<void>(threads);  // of the machine, not of the state
+  static_cast<void>(threads);  // a property of the machine, not of the state
 }
 
 void visit(Archive& archive, FluidSettings& settings) {
@@ -65,7 +65,7 @@ void visit(Archive& archive, SurfaceMotion& motion) {
 /// Beyond it the squares of distances overflow [m].
 constexpr double max_thickness = 1e15;
 
-/// What gather checks of a host; the meshes are compared with the host's own.
+/// The checks of Attachments::gather(). Meshes are compared with those of the hosts elsewhere.
 bool is_in_range(const SurfaceMotion& m) {
   const std::size_t n = m.x_t1.size();
   const auto has = [n](std::size_t size) { return size == n || size == 0; };
@@ -83,7 +83,7 @@ bool is_in_range(const SurfaceMotion& m) {
   return true;
 }
 
-/// Unique ids that a counter has given out, which now stands at `next` and cannot overflow.
+/// Are the ids unique, and from a counter whose next value is `next` and cannot overflow?
 bool are_given(std::vector<std::uint64_t> ids, std::uint64_t next) {
   if (next == 0 || next >> 63 != 0) return false;
   std::sort(ids.begin(), ids.end());
@@ -127,14 +127,14 @@ std::vector<std::uint8_t> framed(Span<const std::uint8_t> content) {
 
 Status unframe(Span<const std::uint8_t> saved, Span<const std::uint8_t>* content) {
   if (saved.size() < frame_bytes || std::memcmp(saved.data(), magic, sizeof magic) != 0)
-    return Status::refused("these bytes are no saved world");
+    return Status::refused("the bytes are not a saved world");
   std::uint32_t order = 0, number = 0;
   std::uint64_t length = 0, sum = 0;
   Archive in(Span<const std::uint8_t>(saved.data() + sizeof magic, frame_bytes - sizeof magic));
   in.values(order, number, length, sum);
   if (order == swapped_byte_order)
     return Status::refused("the saved world comes from a machine with the other byte order");
-  if (order != byte_order) return Status::refused("the saved world is damaged: it names no byte order");
+  if (order != byte_order) return Status::refused("the saved world is damaged: its byte order is unknown");
   if (number != version)
     return Status::refused("the saved world has version " + std::to_string(number) +
                            "; this library reads version " + std::to_string(version));
@@ -155,7 +155,7 @@ void Attachments::visit(Archive& archive) {
     archive.values(a->is_new, a->teleported, a->refused);
     oilskin::visit(archive, a->settings);
     if (archive.ok()) archive.require(a->settings.validate().ok(), "the settings of a surface");
-    // What a refused surface holds is of no use: where it comes back, it is a new one.
+    // The motion of a refused surface is invalid; if it is accepted later, it is a new surface.
     if (a->refused) return archive.value(a->motion.id);
     oilskin::visit(archive, a->motion);
     if (archive.ok()) archive.require(oilskin::is_in_range(a->motion), "the state of a surface");
@@ -211,8 +211,9 @@ Status Attachments::take_hosts(Attachments& from) {
 
 }  // namespace world
 
-/// Counters first: what follows is checked against them.
+/// Counters come first: ids are checked against them.
 void World::Impl::visit_state(Archive& archive) {
+  auto& [particles, next_particle_id, step_count, interval_count, time, last_dt, max_acceleration] = state;
   archive.values(next_particle_id, step_count, interval_count, time, last_dt, max_acceleration);
   archive.require(time >= 0 && std::isfinite(time) && last_dt >= 0 && std::isfinite(last_dt), "the time");
   particles.visit(archive);
@@ -244,9 +245,9 @@ Status World::Impl::restore(Span<const std::uint8_t> saved) {
   if (!archive.ok()) return refuse(archive.status());
   if (Status s = restored.attachments.take_hosts(attachments); !s.ok()) return s;
   restored.observer = observer;
-  restored.report.step = restored.step_count;
-  restored.report.time = restored.time;
-  restored.report.alive = restored.particles.size();
+  restored.report.step = restored.state.step_count;
+  restored.report.time = restored.state.time;
+  restored.report.alive = restored.state.particles.size();
   *this = std::move(restored);
   return {};
 }

@@ -1,4 +1,4 @@
-/// The frame around the bytes of a saved world (docs/manual/saving.md).
+/// The header of a saved world, with check sum (docs/manual/saving.md).
 #pragma once
 
 #include <vector>
@@ -7,10 +7,10 @@
 
 namespace oilskin::world {
 
-/// Puts magic, byte order, version, length and check sum before the bytes.
+/// Prepends magic, byte order, version, length and check sum.
 std::vector<std::uint8_t> framed(Span<const std::uint8_t> content);
 
-/// Finds the content of a frame, or says what is wrong with it.
+/// Checks the header and finds the content; refuses with the reason.
 Status unframe(Span<const std::uint8_t> saved, Span<const std::uint8_t>* content);
 
 }  // namespace oilskin::world

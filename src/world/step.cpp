@@ -4,9 +4,13 @@
 
 #include "core/assert.h"
 #include "world/numeric_range.h"
+#include "world/relocation.h"
 #include "world/world_impl.h"
 
 namespace oilskin {
+
+using world::IntervalContext;
+using world::StepContext;
 
 namespace {
 
@@ -14,229 +18,307 @@ namespace {
   return std::all_of(values.begin(), values.end(), [](const Vec3& x) { return x.allFinite(); });
 }
 
+std::uint32_t flags_of(const StepReport& r, const ContactSettings& contact) {
+  std::uint32_t flags = r.flags;
+  if (!r.fluid.converged) flags |= flag_pressure_not_converged;
+  if (r.fluid.diverged) flags |= flag_pressure_diverged;
+  if (r.contact.allowed > 0) flags |= flag_leaked;
+  if (r.contact.stalled > 0) flags |= flag_stalled;
+  if (r.contact.removed > 0) flags |= flag_removed_by_contact;
+  if (r.removed_invalid > 0) flags |= flag_removed_invalid;
+  if (r.contact.held > 0) flags |= flag_many_holds;
+  if (!contact.ccd || !contact.zones || r.contact.started_too_close > 0) flags |= flag_no_promise;
+  return flags;
+}
+
+/// Puts the world back to its checkpoint if an exception ends the step.
+template <class Impl>
+class RollBack {
+ public:
+  explicit RollBack(Impl& world) : world_(&world) { world.checkpoint(); }
+  ~RollBack() {
+    if (world_) world_->roll_back();
+  }
+  RollBack(const RollBack&) = delete;
+  RollBack& operator=(const RollBack&) = delete;
+  void dismiss() noexcept { world_ = nullptr; }
+
+ private:
+  Impl* world_;
+};
+
 }  // namespace
 
-void World::Impl::run_step(double dt) {
-  OILSKIN_ASSERT(dt > 0 && fluid && emission && contact);
-  gather(dt);  // surfaces: x_t0 → proposed x_t1
-  remove_invalid_particles();
-  choose_substeps(dt);  // how many sub-steps
-  const double begin = time, part = dt / report.substeps;
-  for (substep = 0; substep < report.substeps; ++substep) {
-    time = begin + substep * part;
-    run_interval(part);
+void World::Impl::run_step(StepContext& step) {
+  OILSKIN_ASSERT(step.dt > 0 && fluid && emission);
+  RollBack<Impl> roll_back_on_exception(*this);
+  gather(step);  // surfaces: x_t0 → proposed x_t1
+  remove_invalid_particles(step);
+  choose_substeps(step);
+  const double part = step.dt / step.report.substeps;
+  for (int k = 0; k < step.report.substeps; ++k) {
+    IntervalContext interval(step, state.time + k * part, part, k == 0);
+    run_interval(interval);
   }
+  scatter(step);
+  finish(step);
+  roll_back_on_exception.dismiss();
   emission->commit();
-  scatter();
-  OILSKIN_ASSERT(all_finite(particles.position) && all_finite(particles.velocity));
-  OILSKIN_ASSERT(report.alive == particles.size());
-  time = begin + dt;
-  last_dt = dt;
-  ++step_count;
 }
 
 /// What is certified at once: a step, or one of its sub-steps.
-void World::Impl::run_interval(double dt) {
-  paths.next();                               // surfaces: a part of their way
-  fluid->prepare(particles, report.seconds);  // cell order, neighbours
-  emit(dt);                                   // starts of this interval, or blocked
-  predict_motion();                           // x_t1 without pressure, to find contacts
-  contact_report = {};
-  contact->begin(dt, contact_settings, motion, surfaces, contact_report, report.seconds);
+void World::Impl::run_interval(IntervalContext& interval) {
+  StepContext& step = interval.step;
+  StageSeconds& seconds = step.report.seconds;
+  step.paths.next();                         // surfaces: the next part of their motion
+  fluid->prepare(state.particles, seconds);  // cell order, neighbours
+  emit(interval);                            // starts of this interval, or blocked
+  predict_motion(interval);                  // x_t1 without pressure, to find contacts
+  ParticleMotion motion = motion_of(interval);
+  contact::ContactPass pass(interval.dt, contact_settings, *workers, motion, step.surfaces.motion,
+                            step.surfaces.geometry, contact_buffers, interval.report, seconds);
+  pass.find();
   // hidden neighbours, boundary terms
-  fluid->apply_surfaces(dt, settings.gravity, particles, surfaces, contact->topologies(), report.seconds);
-  predict_contacts(dt);  // bounds for the pressure solver
-  propose_motion(dt);    // pressure, viscosity → x_t1
-  contact->run();        // impulses, meetings, zones → certificate
-  certify();             // an independent check, when asked for
-  notify_observer(dt);
-  commit();  // nothing live has moved since the certificate
+  fluid->apply_surfaces(interval.dt, settings.gravity, state.particles, step.surfaces.motion,
+                        step.surfaces.topology, seconds);
+  predict_contacts(interval, pass);  // bounds for the pressure solver
+  propose_motion(interval);          // pressure, viscosity → x_t1
+  pass.solve();                      // impulses, impacts, zones → certificate
+  verify(interval, motion);          // an independent check, when asked for
+  notify_observer(interval);
+  commit(interval);  // no live particle has moved since the certificate
+  step.contacts = pass.take_contacts();
 }
 
-void World::Impl::gather(double dt) {
-  contact::StageTimer timer(report.seconds.gather);
-  std::vector<std::uint64_t> stale;
-  attachments.gather(dt, settings, fluid_settings, report, surfaces, stale);
-  for (std::uint64_t id : stale) contact->forget(id);
-  fluid->record_host_response(dt, settings.gravity, surfaces);
-  attachments.relocate_particles(surfaces, particles, fluid->particle_mass(), next_particle_id, *workers,
-                                 report);
+void World::Impl::gather(StepContext& step) {
+  StageTimer timer(step.report.seconds.gather);
+  step.surfaces = attachments.gather(step.dt, settings, fluid_settings, step.report);
+  fluid->record_host_response(step.dt, settings.gravity, step.surfaces.motion);
+  world::relocate_particles(step.surfaces, state.particles, state.next_particle_id, *workers, step.report,
+                            step.ledger);
 }
 
-void World::Impl::remove_invalid_particles() {
+void World::Impl::remove_invalid_particles(StepContext& step) {
+  fluid::Particles& particles = state.particles;
   std::vector<std::uint8_t> keep(particles.size(), 1);
   bool any = false;
   for (std::size_t i = 0; i < particles.size(); ++i) {
     if (world::is_in_range(particles.position[i]) && world::is_in_range(particles.velocity[i])) continue;
     keep[i] = 0;
     any = true;
-    ++report.removed_invalid;
-    report.mass_removed += fluid->particle_mass();
+    ++step.report.removed_invalid;
+    step.ledger.removed_without_momentum();
   }
   if (any) particles.compress(keep);
   OILSKIN_ASSERT(all_finite(particles.position) && all_finite(particles.velocity));
 }
 
-void World::Impl::emit(double dt) {
-  contact::StageTimer timer(report.seconds.other_fluid);
-  const std::size_t live = particles.size();
-  OILSKIN_ASSERT(substep < report.substeps && dt > 0);
-  const std::vector<fluid::Start>& starts = emission->due(time, dt);
+void World::Impl::choose_substeps(StepContext& step) const {
+  const double distance = fluid_settings.cfl * fluid_settings.spacing, dt = step.dt;
+  const int maximum = fluid_settings.max_substeps;
+  const std::vector<SurfaceMotion*>& surfaces = step.surfaces.motion;
+  int& count = step.report.substeps;
+  count = maximum > 1 ? world::substep_count(speeds(surfaces, dt, dt), dt, distance, maximum) : 1;
+  OILSKIN_ASSERT(count >= 1 && count <= maximum);
+  step.paths.begin(surfaces, count, dt / count);
+}
+
+namespace {
+
+std::vector<std::uint8_t> find_blocked_starts(const std::vector<fluid::Start>& starts, const Box& kill_box,
+                                              const world::ActiveSurfaces& surfaces, const Workers& workers) {
   std::vector<Vec3> points;
   points.reserve(starts.size());
   for (const fluid::Start& s : starts) points.push_back(s.position);
-  std::vector<std::uint8_t> blocked;
-  world::ClearanceTest(surfaces, *workers).run(points, blocked);
-  for (std::size_t k = 0; k < starts.size(); ++k)  // outside the kill box nothing starts
-    if (!settings.kill_box.contains(points[k])) blocked[k] = 1;
-  std::size_t emitted = 0;
-  for (std::uint8_t b : blocked) emitted += b == 0;
-
-  now.resize(live + emitted);
-  const double mass = fluid->particle_mass();
-  std::fill(now.inverse_mass.begin(), now.inverse_mass.end(), 1 / mass);
-  for (std::size_t i = 0; i < live; ++i) {
-    now.id[i] = particles.id[i];
-    now.x_t0[i] = particles.position[i];
-    now.velocity[i] = particles.velocity[i];
-    now.remaining[i] = dt;
-    if (substep == 0) report.momentum_before += mass * particles.velocity[i];
-  }
-  std::size_t at = live;
-  for (std::size_t k = 0; k < starts.size(); ++k) {
-    if (blocked[k]) continue;
-    now.id[at] = next_particle_id++;
-    now.x_t0[at] = starts[k].position;
-    now.velocity[at] = starts[k].velocity;
-    now.remaining[at] = starts[k].remaining;
-    OILSKIN_ASSERT(starts[k].remaining >= 0 && starts[k].remaining <= dt);
-    report.momentum_emitted += mass * starts[k].velocity;
-    report.momentum_gravity += mass * starts[k].remaining * settings.gravity;
-    ++at;
-  }
-  OILSKIN_ASSERT(at == now.id.size());
-  report.blocked_starts += emission->settle(blocked);
-  report.emitted += emitted;
-  report.mass_emitted += static_cast<double>(emitted) * mass;
-  report.momentum_gravity += static_cast<double>(live) * mass * dt * settings.gravity;
+  std::vector<std::uint8_t> blocked = world::find_blocked_points(surfaces.at_start(), points, workers);
+  for (std::size_t k = 0; k < points.size(); ++k)
+    if (!kill_box.contains(points[k])) blocked[k] = 1;
+  return blocked;
 }
 
-void World::Impl::predict_motion() {
-  motion.id = now.id;
-  motion.x_t0 = now.x_t0;
-  motion.x_t1 = now.x_t1;
-  motion.velocity = now.velocity;
-  motion.inverse_mass = now.inverse_mass;
-  motion.removed = now.removed;
+}  // namespace
+
+void World::Impl::emit(IntervalContext& interval) {
+  StepContext& step = interval.step;
+  StageTimer timer(step.report.seconds.other_fluid);
+  fluid::Particles& particles = state.particles;
+  interval.live = particles.size();
+  interval.remaining.assign(interval.live, interval.dt);
+  if (interval.is_first)
+    for (const Vec3& v : particles.velocity) step.ledger.present_before(v);
+  const std::vector<fluid::Start>& starts = emission->due(interval.begin, interval.dt);
+  const std::vector<std::uint8_t> blocked =
+      find_blocked_starts(starts, settings.kill_box, step.surfaces, *workers);
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    const fluid::Start& start = starts[k];
+    if (blocked[k]) continue;
+    OILSKIN_ASSERT(start.remaining >= 0 && start.remaining <= interval.dt);
+    particles.push_back(state.next_particle_id++, start.position, start.velocity,
+                        fluid_settings.rest_density);
+    interval.remaining.push_back(start.remaining);
+    step.ledger.emitted(start.velocity);
+    step.ledger.gravity(1, start.remaining, settings.gravity);
+  }
+  step.ledger.emitted_mass(particles.size() - interval.live);
+  step.ledger.gravity(interval.live, interval.dt, settings.gravity);
+  step.report.blocked_starts += emission->settle(blocked);
+}
+
+void World::Impl::predict_motion(IntervalContext& interval) const {
+  const fluid::Particles& particles = state.particles;
+  const std::size_t n = particles.size();
+  OILSKIN_ASSERT(interval.remaining.size() == n);
+  interval.velocity = particles.velocity;
+  interval.inverse_mass.assign(n, 1 / fluid->particle_mass());
+  interval.removed.assign(n, 0);
+  interval.x_t1.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double t = interval.remaining[i];
+    interval.x_t1[i] = particles.position[i] + t * (particles.velocity[i] + t * settings.gravity);
+  }
+}
+
+/// Refers to the arrays of the interval and of the particles, which must stay where they are.
+ParticleMotion World::Impl::motion_of(IntervalContext& interval) {
+  ParticleMotion motion;
+  motion.id = state.particles.id;
+  motion.x_t0 = state.particles.position;
+  motion.x_t1 = interval.x_t1;
+  motion.velocity = interval.velocity;
+  motion.inverse_mass = interval.inverse_mass;
+  motion.removed = interval.removed;
   motion.spacing = fluid_settings.spacing;
   motion.rest_density = fluid_settings.rest_density;
   motion.viscosity = fluid_settings.viscosity;
-  for (std::size_t i = 0; i < now.id.size(); ++i) {
-    const double t = now.remaining[i];
-    now.x_t1[i] = now.x_t0[i] + t * (now.velocity[i] + t * settings.gravity);
-  }
+  return motion;
 }
 
-void World::Impl::predict_contacts(double dt) {
-  prediction.clear();
+void World::Impl::predict_contacts(IntervalContext& interval, contact::ContactPass& pass) const {
   if (!fluid_settings.contact_aware) return;
-  for (const Contact& r : contact->select_contacts()) {
-    if (r.particle >= particles.size()) continue;  // emitted: not in the pair sums yet
-    OILSKIN_ASSERT(r.surface < surfaces.size() && r.distance >= 0);
-    const SurfaceMotion& s = *surfaces[r.surface];
+  const std::vector<SurfaceMotion*>& surfaces = interval.step.surfaces.motion;
+  for (const Contact& c : pass.select_contacts()) {
+    if (c.particle >= interval.live) continue;  // emitted: not in the pair sums yet
+    OILSKIN_ASSERT(c.surface < surfaces.size() && c.distance >= 0);
+    const SurfaceMotion& s = *surfaces[c.surface];
     Vec3 wall = Vec3::Zero();
-    for (int k = 0; k < 3; ++k) wall += r.weights[k] * (s.x_t1[r.nodes[k]] - s.x_t0[r.nodes[k]]);
-    const double free_distance = std::max(0.0, r.distance - s.thickness);
-    prediction.push_back({r.particle, r.normal, (wall.dot(r.normal) - free_distance) / dt});
+    for (int k = 0; k < 3; ++k) wall += c.weights[k] * (s.x_t1[c.nodes[k]] - s.x_t0[c.nodes[k]]);
+    const double free_distance = std::max(0.0, c.distance - s.thickness);
+    interval.prediction.push_back({c.particle, c.normal, (wall.dot(c.normal) - free_distance) / interval.dt});
   }
 }
 
-void World::Impl::propose_motion(double dt) {
+void World::Impl::propose_motion(IntervalContext& interval) {
+  StepContext& step = interval.step;
   FluidReport found;
-  fluid->propose(dt, settings.gravity, particles, prediction, particles.velocity, found, report.seconds);
-  report.fluid = substep == 0 ? found : worst_of(report.fluid, found);
-  contact::StageTimer timer(report.seconds.other_fluid);
-  const std::size_t live = particles.size();
-  OILSKIN_ASSERT(live <= now.id.size() && now.x_t1.size() == now.id.size());
+  fluid->propose(interval.dt, settings.gravity, state.particles, interval.prediction, interval.velocity,
+                 found, step.report.seconds);
+  step.report.fluid = interval.is_first ? found : worst_of(step.report.fluid, found);
+  StageTimer timer(step.report.seconds.other_fluid);
   double change = 0;  // squared
-  for (std::size_t i = 0; i < now.id.size(); ++i) {
-    const Vec3 before = now.velocity[i], ballistic = before + now.remaining[i] * settings.gravity;
-    now.velocity[i] = i < live ? particles.velocity[i] : ballistic;
-    now.x_t1[i] = now.x_t0[i] + now.remaining[i] * now.velocity[i];
-    if (world::is_in_range(now.x_t1[i]) && world::is_in_range(now.velocity[i])) {
-      if (i < live) change = std::max(change, (now.velocity[i] - before).squaredNorm());
+  for (std::size_t i = 0; i < interval.velocity.size(); ++i) {
+    const Vec3 &x_t0 = state.particles.position[i], &before = state.particles.velocity[i];
+    Vec3 &x_t1 = interval.x_t1[i], &velocity = interval.velocity[i];
+    const Vec3 ballistic = before + interval.remaining[i] * settings.gravity;
+    if (i >= interval.live) velocity = ballistic;
+    x_t1 = x_t0 + interval.remaining[i] * velocity;
+    if (world::is_in_range(x_t1) && world::is_in_range(velocity)) {
+      if (i < interval.live) change = std::max(change, (velocity - before).squaredNorm());
       continue;
     }
-    now.x_t1[i] = now.x_t0[i];
-    if (!now.velocity[i].allFinite()) now.velocity[i] = ballistic;  // it leaves with what it is booked with
-    now.removed[i] = 1;
-    ++report.removed_invalid;
+    x_t1 = x_t0;
+    if (!velocity.allFinite()) velocity = ballistic;  // the momentum that the ledger books as removed
+    interval.removed[i] = 1;
+    ++step.report.removed_invalid;
   }
-  OILSKIN_ASSERT(all_finite(now.x_t1) && all_finite(now.velocity));
-  max_acceleration = std::sqrt(change) / dt;
+  OILSKIN_ASSERT(all_finite(interval.x_t1) && all_finite(interval.velocity));
+  state.max_acceleration = std::sqrt(change) / interval.dt;
 }
 
-void World::Impl::certify() {
+void World::Impl::verify(IntervalContext& interval, const ParticleMotion& motion) const {
   if (!contact_settings.verify) return;
-  contact::StageTimer timer(report.seconds.verify);
-  contact_report.crossings_found_by_verify =
-      ContactSolver::count_crossings(motion, surfaces, &contact_report.verified_pairs);
+  StageTimer timer(interval.step.report.seconds.verify);
+  interval.report.crossings_found_by_verify =
+      ContactSolver::count_crossings(motion, interval.step.surfaces.motion, &interval.report.verified_pairs);
 }
 
-void World::Impl::notify_observer(double dt) {
-  const std::uint64_t number = interval_count++;
+void World::Impl::notify_observer(IntervalContext& interval) {
+  const std::uint64_t number = state.interval_count++;
   if (!observer) return;
-  Interval interval;
-  interval.number = number;
-  interval.length = dt;
-  interval.surfaces = surfaces;
   std::vector<std::uint64_t> id;
   std::vector<Vec3> x_t0, x_t1;
-  for (std::size_t i = 0; i < now.id.size(); ++i) {
-    if (now.removed[i]) continue;
-    id.push_back(now.id[i]);
-    x_t0.push_back(now.x_t0[i]);
-    x_t1.push_back(now.x_t1[i]);
+  for (std::size_t i = 0; i < interval.x_t1.size(); ++i) {
+    if (interval.removed[i]) continue;
+    id.push_back(state.particles.id[i]);
+    x_t0.push_back(state.particles.position[i]);
+    x_t1.push_back(interval.x_t1[i]);
   }
-  interval.id = id;
-  interval.x_t0 = x_t0;
-  interval.x_t1 = x_t1;
-  observer->on_interval(interval);
+  Interval certified;
+  certified.number = number;
+  certified.length = interval.dt;
+  certified.id = id;
+  certified.x_t0 = x_t0;
+  certified.x_t1 = x_t1;
+  certified.surfaces = interval.step.surfaces.motion;
+  observer->on_interval(certified);
 }
 
-void World::Impl::commit() {
-  contact::StageTimer timer(report.seconds.other_fluid);
-  const double mass = fluid->particle_mass();
-  OILSKIN_ASSERT(mass > 0 && now.removed.size() == now.id.size());
-  OILSKIN_ASSERT(all_finite(now.x_t1) && all_finite(now.velocity));
-  for (std::size_t i = particles.size(); i < now.id.size(); ++i)
-    particles.push_back(now.id[i], now.x_t0[i], now.velocity[i], fluid_settings.rest_density);
+void World::Impl::commit(IntervalContext& interval) {
+  StepContext& step = interval.step;
+  StageTimer timer(step.report.seconds.other_fluid);
+  fluid::Particles& particles = state.particles;
+  OILSKIN_ASSERT(interval.x_t1.size() == particles.size() && interval.velocity.size() == particles.size());
+  OILSKIN_ASSERT(all_finite(interval.x_t1) && all_finite(interval.velocity));
+  particles.position = interval.x_t1;
+  particles.velocity = interval.velocity;
   std::vector<std::uint8_t> keep(particles.size(), 1);
-  report.momentum_after.setZero();
+  step.ledger.begin_after();
   for (std::size_t i = 0; i < particles.size(); ++i) {
-    particles.position[i] = now.x_t1[i];
-    particles.velocity[i] = now.velocity[i];
-    const bool left = !settings.kill_box.contains(now.x_t1[i]);
-    if (!now.removed[i] && !left) {
-      report.momentum_after += mass * now.velocity[i];
+    const bool left = !settings.kill_box.contains(particles.position[i]);
+    if (!interval.removed[i] && !left) {
+      step.ledger.present_after(particles.velocity[i]);
       continue;
     }
     keep[i] = 0;
-    report.momentum_removed += mass * now.velocity[i];
-    report.mass_removed += mass;
-    if (!now.removed[i]) ++report.removed;
+    step.ledger.removed(particles.velocity[i]);
+    if (!interval.removed[i]) ++step.report.removed;
   }
-  report.removed += contact_report.removed;
-  report.contact.add(contact_report);
+  step.report.removed += interval.report.removed;
+  step.report.contact.add(interval.report);
   particles.compress(keep);
-  report.alive = particles.size();
+  step.report.alive = particles.size();
 }
 
-void World::Impl::scatter() {
-  contact::StageTimer timer(report.seconds.gather);
-  paths.end();
-  fluid->record_load(report.dt, surfaces);
-  attachments.scatter(surfaces, report);
+void World::Impl::scatter(StepContext& step) {
+  StageTimer timer(step.report.seconds.gather);
+  step.paths.end();
+  fluid->record_load(step.dt, step.surfaces.motion);
+  world::Attachments::scatter(step.surfaces, step.report);
+}
+
+void World::Impl::finish(StepContext& step) {
+  OILSKIN_ASSERT(all_finite(state.particles.position) && all_finite(state.particles.velocity));
+  OILSKIN_ASSERT(step.report.alive == state.particles.size());
+  state.time += step.dt;
+  state.last_dt = step.dt;
+  ++state.step_count;
+  step.report.time = state.time;
+  if (step.report.contact.crossings_found_by_verify > 0 && contact_settings.ccd && contact_settings.zones)
+    step.report.messages.push_back("verify found particles that crossed a surface or ended nearer than δ");
+  step.report.flags = flags_of(step.report, contact_settings);
+}
+
+void World::Impl::checkpoint() {
+  saved_state = state;
+  emission->checkpoint();
+  fluid->checkpoint();
+  attachments.checkpoint();
+}
+
+void World::Impl::roll_back() noexcept {
+  std::swap(state, saved_state);
+  emission->roll_back();
+  fluid->roll_back();
+  attachments.roll_back();
 }
 
 }  // namespace oilskin

@@ -16,7 +16,7 @@ int substep_count(const Speeds& speeds, double dt, double distance, int maximum)
 
 double longest_step(const Speeds& speeds, double distance) {
   OILSKIN_ASSERT(distance > 0 && speeds.fluid >= 0 && speeds.gravity >= 0 && speeds.surfaces >= 0);
-  // dt (v + g dt) = way, in the form that does not cancel.
+  // The root of dt (v + g dt) = distance, in the form without cancellation.
   const double slope = speeds.fluid + std::sqrt(speeds.fluid * speeds.fluid + 4 * speeds.gravity * distance);
   double longest = std::numeric_limits<double>::infinity();
   if (slope > 0) longest = 2 * distance / slope;
@@ -69,7 +69,7 @@ void SurfacePaths::continue_from_certified(Path& path) const {
   m.x_t0 = m.x_t1;
   for (std::size_t i = 0; i < m.x_t0.size(); ++i) {
     path.impulse[i] += m.impulse[i];
-    // A pin that was held has farther to go in less time, and pushes the water as fast as it goes.
+    // A prescribed node that was held has a longer displacement in less time; its velocity is that.
     if (m.moved[i] && m.inverse_mass[i] == 0)
       m.velocity[i] = (path.target[i] - m.x_t0[i]) / (left_ * length_);
   }

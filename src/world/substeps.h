@@ -1,4 +1,4 @@
-/// A step cut into sub-steps: how many there are, and where the surfaces are in between.
+/// Sub-steps: their number, and the positions of surfaces between them.
 #pragma once
 
 #include "oilskin/surface_motion.h"
@@ -8,39 +8,39 @@ namespace oilskin::world {
 /// Speeds that decide how long a step may be [m/s].
 struct Speeds {
   double fluid = 0;     ///< of the fastest particle, live or due to start
-  double gravity = 0;   ///< what gravity adds to it per second [m/s²]
-  double surfaces = 0;  ///< of the fastest node that may meet the fluid
+  double gravity = 0;   ///< |g| [m/s²]
+  double surfaces = 0;  ///< of the fastest node that may touch the fluid
 };
 
-/// In how many equal parts a step of dt [s] falls so that nothing goes farther than `way` [m] in one of them
-/// (Courant–Friedrichs–Lewy); at most `most`.
+/// The number of equal parts of a step of dt [s] such that no displacement in a part exceeds `distance` [m]
+/// (Courant–Friedrichs–Lewy); at most `maximum`.
 int substep_count(const Speeds& speeds, double dt, double distance, int maximum);
 
-/// The longest dt [s] in which nothing goes farther than `way` [m]; infinity where nothing moves.
+/// The longest dt [s] without a displacement above `distance` [m]; infinity where nothing moves.
 double longest_step(const Speeds& speeds, double distance);
 
-/// Speed of the fastest node of all triangles that sweep through the box `water` in a step of dt [s].
+/// The largest speed of a node whose triangle sweeps through the box `water` in a step of dt [s].
 double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, double dt);
 
-/// Leads the surfaces through the parts of a step. In each part a node goes along the straight line from
-/// where contact has left it to where the host wants it at the end of the step; the last part ends exactly
-/// there. So a node that contact moved aside or held in one part catches up in the following ones.
+/// Moves the surfaces through the parts of a step. In each part a node moves on the straight line from its
+/// certified position to the host's proposal for the end of the step; the last part ends exactly there. So a
+/// node that contact moved or held in one part catches up in the next ones.
 class SurfacePaths {
  public:
-  /// The step in `parts` of `length` [s] each. With one part nothing is kept and nothing changed.
+  /// A step of `parts` parts of `length` [s] each. With one part all calls do nothing.
   void begin(Span<SurfaceMotion* const> surfaces, int parts, double length);
-  /// Makes each surface's motion that of the next part.
+  /// Sets the motion of each surface to that of the next part.
   void next();
-  /// Makes it that of the whole step again: start and end, the sum of the impulses, and `moved` where the end
-  /// is not what the host proposed.
+  /// Sets it to that of the whole step: start and end, the sum of the impulses, and `moved` where the end
+  /// differs from the host's proposal.
   void end();
 
  private:
   struct Path {
     SurfaceMotion* motion = nullptr;
-    std::vector<Vec3> start, target;  ///< of the step, as stored [m]
+    std::vector<Vec3> start, target;  ///< of the step, stored [m]
     std::vector<Vec3> velocity;       ///< the host's [m/s]
-    std::vector<Vec3> impulse;        ///< of the parts that are done [N s]
+    std::vector<Vec3> impulse;        ///< of the completed parts [N s]
   };
   void continue_from_certified(Path& path) const;
 

@@ -1,4 +1,4 @@
-/// How long a step may be, and in how many parts it falls.
+/// The longest accurate step, and the speeds that decide how many sub-steps a step has.
 #include <algorithm>
 #include <cmath>
 
@@ -8,43 +8,36 @@
 
 namespace oilskin {
 
-/// A wall drives the water before it as fast as it goes itself, so what surfaces do counts like the fluid's
-/// own speed, but only where they meet: cloth that flaps in the air costs nothing.
+/// A wall gives its own speed to the water in front of it, so the speed of surfaces counts like that of the
+/// fluid, but only where their swept triangles overlap the fluid's box.
 world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved_for, double dt) const {
   world::Speeds found;
   Box water;
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    const Vec3 &x = particles.position[i], &v = particles.velocity[i];
-    if (!world::is_in_range(x) || !world::is_in_range(v)) continue;  // quarantined by the next step
+  for (std::size_t i = 0; i < state.particles.size(); ++i) {
+    const Vec3 &x = state.particles.position[i], &v = state.particles.velocity[i];
+    if (!world::is_in_range(x) || !world::is_in_range(v)) continue;  // removed by the next step
     water.add(x);
     found.fluid = std::max(found.fluid, v.squaredNorm());
   }
-  found.fluid = std::max(std::sqrt(found.fluid), emission->fastest_due(time, dt));
-  found.gravity = found.fluid > 0 || particles.size() > 0 ? settings.gravity.norm() : 0;
+  found.fluid = std::max(std::sqrt(found.fluid), emission->fastest_due(state.time, dt));
+  found.gravity = found.fluid > 0 || state.particles.size() > 0 ? settings.gravity.norm() : 0;
   const double reach = fluid->support_radius() + found.fluid * dt;
   if (moved_for > 0) found.surfaces = world::fastest_node(moved, water.inflated(reach), moved_for);
   return found;
 }
 
-void World::Impl::choose_substeps(double dt) {
-  const double distance = fluid_settings.cfl * fluid_settings.spacing;
-  const int maximum = fluid_settings.max_substeps;
-  report.substeps = maximum > 1 ? world::substep_count(speeds(surfaces, dt, dt), dt, distance, maximum) : 1;
-  OILSKIN_ASSERT(report.substeps >= 1 && report.substeps <= maximum);
-  paths.begin(surfaces, report.substeps, dt / report.substeps);
-}
-
-/// The limits (F.45) and (F.46). Those of accuracy hold for an interval, so that sub-steps loosen them. Those
-/// of stability hold for the step: a step is cut by speeds alone, and it may not be.
+/// The limits (F.45) and (F.46). Limits of accuracy hold for an interval: sub-steps relax them. Limits of
+/// stability hold for the step, because only speeds decide on sub-steps.
 double World::Impl::longest_dt(double largest) const {
   std::vector<SurfaceMotion*> moved;
   for (const auto& a : attachments.all())
     if (!a->refused && world::can_collide(fluid_settings, a->settings)) moved.push_back(&a->motion);
-  const world::Speeds found = speeds(moved, last_dt, largest);
+  const world::Speeds found = speeds(moved, state.last_dt, largest);
   const FluidSettings& f = fluid_settings;
   const double support = fluid->support_radius();
   double dt = std::min(largest, world::longest_step(found, f.max_substeps * f.cfl * f.spacing));
-  if (max_acceleration > 0) dt = std::min(dt, f.max_substeps * 0.25 * std::sqrt(support / max_acceleration));
+  if (state.max_acceleration > 0)
+    dt = std::min(dt, f.max_substeps * 0.25 * std::sqrt(support / state.max_acceleration));
   if (f.viscosity > 0) dt = std::min(dt, 0.035 * support * support / f.viscosity);
   if (f.solver == PressureSolver::mcg03)
     dt = std::min(dt, 0.4 * support / (std::sqrt(f.stiffness) + found.fluid));

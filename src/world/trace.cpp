@@ -9,7 +9,7 @@ namespace oilskin {
 
 namespace {
 
-// The format is little endian without padding, and so is every machine that Bullet's users have.
+// The format is little endian without padding, as the supported machines are.
 static_assert(sizeof(Vec3) == 24 && sizeof(Triangle) == 12);
 
 template <class T>

@@ -10,16 +10,6 @@
 
 namespace oilskin {
 
-void IntervalArrays::resize(std::size_t n) {
-  id.assign(n, 0);
-  x_t0.assign(n, Vec3::Zero());
-  x_t1.assign(n, Vec3::Zero());
-  velocity.assign(n, Vec3::Zero());
-  inverse_mass.assign(n, 0);
-  removed.assign(n, 0);
-  remaining.assign(n, 0);
-}
-
 World::Impl::Impl(const WorldSettings& world, const FluidSettings& fluid_in,
                   const ContactSettings& contact_in)
     : settings(world), fluid_settings(fluid_in), contact_settings(contact_in) {
@@ -30,7 +20,6 @@ World::Impl::Impl(const WorldSettings& world, const FluidSettings& fluid_in,
   fluid = std::make_unique<fluid::FluidSolver>(fluid_settings, workers);
   emission = std::make_unique<fluid::Emission>(fluid_settings.spacing, fluid_settings.rest_density,
                                                fluid->particle_mass());
-  contact = std::make_unique<contact::ContactLoop>(workers);
 }
 
 World::World(const WorldSettings& world, const FluidSettings& fluid, const ContactSettings& contact)
@@ -73,9 +62,7 @@ Status World::attach(SurfaceHost& host, const SurfaceSettings& settings, Surface
 }
 
 void World::detach(SurfaceId id) {
-  const std::uint64_t trace_id = impl_->attachments.detach(id.value);
-  if (trace_id == 0) return;
-  impl_->contact->forget(trace_id);
+  impl_->attachments.detach(id.value);
 }
 
 std::size_t World::surface_count() const {
@@ -88,7 +75,7 @@ const SurfaceMotion* World::surface(SurfaceId id) const {
 }
 
 void World::reset_motion(SurfaceId id) {
-  // One that was left out stays out until its next gather: what it holds now was found wrong.
+  // A refused surface remains refused until its next gather: its present motion is invalid.
   if (world::Attachment* a = impl_->attachments.find(id.value)) a->teleported = true;
 }
 
@@ -110,7 +97,7 @@ Status World::set_slip(SurfaceId id, const SlipSettings& front, const SlipSettin
 namespace {
 
 Status check_inside(const Box& kill_box, const Box& emitter) {
-  // Numbers that are no place at all are the emitter's own fault, and it says so better.
+  // Positions that are not finite are refused by Emission, with a better message.
   if (!emitter.min.allFinite() || !emitter.max.allFinite() || kill_box.overlaps(emitter)) return {};
   std::ostringstream s;
   s << "the emitter, at (" << emitter.min.transpose() << ") m, lies outside the kill box ("
@@ -167,97 +154,70 @@ Status World::add_particles(Span<const Vec3> positions, Span<const Vec3> velocit
   for (std::size_t i = 0; i < positions.size(); ++i)
     if (!world::is_in_range(positions[i]) || !world::is_in_range(velocities[i]))
       return Status::refused("particle " + std::to_string(i) + " is not finite");
-  // Between steps a surface stands where x_t1 says; the clearance test reads x_t0.
-  std::vector<SurfaceMotion> copies;
-  std::vector<SurfaceMotion*> surfaces;
-  for (const auto& a : impl_->attachments.all())
-    if (!a->refused && world::can_collide(impl_->fluid_settings, a->settings)) copies.push_back(a->motion);
-  for (SurfaceMotion& m : copies) {
-    m.x_t0 = m.x_t1;
-    surfaces.push_back(&m);
-  }
-  std::vector<std::uint8_t> is_blocked;
-  world::ClearanceTest(surfaces, *impl_->workers).run(positions, is_blocked);
+  const std::vector<std::uint8_t> is_blocked = world::find_blocked_points(
+      impl_->attachments.between_steps(impl_->fluid_settings), positions, *impl_->workers);
+  impl_->state.particles.reserve_more(positions.size());
   std::uint64_t count = 0;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (is_blocked[i] || !impl_->settings.kill_box.contains(positions[i])) {
       ++count;
       continue;
     }
-    impl_->particles.push_back(impl_->next_particle_id++, positions[i], velocities[i],
-                               impl_->fluid_settings.rest_density);
+    impl_->state.particles.push_back(impl_->state.next_particle_id++, positions[i], velocities[i],
+                                     impl_->fluid_settings.rest_density);
   }
   if (blocked) *blocked = count;
   return {};
 }
 
 std::size_t World::particle_count() const {
-  return impl_->particles.size();
+  return impl_->state.particles.size();
 }
 double World::particle_mass() const {
   return impl_->fluid ? impl_->fluid->particle_mass() : 0;
 }
 Span<const std::uint64_t> World::ids() const {
-  return impl_->particles.id;
+  return impl_->state.particles.id;
 }
 Span<const Vec3> World::positions() const {
-  return impl_->particles.position;
+  return impl_->state.particles.position;
 }
 Span<const Vec3> World::velocities() const {
-  return impl_->particles.velocity;
+  return impl_->state.particles.velocity;
 }
 Span<const double> World::densities() const {
-  return impl_->particles.density;
+  return impl_->state.particles.density;
 }
 Span<const double> World::pressures() const {
-  return impl_->particles.pressure;
+  return impl_->state.particles.pressure;
 }
 
 Status World::add_velocities(Span<const Vec3> dv) {
-  if (dv.size() != impl_->particles.size())
+  if (dv.size() != impl_->state.particles.size())
     return Status::refused("there are " + std::to_string(dv.size()) + " values for " +
-                           std::to_string(impl_->particles.size()) + " particles");
-  for (std::size_t i = 0; i < dv.size(); ++i) impl_->particles.velocity[i] += dv[i];
+                           std::to_string(impl_->state.particles.size()) + " particles");
+  for (std::size_t i = 0; i < dv.size(); ++i) impl_->state.particles.velocity[i] += dv[i];
   return {};
 }
 
-namespace {
-
-std::uint32_t flags_of(const StepReport& r, const ContactSettings& contact) {
-  std::uint32_t flags = r.flags;
-  if (!r.fluid.converged) flags |= flag_pressure_not_converged;
-  if (r.fluid.diverged) flags |= flag_pressure_diverged;
-  if (r.contact.allowed > 0) flags |= flag_leaked;
-  if (r.contact.stalled > 0) flags |= flag_stalled;
-  if (r.contact.removed > 0) flags |= flag_removed_by_contact;
-  if (r.removed_invalid > 0) flags |= flag_removed_invalid;
-  if (r.contact.held > 0) flags |= flag_many_holds;
-  if (!contact.ccd || !contact.zones || r.contact.started_too_close > 0) flags |= flag_no_promise;
-  return flags;
-}
-
-}  // namespace
-
 const StepReport& World::step(double dt) {
   Impl& w = *impl_;
-  w.report = {};
-  w.report.step = w.step_count;
-  w.report.time = w.time;
-  w.report.dt = dt;
-  w.report.alive = w.particles.size();
-  w.report.status = w.status;
-  if (!w.status.ok()) return w.report;
-  if (!(dt >= 1e-12 && dt <= 1e6)) {
+  world::StepContext step(dt, particle_mass());
+  step.report.step = w.state.step_count;
+  step.report.time = w.state.time;
+  step.report.dt = dt;
+  step.report.alive = w.state.particles.size();
+  step.report.status = w.status;
+  if (w.status.ok() && !(dt >= 1e-12 && dt <= 1e6)) {
     std::ostringstream s;
     s << "dt is " << dt << "; it must be 1e-12 … 1e6 s";
-    w.report.status = Status::refused(s.str());
-    return w.report;
+    step.report.status = Status::refused(s.str());
   }
-  w.run_step(dt);
-  w.report.time = w.time;
-  if (w.report.contact.crossings_found_by_verify > 0 && w.contact_settings.ccd && w.contact_settings.zones)
-    w.report.messages.push_back("verify found particles that crossed a surface or ended nearer than δ");
-  w.report.flags = flags_of(w.report, w.contact_settings);
+  if (step.report.status.ok()) {
+    w.run_step(step);
+    w.contacts.swap(step.contacts);
+  }
+  std::swap(w.report, step.report);
   return w.report;
 }
 
@@ -265,19 +225,18 @@ const StepReport& World::report() const {
   return impl_->report;
 }
 double World::time() const {
-  return impl_->time;
+  return impl_->state.time;
 }
 std::uint64_t World::step_count() const {
-  return impl_->step_count;
+  return impl_->state.step_count;
 }
 
 const std::vector<Contact>& World::contacts() const {
-  static const std::vector<Contact> none;
-  return impl_->contact ? impl_->contact->contacts() : none;
+  return impl_->contacts;
 }
 
 std::uint64_t World::state_hash() const {
-  const fluid::Particles& p = impl_->particles;
+  const fluid::Particles& p = impl_->state.particles;
   std::vector<std::uint32_t> order(p.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return p.id[a] < p.id[b]; });
@@ -287,10 +246,10 @@ std::uint64_t World::state_hash() const {
     hash.add(p.position[i]);
     hash.add(p.velocity[i]);
   }
-  std::uint64_t number = 0;  // and not the handle: a restored world gives its own
+  std::uint64_t number = 0;  // not the handle: a restored world has its own handles
   for (const auto& a : impl_->attachments.all()) {
     hash.add(++number);
-    if (a->refused) continue;  // whatever it holds takes no part
+    if (a->refused) continue;  // its motion is invalid
     for (const Vec3& x : a->motion.x_t1) hash.add(x);
     for (const Vec3& v : a->motion.velocity) hash.add(v);
   }

@@ -1,26 +1,30 @@
 /// The state of a world, and the stages of its step.
 #pragma once
 
-#include "contact/contact_loop.h"
+#include "contact/contact_pass.h"
 #include "core/archive.h"
 #include "fluid/emission/emission.h"
 #include "fluid/fluid_solver.h"
 #include "oilskin/world.h"
 #include "world/attachments.h"
-#include "world/substeps.h"
+#include "world/step_context.h"
 
 namespace oilskin {
 
-/// Arrays of the interval under way: the live particles in storage order, then those emitted in it.
-struct IntervalArrays {
-  std::vector<std::uint64_t> id;
-  std::vector<Vec3> x_t0, x_t1, velocity;
-  std::vector<double> inverse_mass;
-  std::vector<std::uint8_t> removed;
-  std::vector<double> remaining;  ///< emitted ones: their part of the interval [s]
+namespace world {
 
-  void resize(std::size_t n);
+/// What a world keeps from step to step, but for its surfaces, its emitters and the fluid solver's memory.
+struct WorldState {
+  fluid::Particles particles;
+  std::uint64_t next_particle_id = 1;
+  std::uint64_t step_count = 0;
+  std::uint64_t interval_count = 0;
+  double time = 0;              // [s]
+  double last_dt = 0;           // of the last step [s]; 0 = there was none
+  double max_acceleration = 0;  // by the fluid's own forces in the last interval [m/s²]
 };
+
+}  // namespace world
 
 struct World::Impl {
   WorldSettings settings;
@@ -31,29 +35,15 @@ struct World::Impl {
   std::shared_ptr<Workers> workers;
   std::unique_ptr<fluid::FluidSolver> fluid;
   std::unique_ptr<fluid::Emission> emission;
-  std::unique_ptr<contact::ContactLoop> contact;
+  contact::ContactBuffers contact_buffers;
   world::Attachments attachments;
   IntervalObserver* observer = nullptr;
 
-  fluid::Particles particles;
-  std::uint64_t next_particle_id = 1;
-  std::uint64_t step_count = 0;
-  std::uint64_t interval_count = 0;
-  double time = 0;              ///< where the interval under way begins
-  double last_dt = 0;           ///< of the last step; 0 = there was none
-  double max_acceleration = 0;  ///< by the fluid's own forces in the last interval [m/s²]
+  world::WorldState state, saved_state;  // saved_state: by checkpoint()
+
+  // Of the last step
   StepReport report;
-
-  // Context of the step under way
-  world::SurfacePaths paths;
-  int substep = 0;  ///< from 0
-
-  // Context of the interval under way
-  ContactReport contact_report;
-  IntervalArrays now;
-  ParticleMotion motion;
-  std::vector<SurfaceMotion*> surfaces;
-  std::vector<fluid::PredictionContact> prediction;
+  std::vector<Contact> contacts;
 
   template <class Emitter>
   Status add(const Emitter& emitter);
@@ -61,19 +51,26 @@ struct World::Impl {
   Impl(const WorldSettings& world, const FluidSettings& fluid, const ContactSettings& contact);
 
   // The step, in order (step.cpp)
-  void run_step(double dt);
-  void gather(double dt);
-  void remove_invalid_particles();
-  void choose_substeps(double dt);
-  void run_interval(double dt);
-  void emit(double dt);
-  void predict_motion();
-  void predict_contacts(double dt);
-  void propose_motion(double dt);
-  void certify();
-  void notify_observer(double dt);
-  void commit();
-  void scatter();
+  void run_step(world::StepContext& step);
+  void gather(world::StepContext& step);
+  void remove_invalid_particles(world::StepContext& step);
+  void choose_substeps(world::StepContext& step) const;
+  void run_interval(world::IntervalContext& interval);
+  void emit(world::IntervalContext& interval);
+  void predict_motion(world::IntervalContext& interval) const;
+  void predict_contacts(world::IntervalContext& interval, contact::ContactPass& pass) const;
+  void propose_motion(world::IntervalContext& interval);
+  void verify(world::IntervalContext& interval, const ParticleMotion& motion) const;
+  void notify_observer(world::IntervalContext& interval);
+  void commit(world::IntervalContext& interval);
+  void scatter(world::StepContext& step);
+  void finish(world::StepContext& step);
+
+  ParticleMotion motion_of(world::IntervalContext& interval);
+
+  // A step that fails leaves no trace: what it changes in place is copied before and put back.
+  void checkpoint();
+  void roll_back() noexcept;
 
   // Between steps (save.cpp)
   void visit_state(Archive& archive);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "support/find_contacts.h"
 #include "support/particle_arrays.h"
 #include "support/random.h"
 
@@ -15,8 +16,7 @@ using test::ParticleArrays;
 std::vector<Contact> contacts_of(ParticleArrays& p, std::vector<SurfaceMotion>& surfaces) {
   std::vector<SurfaceMotion*> pointers;
   for (SurfaceMotion& s : surfaces) pointers.push_back(&s);
-  ContactSolver solver(ContactSettings{}, 1);
-  return solver.find_contacts(p.motion(), pointers);
+  return test::find_contacts(p.motion(), pointers);
 }
 
 SurfaceMotion flat_grid(double thickness = 0.002) {
@@ -155,6 +155,22 @@ TEST(Contacts, sliding_over_inner_edges_keeps_tangential_velocity) {
     }
     EXPECT_NEAR(p.x_t0[0].x(), -0.9 + 1.7, 1e-6);
   }
+}
+
+TEST(ContactSolver, two_surfaces_with_one_id_are_refused) {
+  std::vector<SurfaceMotion> s{flat_grid(), flat_grid()};
+  ASSERT_EQ(s[0].id, s[1].id);
+  std::vector<SurfaceMotion*> surfaces{&s[0], &s[1]};
+  ParticleArrays p;
+  p.add(Vec3(0.02, 0.01, 0.02), Vec3::Zero(), 1e-4);
+  ParticleMotion motion = p.motion();
+  ContactReport report;
+  ContactSolver solver(ContactSettings{}, 1);
+  const Status status = solver.resolve(1e-3, motion, surfaces, report);
+  EXPECT_FALSE(status.ok());
+  EXPECT_NE(status.message.find("two surfaces have the id"), std::string::npos) << status.message;
+  s[1].id += 1;
+  EXPECT_TRUE(solver.resolve(1e-3, motion, surfaces, report).ok());
 }
 
 }  // namespace

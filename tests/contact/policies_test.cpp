@@ -146,7 +146,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"node_inf", [](Press& p, double&, ContactSettings&) { p.upper.x_t1[3].y() = 1 / 0.0; },
                 "surface x_t1[3] is not finite"},
         Refusal{"index", [](Press& p, double&, ContactSettings&) { p.lower.triangles[4][1] = 99; },
-                "triangle 4 of surface 1 names node 99; there are 16"},
+                "triangle 4 of surface 1 has the node index 99; there are 16 nodes"},
         Refusal{"no_triangles", [](Press& p, double&, ContactSettings&) { p.lower.triangles.clear(); },
                 "surface 1 has no triangles"},
         Refusal{"thin", [](Press& p, double&, ContactSettings&) { p.lower.thickness = 3 * p.lower.delta; },

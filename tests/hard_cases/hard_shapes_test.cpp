@@ -6,6 +6,7 @@
 
 #include "hard_cases/hard_case.h"
 #include "hard_cases/shooting.h"
+#include "support/find_contacts.h"
 #include "support/random.h"
 
 namespace oilskin::test {
@@ -32,10 +33,9 @@ ContactCount check_records(std::vector<SurfaceMotion> surfaces, const std::vecto
   for (const Vec3& x : points) p.add(x, Vec3::Zero(), particle_mass);
   std::vector<SurfaceMotion*> list;
   for (SurfaceMotion& s : surfaces) list.push_back(&s);
-  ContactSolver solver(ContactSettings{}, 1);
   ContactCount found;
   std::set<std::uint32_t> seen;
-  for (const Contact& r : solver.find_contacts(p.motion(), list)) {
+  for (const Contact& r : test::find_contacts(p.motion(), list)) {
     ++found.number;
     seen.insert(r.particle);
     double sum = 0, k = 1 / particle_mass;

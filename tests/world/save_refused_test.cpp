@@ -86,8 +86,8 @@ TEST(Save, damaged_bytes_are_refused_and_say_why) {
     b[at] = value;
     return refusal(here.world, b);
   };
-  EXPECT_EQ(refusal(here.world, Bytes{}), "these bytes are no saved world");
-  EXPECT_EQ(changed(0, 'o'), "these bytes are no saved world");
+  EXPECT_EQ(refusal(here.world, Bytes{}), "the bytes are not a saved world");
+  EXPECT_EQ(changed(0, 'o'), "the bytes are not a saved world");
   EXPECT_EQ(changed(12, 9), "the saved world has version 9; this library reads version 1");
   EXPECT_NE(changed(saved.bytes.size() - 1, 77).find("check sum"), std::string::npos);
   Bytes swapped = saved.bytes;

@@ -69,7 +69,7 @@ TEST(World, refuses_broken_meshes_with_a_message) {
   } cases[] = {
       {[](SurfaceMotion& m) { m.triangles.clear(); }, "no triangles"},
       {[](SurfaceMotion& m) { m.triangles[3][2] = 1000; },
-       "triangle 3 names node 1000; the surface has 81 nodes"},
+       "triangle 3 has the node index 1000; the surface has 81 nodes"},
       {[](SurfaceMotion& m) { m.x_t1[5].z() = std::nan(""); }, "the position of node 5 is not finite"},
       {[](SurfaceMotion& m) { m.velocity[6].x() = INFINITY; }, "the velocity of node 6 is not finite"},
       {[](SurfaceMotion& m) { m.inverse_mass[7] = -1; }, "the inverse mass of node 7 is -1"},
@@ -78,7 +78,7 @@ TEST(World, refuses_broken_meshes_with_a_message) {
          m.storage = Storage::float32;
          m.x_t1[0].x() = 0.1;
        },
-       "node 0 is no number that its storage"},
+       "node 0 is not a single-precision number"},
   };
   for (const auto& c : cases) {
     World w(box(2));

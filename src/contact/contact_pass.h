@@ -1,0 +1,57 @@
+/// The contact loop of one interval.
+#pragma once
+
+#include "contact/candidates.h"
+#include "contact/contacts.h"
+#include "contact/detection.h"
+
+namespace oilskin::contact {
+
+/// Arrays that a pass fills. They are kept between passes for their capacity alone.
+struct ContactBuffers {
+  CandidateSet candidates;
+  ContactSet contacts;
+};
+
+/// One interval: find() → (a fluid decides where to go) → solve(). It refers to the arguments of its
+/// constructor, which must outlive it; the arrays behind `particles` and the surfaces must not move. If an
+/// exception leaves find() or solve(), those arrays hold no meaningful end state.
+class ContactPass {
+ public:
+  /// Surfaces need id, δ, thickness, x_t0, x_t1, velocity and inverse_mass. `geometry` has one entry per
+  /// surface, analysed for it.
+  ContactPass(double dt, const ContactSettings& settings, const Workers& workers, ParticleMotion& particles,
+              Span<SurfaceMotion* const> surfaces, Span<SurfaceGeometry* const> geometry,
+              ContactBuffers& buffers, ContactReport& report, StageSeconds& seconds);
+  ContactPass(const ContactPass&) = delete;
+  ContactPass& operator=(const ContactPass&) = delete;
+
+  /// Collects candidates and contacts for the predicted x_t1. Sets impulse and moved of the surfaces to zero.
+  void find();
+
+  /// Contacts that act for the present x_t1, ordered by particle, surface and triangle.
+  const std::vector<Contact>& select_contacts();
+
+  /// Impulses, impacts, zones, certificate, for the present x_t1: the caller may have changed it since
+  /// find(). Particles that are marked `removed` by then take no part.
+  void solve();
+
+  /// Those of the last select_contacts(), which solve() calls.
+  std::vector<Contact> take_contacts() { return std::move(active_); }
+
+ private:
+  void reset_surfaces();
+  void update_contacts();
+  void solve_contacts();
+  bool solve_impacts();
+  void solve_impacts_of_round(const std::vector<Violation>& violations, int round);
+  double kinetic_energy() const;
+  void record_impulses();
+
+  Context context_;
+  CandidateSet& candidates_;
+  ContactSet& contacts_;
+  std::vector<Contact> active_;
+};
+
+}  // namespace oilskin::contact

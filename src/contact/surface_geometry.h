@@ -1,0 +1,25 @@
+/// What contact derives from a surface and keeps from step to step.
+#pragma once
+
+#include "core/mesh_topology.h"
+#include "oilskin/surface_motion.h"
+#include "proximity/surface_tree.h"
+
+namespace oilskin::contact {
+
+/// Results never depend on it: a lost one is made again. Not to be shared by two surfaces.
+struct SurfaceGeometry {
+  std::uint64_t id = 0;  // of the surface that `topology` was made for; 0 = none
+  MeshTopology topology;
+  proximity::SurfaceTree tree;  // fits itself to the triangles that it is given
+
+  /// Analyses the mesh of a surface whose id it has not seen: a changed mesh has a new id.
+  void analyse(const SurfaceMotion& surface) {
+    if (id == surface.id) return;
+    id = 0;
+    topology = MeshTopology(surface.triangles, surface.x_t1.size());
+    id = surface.id;
+  }
+};
+
+}  // namespace oilskin::contact

@@ -1,0 +1,54 @@
+/// The data of the step under way. Every stage of src/world/step.cpp takes one of these.
+#pragma once
+
+#include "fluid/fluid_solver.h"
+#include "oilskin/contact.h"
+#include "world/attachments.h"
+#include "world/ledger.h"
+#include "world/substeps.h"
+
+namespace oilskin::world {
+
+struct StepContext {
+  StepContext(double step_length, double particle_mass) : dt(step_length), ledger(report, particle_mass) {}
+  StepContext(const StepContext&) = delete;
+  StepContext& operator=(const StepContext&) = delete;
+
+  // Input
+  double dt;  // [s]
+
+  // State
+  ActiveSurfaces surfaces;
+  SurfacePaths paths;
+
+  // Output
+  StepReport report;
+  Ledger ledger;                  // books into the report
+  std::vector<Contact> contacts;  // of the last interval
+};
+
+/// One certified interval: a step, or one of its sub-steps. Arrays have one value per particle: those that
+/// live at the start in storage order, then those emitted in the interval. Ids, x_t0 and the velocities at
+/// the start are in WorldState::particles.
+struct IntervalContext {
+  IntervalContext(StepContext& s, double begin_time, double length, bool first)
+      : step(s), begin(begin_time), dt(length), is_first(first) {}
+
+  // Input
+  StepContext& step;
+  double begin, dt;  // [s]
+  bool is_first;     // of the step
+
+  // State
+  std::size_t live = 0;              // particles that live at the start
+  std::vector<double> remaining;     // part of the interval that a particle takes part in [s]
+  std::vector<Vec3> x_t1, velocity;  // at the end: predicted, proposed, then certified [m], [m/s]
+  std::vector<double> inverse_mass;  // [1/kg]
+  std::vector<std::uint8_t> removed;
+  std::vector<fluid::PredictionContact> prediction;
+
+  // Output
+  ContactReport report;
+};
+
+}  // namespace oilskin::world
