@@ -1,4 +1,4 @@
-/// Books of a step: which particles came and went, with which mass and momentum.
+/// Mass and momentum that particles bring into a step and take out of it.
 #pragma once
 
 #include "oilskin/report.h"
@@ -7,7 +7,7 @@ namespace oilskin::world {
 
 class Ledger {
  public:
-  /// Books into `report`; each particle weighs particle_mass [kg].
+  /// Adds to `report`; each particle weighs particle_mass [kg].
   Ledger(StepReport& report, double particle_mass) : report_(report), mass_(particle_mass) {}
 
   /// A particle that is in the fluid when the step begins.
@@ -27,7 +27,7 @@ class Ledger {
     report_.mass_removed += mass_;
     report_.momentum_removed += mass_ * velocity;
   }
-  /// A particle whose numbers are out of range: its momentum is not booked.
+  /// A particle whose numbers are out of range: its momentum is not counted.
   void removed_without_momentum() { report_.mass_removed += mass_; }
 
   /// The sum of present_after() begins again: the fluid at the end of an interval.

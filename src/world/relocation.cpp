@@ -61,7 +61,7 @@ void relocate_particles(const ActiveSurfaces& active, fluid::Particles& particle
     const std::optional<Vec3> place = place_off_nearest(new_surfaces, x);
     if (place && !find_blocked_points(standing, Span<const Vec3>(&*place, 1), workers)[0] &&
         !crosses_a_triangle(active, x, *place)) {
-      // The jump is no motion: the new id tells readers of the trace.
+      // The jump is no motion: the new id shows it to readers of the trace.
       particles.position[p] = *place;
       particles.id[p] = next_id++;
       continue;

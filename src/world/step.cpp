@@ -226,7 +226,7 @@ void World::Impl::propose_motion(IntervalContext& interval) {
       continue;
     }
     x_t1 = x_t0;
-    if (!velocity.allFinite()) velocity = ballistic;  // the momentum that the ledger books as removed
+    if (!velocity.allFinite()) velocity = ballistic;  // the momentum that the ledger counts as removed
     interval.removed[i] = 1;
     ++step.report.removed_invalid;
   }

@@ -23,7 +23,7 @@ struct StepContext {
 
   // Output
   StepReport report;
-  Ledger ledger;                  // books into the report
+  Ledger ledger;                  // adds to the report
   std::vector<Contact> contacts;  // of the last interval
 };
 

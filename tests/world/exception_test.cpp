@@ -191,7 +191,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"dfsph_mirrored", PressureSolver::dfsph, BoundaryModel::mirrored, 1}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
-/// A wall that throws when it is told to.
+/// A wall that throws on request.
 class ThrowingWall : public test::StaticMesh {
  public:
   bool throws_in_gather = false, throws_in_scatter = false;
