@@ -29,8 +29,8 @@ void visit(Archive& archive, FluidSettings& settings) {
 }
 
 void visit(Archive& archive, ContactSettings& settings) {
-  auto& [repulsion, stiffness, ccd, zones, solver_iterations, rounds, infeasible, verify] = settings;
-  archive.values(repulsion, stiffness, ccd, zones, solver_iterations, rounds, infeasible, verify);
+  auto& [repulsion, stiffness, ccd, zones, solver_iterations, ccd_iterations, infeasible, verify] = settings;
+  archive.values(repulsion, stiffness, ccd, zones, solver_iterations, ccd_iterations, infeasible, verify);
 }
 
 void visit(Archive& archive, SlipSettings& settings) {

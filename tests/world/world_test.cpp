@@ -269,20 +269,20 @@ TEST(World, each_side_of_a_surface_has_its_own_slip_settings) {
   w.step(1e-4);
   EXPECT_NEAR(speed(1), 0.1, 1e-12);
   EXPECT_NEAR(speed(2), 0, 1e-12);
-  SlipSettings no_slip, free;
-  no_slip.model = SlipModel::sticking;
+  SlipSettings sticking, free;
+  sticking.model = SlipModel::sticking;
   restart();
-  ASSERT_TRUE(w.set_slip(id, no_slip, free).ok());
+  ASSERT_TRUE(w.set_slip(id, sticking, free).ok());
   w.step(1e-4);
   EXPECT_NEAR(speed(1), 0, 1e-12);
   EXPECT_NEAR(speed(2), 0.1, 1e-12);
   restart();
-  ASSERT_TRUE(w.set_slip(id, no_slip).ok()) << "both sides";
+  ASSERT_TRUE(w.set_slip(id, sticking).ok()) << "both sides";
   w.step(1e-4);
   EXPECT_NEAR(speed(1), 0, 1e-12);
   EXPECT_NEAR(speed(2), 0, 1e-12);
-  no_slip.slip_length = -1;
-  EXPECT_NE(w.set_slip(id, free, no_slip).message.find("slip_back.slip_length"), std::string::npos);
+  sticking.slip_length = -1;
+  EXPECT_NE(w.set_slip(id, free, sticking).message.find("slip_back.slip_length"), std::string::npos);
 }
 
 struct Splash {

@@ -10,28 +10,28 @@ class SlipRatio : public Check {
  public:
   void describe(Fields& f) override {
     f.object("slip_ratio", [this](Fields& g) {
-      g.integer("free", free_, between(0, 1e6));
-      g.integer("no_slip", sticking_, between(0, 1e6));
+      g.integer("free", free_cloth_, between(0, 1e6));
+      g.integer("no_slip", no_slip_cloth_, between(0, 1e6));
       g.number("at_least", at_least_, positive());
       g.number("window", window_, positive());
       g.number("within", within_, positive());
     });
   }
   void check_scene(const Scene& scene) const override {
-    check_cloth_index(scene, free_, "acceptance.slip_ratio.free");
-    check_cloth_index(scene, sticking_, "acceptance.slip_ratio.no_slip");
+    check_cloth_index(scene, free_cloth_, "acceptance.slip_ratio.free");
+    check_cloth_index(scene, no_slip_cloth_, "acceptance.slip_ratio.no_slip");
   }
 
   void after_step(const Moment& now) override {
     if (!now.look || !in_last(window_, now)) return;
-    look_at(now, free_, beside_free_);
-    look_at(now, sticking_, beside_sticking_);
+    look_at(now, free_cloth_, beside_free_);
+    look_at(now, no_slip_cloth_, beside_no_slip_);
   }
 
   std::vector<CheckResult> results(const RunEnd&) override {
-    const bool seen = !beside_free_.empty() && !beside_sticking_.empty();
+    const bool seen = !beside_free_.empty() && !beside_no_slip_.empty();
     return {
-        at_least("slip_ratio", seen ? ratio(beside_free_.value(), beside_sticking_.value()) : 0, at_least_)};
+        at_least("slip_ratio", seen ? ratio(beside_free_.value(), beside_no_slip_.value()) : 0, at_least_)};
   }
 
  private:
@@ -51,11 +51,11 @@ class SlipRatio : public Check {
     }
   }
 
-  int free_ = 0, sticking_ = 1;             // indices of cloths
+  int free_cloth_ = 0, no_slip_cloth_ = 1;  // indices of cloths
   double at_least_ = 5;                     // speed beside the one over speed beside the other
   double window_ = 0.1;                     // the last seconds of the run
   double within_ = 0.75;                    // of the sheet [spacings]
-  TimeMean beside_free_, beside_sticking_;  // [m/s]
+  TimeMean beside_free_, beside_no_slip_;   // [m/s]
 };
 
 }  // namespace

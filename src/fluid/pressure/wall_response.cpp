@@ -61,7 +61,7 @@ const std::vector<float>& WallResponse::solve(StepState& state) {
   return change_;
 }
 
-/// a_i = Σ_T (p_T/ρ0) γ_T/H.
+/// (B.13), with θ_T from the pressures φ; the load is limited by (B.29).
 void WallResponse::apply(StepState& state, Pressures phi) {
   if (state.boundary.empty()) return;
   const double per_phi = static_cast<double>(fluid_.wall_scale) * fluid_.support_radius / state.dt;
