@@ -6,7 +6,8 @@
 namespace oilskin::demo {
 
 struct CheckEntry {
-  /// Its key in the object `acceptance` of a scene; null: it belongs to every run.
+  /// The key in the object `acceptance` of a scene that requests the check; null: every run has it. at_rest
+  /// is such a check: its list of boxes is empty unless the scene has the key.
   const char* key;
   std::unique_ptr<Check> (*make)();
 };
