@@ -77,6 +77,13 @@ std::vector<int> wanted_frames(const MeshOptions& options, const std::vector<int
   return chosen;
 }
 
+SceneError made_with_other_options(const std::string& path, const std::string& there,
+                                   const std::string& made) {
+  const std::string options = there.empty() ? "unknown options" : there;
+  return SceneError(path + ": is there already and was made with " + options + ", which are not " + made +
+                    ". --overwrite makes it again, --out takes another folder");
+}
+
 /// Frames that have no mesh yet. One that was made with other options would not fit the others.
 std::vector<int> missing_frames(const MeshOptions& options, const std::vector<int>& frames,
                                 const std::string& out, const std::string& made) {
@@ -88,10 +95,7 @@ std::vector<int> missing_frames(const MeshOptions& options, const std::vector<in
       continue;
     }
     const std::string there = mesh_made_with(path);
-    if (there != made)
-      throw SceneError(path + ": is there already and was made with " +
-                       (there.empty() ? "options that it does not tell" : there) + ", which are not " + made +
-                       ". --overwrite makes it again, --out takes another folder");
+    if (there != made) throw made_with_other_options(path, there, made);
   }
   return missing;
 }

@@ -25,8 +25,9 @@ static oilskin::SurfaceMotion make_cloth() {
   cloth.inverse_mass.assign(n * n, n * n / 0.08);
   for (std::uint32_t corner : {0u, n - 1, n * (n - 1), n * n - 1}) cloth.inverse_mass[corner] = 0;
   for (std::uint32_t i = 0; i < n * n; ++i) {
-    cloth.x_t1.push_back(0.4 * Vec3(i % n / (n - 1.) - 0.5, 0, i / n / (n - 1.) - 0.5));
-    if (i % n == n - 1 || i / n == n - 1) continue;
+    const std::uint32_t column = i % n, row = i / n;
+    cloth.x_t1.push_back(0.4 * Vec3(column / (n - 1.) - 0.5, 0, row / (n - 1.) - 0.5));
+    if (column == n - 1 || row == n - 1) continue;
     cloth.triangles.push_back({i, i + n, i + n + 1});
     cloth.triangles.push_back({i, i + n + 1, i + 1});
   }

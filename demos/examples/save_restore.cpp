@@ -56,6 +56,7 @@ int main() {
   std::vector<std::uint8_t> bytes;
   if (!accepted(played.water.getWorld().save(&bytes))) return 1;
   std::vector<btSoftBody::Node> nodes;
+  nodes.reserve(std::size_t(played.cloth->m_nodes.size()));
   for (int i = 0; i < played.cloth->m_nodes.size(); ++i) nodes.push_back(played.cloth->m_nodes[i]);
 
   // Restore: build the same cloth, give it its nodes back, then the water.

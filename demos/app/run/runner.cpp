@@ -45,7 +45,7 @@ void remove_old_frames(const std::string& directory) {
 
 /// Refuses a folder that cannot be written to before anything is computed.
 std::string prepare_directory(const Scene& scene, const RunOptions& options) {
-  const std::string directory = options.out.empty() ? "out/" + scene.name : options.out;
+  std::string directory = options.out.empty() ? "out/" + scene.name : options.out;
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   const std::string probe = directory + "/report.json.part";

@@ -102,6 +102,12 @@ void load_meshes(Scene& scene) {
       load_mesh(emitter->mesh, scene.directory, "emitters." + std::to_string(i));
 }
 
+SceneError not_a_container(const std::string& path, const std::string& part, const Json& place) {
+  const std::string value = place.dump();
+  return SceneError("--set " + path + ": \"" + part + "\" addresses a part of " + value +
+                    ", which is neither an object nor a list");
+}
+
 }  // namespace
 
 void apply_override(Json& scene, const std::string& assignment) {
@@ -118,8 +124,7 @@ void apply_override(Json& scene, const std::string& assignment) {
     } else if (place->is_object()) {
       place = &(*place)[part];
     } else {
-      throw SceneError("--set " + path + ": \"" + part + "\" addresses a part of " + place->dump() +
-                       ", which is neither an object nor a list");
+      throw not_a_container(path, part, *place);
     }
   }
   const std::string text = assignment.substr(equals + 1);
