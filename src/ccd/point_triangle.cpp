@@ -35,7 +35,8 @@ bool axis_separates(const PointTriangleMotion& m, RelativeMotion* relative) {
     const double a1 = m.a_t1[k] - p1, b1 = m.b_t1[k] - p1, c1 = m.c_t1[k] - p1;
     const double low = std::min(std::min(std::min(a0, b0), std::min(c0, a1)), std::min(b1, c1));
     const double high = std::max(std::max(std::max(a0, b0), std::max(c0, a1)), std::max(b1, c1));
-    if (low > 0 || high < 0) return true;
+    // std::min and std::max may pass over a NaN, so they cannot show that there is none.
+    if ((low > 0 || high < 0) && !std::isnan(a0 + b0 + c0 + a1 + b1 + c1)) return true;
     relative->t0[0][k] = a0;
     relative->t0[1][k] = b0;
     relative->t0[2][k] = c0;

@@ -59,11 +59,11 @@ Status check_particles(const ParticleMotion& p) {
       p.removed.size() != n)
     return refuse("the arrays of the particles differ in length; each must have ", n, " entries, as id has");
   if (!(p.spacing > 0 && p.spacing < 1e15))
-    return refuse("the spacing of the particles is ", p.spacing, "; it must be finite and > 0 m");
+    return refuse("the spacing of the particles is ", p.spacing, "; it must be > 0 and < 1e15 m");
   if (!(p.rest_density >= 0 && p.rest_density < 1e15))
-    return refuse("the rest density is ", p.rest_density, "; it must be finite and ≥ 0 kg/m³");
+    return refuse("the rest density is ", p.rest_density, "; it must be ≥ 0 and < 1e15 kg/m³");
   if (!(p.viscosity >= 0 && p.viscosity < 1e15))
-    return refuse("the viscosity is ", p.viscosity, "; it must be finite and ≥ 0 m²/s");
+    return refuse("the viscosity is ", p.viscosity, "; it must be ≥ 0 and < 1e15 m²/s");
   for (const auto& [name, values] : {std::pair<const char*, Span<const Vec3>>{"particle x_t0", p.x_t0},
                                      {"particle x_t1", Span<const Vec3>(p.x_t1)},
                                      {"particle velocity", Span<const Vec3>(p.velocity)}})
@@ -73,6 +73,14 @@ Status check_particles(const ParticleMotion& p) {
       return refuse("particle inverse_mass[", i, "] is ", p.inverse_mass[i], "; it must be ",
                     inverse_mass_range);
   return {};
+}
+
+Status check_slip(const SurfaceMotion& s) {
+  SurfaceSettings settings;
+  settings.slip = s.slip;
+  settings.slip_back = s.slip_back;
+  const Status status = settings.validate();
+  return status.ok() ? status : refuse("surface ", s.id, ": ", status.message);
 }
 
 Status check_surface(const SurfaceMotion& s) {
@@ -108,6 +116,7 @@ Status check_surfaces(Span<SurfaceMotion* const> surfaces) {
   std::vector<std::uint64_t> ids;
   for (const SurfaceMotion* s : surfaces) {
     if (Status status = check_surface(*s); !status.ok()) return status;
+    if (Status status = check_slip(*s); !status.ok()) return status;
     ids.push_back(s->id);
   }
   std::sort(ids.begin(), ids.end());

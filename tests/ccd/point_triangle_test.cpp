@@ -152,6 +152,15 @@ TEST(PointTriangle, any_finite_coordinates_are_decided_exactly) {
   }
 }
 
+TEST(PointTriangle, one_coordinate_that_is_not_a_number_hides_no_hit_wherever_it_stands) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (int k = 0; k < 24; ++k) {
+    Corners x = past_unit_triangle({.25, .25, 1}, {.25, .25, -1});
+    x[std::size_t(k) / 3][k % 3] = nan;
+    EXPECT_TRUE(impact_of(x).hit) << k;
+  }
+}
+
 TEST(PointTriangle, what_is_not_finite_counts_as_a_hit_unless_an_axis_separates) {
   // Beyond the contract; it must end, and must not claim that paths are disjoint.
   const double nan = std::numeric_limits<double>::quiet_NaN(),

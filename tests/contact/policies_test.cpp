@@ -153,6 +153,16 @@ INSTANTIATE_TEST_SUITE_P(
                 "thickness ≥ 4 delta"},
         Refusal{"mass", [](Press& p, double&, ContactSettings&) { p.particles.inverse_mass[1] = -1; },
                 "inverse_mass[1] is -1"},
+        Refusal{"friction_nan",
+                [](Press& p, double&, ContactSettings&) {
+                  p.upper.slip = {SlipModel::coulomb, nan};
+                },
+                "slip.friction is nan"},
+        Refusal{"slip_length_negative",
+                [](Press& p, double&, ContactSettings&) {
+                  p.upper.slip_back = SlipSettings{SlipModel::viscous_wall, 1, -1};
+                },
+                "slip_back.slip_length is -1"},
         Refusal{"sweeps", [](Press&, double&, ContactSettings& s) { s.solver_iterations = 0; },
                 "contact.sweeps is 0"}),
     [](const ::testing::TestParamInfo<Refusal>& instance) { return instance.param.name; });
