@@ -50,17 +50,22 @@ TEST(Contacts, a_particle_over_a_flat_sheet_has_one_contact_wherever_it_is) {
   }
 }
 
-TEST(Contacts, the_wedge_outside_every_face_prism_of_a_convex_fold_has_a_contact) {
+/// Two triangles that share the edge (0, 0, 0) (0, 0, 1); their other corners lie at the height y.
+SurfaceMotion folded_sheet(double y) {
   SurfaceMotion s;
   s.id = 1;
-  s.x_t0 = {{0, 0, 0}, {0, 0, 1}, {1, -1, 0}, {-1, -1, 0}};
+  s.x_t0 = {{0, 0, 0}, {0, 0, 1}, {1, y, 0}, {-1, y, 0}};
   s.triangles = {{0, 2, 1}, {0, 1, 3}};
   s.x_t1 = s.x_t0;
   s.velocity.assign(4, Vec3::Zero());
   s.inverse_mass.assign(4, 1);
   s.thickness = 0.01;
   s.delta = minimum_separation(0.01, 2, Storage::float64);
-  std::vector<SurfaceMotion> surfaces{s};
+  return s;
+}
+
+TEST(Contacts, the_wedge_outside_every_face_prism_of_a_convex_fold_has_a_contact) {
+  std::vector<SurfaceMotion> surfaces{folded_sheet(-1)};
   ParticleArrays p;
   p.add({0.0005, 0.004, 0.3}, Vec3::Zero(), 1);
   const auto contacts = contacts_of(p, surfaces);
@@ -69,16 +74,7 @@ TEST(Contacts, the_wedge_outside_every_face_prism_of_a_convex_fold_has_a_contact
 }
 
 TEST(Contacts, a_valley_has_a_contact_for_each_side) {
-  SurfaceMotion s;
-  s.id = 1;
-  s.x_t0 = {{0, 0, 0}, {0, 0, 1}, {1, 1, 0}, {-1, 1, 0}};
-  s.triangles = {{0, 2, 1}, {0, 1, 3}};
-  s.x_t1 = s.x_t0;
-  s.velocity.assign(4, Vec3::Zero());
-  s.inverse_mass.assign(4, 1);
-  s.thickness = 0.01;
-  s.delta = minimum_separation(0.01, 2, Storage::float64);
-  std::vector<SurfaceMotion> surfaces{s};
+  std::vector<SurfaceMotion> surfaces{folded_sheet(1)};
   ParticleArrays p;
   p.add({0.0005, 0.006, 0.3}, Vec3::Zero(), 1);
   EXPECT_EQ(contacts_of(p, surfaces).size(), 2u);
