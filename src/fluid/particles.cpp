@@ -38,6 +38,7 @@ void Particles::reserve_more(std::size_t count) {
   reserve_array(velocity, count);
   reserve_array(density, count);
   reserve_array(pressure, count);
+  reserve_array(spare_load, count);
 }
 
 void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density) {
@@ -47,6 +48,7 @@ void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, do
   velocity.push_back(v);
   density.push_back(rest_density);
   pressure.push_back(0);
+  spare_load.push_back(Vec3::Zero());
 }
 
 void Particles::compress(Span<const std::uint8_t> keep) {
@@ -55,6 +57,7 @@ void Particles::compress(Span<const std::uint8_t> keep) {
   compress_array(velocity, keep);
   compress_array(density, keep);
   compress_array(pressure, keep);
+  compress_array(spare_load, keep);
   compress_array(id, keep);
   OILSKIN_ASSERT(position.size() == size() && velocity.size() == size() && pressure.size() == size());
 }
@@ -68,13 +71,15 @@ void Particles::permute(Span<const std::uint32_t> order) {
   permute_array(velocity, order, vectors);
   permute_array(density, order, scalars);
   permute_array(pressure, order, scalars);
+  permute_array(spare_load, order, vectors);
   permute_array(id, order, ids);
 }
 
 void Particles::visit(Archive& archive) {
-  archive.values(id, position, velocity, density, pressure);
+  archive.values(id, position, velocity, density, pressure, spare_load);
   const std::size_t n = id.size();
-  archive.require(position.size() == n && velocity.size() == n && density.size() == n && pressure.size() == n,
+  archive.require(position.size() == n && velocity.size() == n && density.size() == n &&
+                      pressure.size() == n && spare_load.size() == n,
                   "the number of particles");
 }
 

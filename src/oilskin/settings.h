@@ -76,11 +76,13 @@ struct FluidSettings {
 enum class SlipModel {
   /// No tangential impulse: inviscid.
   free,
-  /// |J_t| ≤ μ J_n; μ = 1 is Eq. 8 of [Huber2013]. J_n is the impulse of contact alone: water that boundary
-  /// terms carry has no friction.
+  /// |J_t| ≤ μ J_n; μ = 1 is Eq. 8 of [Huber2013]. J_n is the normal impulse of contact and of the wall
+  /// pressure of boundary terms together.
   coulomb,
-  /// The first layer moves with the sheet. The wall is effectively half a spacing inside the fluid: in a
-  /// channel of 10 particles the velocity in the middle is a fifth too small.
+  /// The first layer, which contact or wall pressure carries, moves with the sheet. With contact alone the
+  /// wall is effectively half a spacing inside the fluid: in a channel of 10 particles the velocity in the
+  /// middle is a fifth too small. With boundary terms a layer that lies in the viscous sublayer (y⁺ < 5) has
+  /// the drag of viscous_wall, so that flows of thick liquids are of second order in dx.
   sticking,
   /// Wall shear μ_f v_t/(z + ℓ) on the first layer, z < dx, implicit: no slip of a viscous fluid, of second
   /// order in dx. It is proportional to the viscosity, so its effect on water at 5 mm is small.
@@ -106,6 +108,11 @@ struct SurfaceSettings {
   SlipSettings slip;
   /// The slip law of the back; absent = as `slip`.
   std::optional<SlipSettings> slip_back;
+  /// Contact's impulses act along normals that are interpolated over the sheet, and what slides round an edge
+  /// between triangles keeps its speed; where off, it loses the part that the next triangle stops. For curved
+  /// sheets of few triangles. Triangles that meet at more than 60° keep their edge. Repulsion::split only.
+  /// Distances and the certificate are those of the triangles.
+  bool smooth_normals = false;
   /// The surface touches a fluid whose collision_mask has a bit of this group …
   std::uint32_t collision_group = 1;
   /// … and whose collision_group has a bit of this mask.

@@ -83,8 +83,11 @@ void World::Impl::run_interval(IntervalContext& interval) {
                         step.surfaces.topology, seconds);
   predict_contacts(interval, pass);  // bounds for the pressure solver
   propose_motion(interval);          // pressure, viscosity → x_t1
-  pass.solve();                      // impulses, impacts, zones → certificate
-  verify(interval, motion);          // an independent check, when asked for
+  pass.set_start_velocity(state.particles.velocity);
+  if (fluid_settings.boundary == BoundaryModel::mirrored)
+    pass.set_wall_impulses(fluid->wall_impulses(), state.particles.spare_load);
+  pass.solve();              // impulses, impacts, zones → certificate
+  verify(interval, motion);  // an independent check, when asked for
   notify_observer(interval);
   commit(interval);  // no live particle has moved since the certificate
   step.contacts = pass.take_contacts();
