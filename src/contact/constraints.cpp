@@ -5,7 +5,7 @@
 
 #include "contact/contacts.h"
 #include "contact/friction.h"
-#include "contact/smooth_normals.h"
+#include "contact/turn.h"
 #include "core/assert.h"
 
 namespace oilskin::contact {
@@ -40,33 +40,32 @@ void apply_impulse(Context& context, const Contact& c, const Vec3& impulse, bool
 // Inelastic stop (C.12): v_n ≥ 0 with an accumulated impulse J_n ≥ 0. [Huber2013] Eq. 2 with the inverse
 // effective mass of (C.10).
 void stop(Context& context, ContactConstraint& constraint, bool moves_particle) {
-  const double vn = relative_velocity(context, constraint.contact).dot(constraint.normal);
+  const double vn = relative_velocity(context, constraint.contact).dot(constraint.contact.normal);
   const double impulse = std::max(constraint.normal_impulse - vn / constraint.k, 0.0);
   const double change = impulse - constraint.normal_impulse;
   if (change == 0) return;
   OILSKIN_ASSERT(impulse >= 0);
   constraint.normal_impulse = impulse;
-  apply_impulse(context, constraint.contact, change * constraint.normal, moves_particle);
+  apply_impulse(context, constraint.contact, change * constraint.contact.normal, moves_particle);
 }
 
-// What approaches because the sheet turns keeps its speed (C.37): a pair has the same effective mass in all
-// directions, so the kinetic energy that the stop took is given back along the sheet. The impulse is `stop`
-// of an inelastic one; it comes before it, as it needs the approach.
-void turn(Context& context, const ContactConstraint& constraint) {
-  const Vec3 v = relative_velocity(context, constraint.contact);
-  const double vn = v.dot(constraint.normal);
-  const Vec3 vt = v - vn * constraint.normal;
-  const double speed = vt.norm();
-  const double kept = std::min({-vn, constraint.turn, constraint.max_turn * speed});
-  if (!(kept > 0)) return;
+// Keeps the speed of what approaches because a smooth sheet turns (C.37): a pair has the same effective mass
+// in all directions, so the kinetic energy that the stop takes is given back along the sheet. It comes before
+// the stop, as it needs the approach.
+void turn(Context& context, const ContactConstraint& constraint, bool moves_particle) {
+  const Vec3 &n = constraint.contact.normal, v = relative_velocity(context, constraint.contact);
+  const double vn = v.dot(n);
+  const Vec3 vt = v - vn * n;
+  const double speed = vt.norm(), kept = speed_to_turn(constraint, vn, speed);
+  if (kept == 0) return;
   const double gain = kept * kept / (speed * (std::hypot(speed, kept) + speed));  // of vt, relative
-  apply_impulse(context, constraint.contact, gain / constraint.k * vt, true);
+  apply_impulse(context, constraint.contact, gain / constraint.k * vt, moves_particle);
 }
 
 // Spring repulsion of [Bridson2002] with its cap (C.15); without it, as in [Huber2013] Eq. 4, it is unstable.
 void spring(Context& context, ContactConstraint& constraint) {
   if (!(constraint.overlap > 0)) return;
-  const double vn = relative_velocity(context, constraint.contact).dot(constraint.normal);
+  const double vn = relative_velocity(context, constraint.contact).dot(constraint.contact.normal);
   const double cap = (0.1 * constraint.overlap / context.dt - vn) / constraint.k;
   const double spring_force_impulse = context.settings->stiffness * constraint.overlap * context.dt;
   const double impulse = std::min(constraint.spring_impulse + std::max(cap, 0.0), spring_force_impulse);
@@ -74,7 +73,7 @@ void spring(Context& context, ContactConstraint& constraint) {
   if (change == 0) return;
   OILSKIN_ASSERT(impulse >= 0 && impulse <= spring_force_impulse);
   constraint.spring_impulse = impulse;
-  apply_impulse(context, constraint.contact, change * constraint.normal, true);
+  apply_impulse(context, constraint.contact, change * constraint.contact.normal, true);
 }
 
 // Split repulsion (C.14): displaces without adding velocity. The multiplier is accumulated, so that many
@@ -107,7 +106,7 @@ void apply_friction(Context& context, ContactConstraint& constraint) {
   if (model == SlipModel::free || (model == SlipModel::viscous_wall && constraint.wall_area == 0)) return;
   if (!constraint.friction_active && !(constraint.friction_load() > 0)) return;
   const Vec3 v = relative_velocity(context, constraint.contact);
-  const Vec3 vt = v - v.dot(constraint.normal) * constraint.normal;
+  const Vec3 vt = v - v.dot(constraint.contact.normal) * constraint.contact.normal;
   const Vec3 impulse = tangential_impulse(context, constraint, vt);
   const Vec3 change = impulse - constraint.tangential_impulse;
   if (change.isZero(0)) return;
@@ -127,7 +126,6 @@ ContactConstraint make_constraint(const Context& context, const Contact& contact
   const SurfaceMotion& s = *context.surfaces[contact.surface];
   ContactConstraint constraint;
   constraint.contact = contact;
-  constraint.normal = contact.normal;
   const double h = s.thickness, d0 = contact.distance;
   constraint.overlap = h - d0;
   constraint.target_gap = target_gap(d0, h);
@@ -138,7 +136,7 @@ ContactConstraint make_constraint(const Context& context, const Contact& contact
     constraint.k += contact.weights[k] * contact.weights[k] * s.inverse_mass[contact.nodes[k]];
   if (s.nodes_movable) constraint.k_position = constraint.k;
   OILSKIN_ASSERT(constraint.k_position >= 0 && constraint.k >= constraint.k_position);
-  smooth_normal(context, constraint);
+  find_turn(context, constraint);
   return constraint;
 }
 
@@ -170,7 +168,8 @@ void solve_constraints(Context& context, std::vector<ContactConstraint>& constra
   for (int iteration = 0; iteration < context.settings->solver_iterations; ++iteration) {
     for (ContactConstraint& constraint : constraints) {
       if (!(constraint.k > 0)) continue;  // an immovable particle on prescribed nodes
-      if (constraint.normal_active && iteration == 0 && constraint.turn > 0) turn(context, constraint);
+      if (constraint.normal_active && iteration == 0 && constraint.turn > 0)
+        turn(context, constraint, !split);
       if (constraint.normal_active) stop(context, constraint, !split);
       if (constraint.normal_active && repulsion == Repulsion::bridson) spring(context, constraint);
       apply_friction(context, constraint);

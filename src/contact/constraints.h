@@ -15,9 +15,8 @@ struct ContactConstraint {
   double viscous_share = 0;     ///< sticking with boundary terms: (B.46), 0 = sticks, 1 = viscous wall
   double wall_impulse = 0;      ///< J_w ≥ 0 of (B.43): what wall pressure gave to the particle [N s]
   double spare_load = 0;        ///< J_r ≥ 0 of (B.44): left from the last interval [N s]
-  Vec3 normal = Vec3::Zero();   ///< of the impulses: that of the contact, or a smooth one (C.35)
-  double turn = 0;              ///< approach by the turn of the sheet (C.36) [m/s]
-  double max_turn = 0;          ///< tangent of the largest turn between two triangles (C.36)
+  double turn = 0;              ///< approach by the turn of a smooth sheet (C.35) [m/s]
+  double max_turn = 0;          ///< tangent of the largest turn of one (C.36)
 
   // Accumulated
   double normal_impulse = 0;               ///< J_n ≥ 0 [N s]

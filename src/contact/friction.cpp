@@ -85,9 +85,7 @@ double viscous_share(const Context& context, const ContactConstraint& constraint
   const SurfaceMotion& s = *context.surfaces[c.surface];
   const double u = p.inverse_mass[c.particle];
   if (s.slip_on(c.back).model != SlipModel::sticking || !(constraint.wall_area > 0) || !(u > 0)) return 0;
-  const auto tangential = [&](const Vec3& v) {
-    return (v - v.dot(constraint.normal) * constraint.normal).norm();
-  };
+  const auto tangential = [&](const Vec3& v) { return (v - v.dot(c.normal) * c.normal).norm(); };
   Vec3 slip = p.velocity[c.particle];
   const Vec3 change = context.start_velocity.empty() ? slip : Vec3(slip - context.start_velocity[c.particle]);
   for (int k = 0; k < 3; ++k) slip -= c.weights[k] * s.velocity[c.nodes[k]];

@@ -108,11 +108,11 @@ struct SurfaceSettings {
   SlipSettings slip;
   /// The slip law of the back; absent = as `slip`.
   std::optional<SlipSettings> slip_back;
-  /// Contact's impulses act along normals that are interpolated over the sheet, and what slides round an edge
-  /// between triangles keeps its speed; where off, it loses the part that the next triangle stops. For curved
-  /// sheets of few triangles. Triangles that meet at more than 60° keep their edge. Repulsion::split only.
-  /// Distances and the certificate are those of the triangles.
-  bool smooth_normals = false;
+  /// The triangles stand for a smooth sheet: what slides round an edge between them keeps its speed. Where
+  /// off, the next triangle stops a part of it: a film that N triangles turn by 180° keeps cos^N(π/N). No
+  /// approach that is flatter than the neighbouring triangles' angle is damped. Edges of more than 60° stay
+  /// edges.
+  bool smooth = false;
   /// The surface touches a fluid whose collision_mask has a bit of this group …
   std::uint32_t collision_group = 1;
   /// … and whose collision_group has a bit of this mask.

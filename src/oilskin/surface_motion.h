@@ -33,8 +33,8 @@ struct SurfaceMotion {
   SlipSettings slip;
   /// The slip law of the back; absent = as the front.
   std::optional<SlipSettings> slip_back;
-  /// As SurfaceSettings::smooth_normals.
-  bool smooth_normals = false;
+  /// As SurfaceSettings::smooth.
+  bool smooth = false;
   /// Whether split repulsion may move free nodes. False for hosts that derive velocities from positions, such
   /// as Bullet's position-based solver: there the displacement of a node would add kinetic energy.
   bool nodes_movable = true;
@@ -46,7 +46,7 @@ struct SurfaceMotion {
   std::vector<Vec3> x_t1;
   /// The host's velocities [m/s].
   std::vector<Vec3> velocity;
-  /// With smooth_normals: velocities in which contact left the nodes [m/s]; empty = as `velocity`. The caller
+  /// With smooth: velocities in which contact left the nodes [m/s]; empty = as `velocity`. The caller
   /// fills them, as x_t0.
   std::vector<Vec3> velocity_t0;
   /// [1/kg], ≥ 0; 0 = prescribed: the host decides where the node goes.

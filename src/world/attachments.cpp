@@ -58,7 +58,7 @@ Status set_delta(SurfaceMotion& m, const SurfaceSettings& settings, double r) {
   m.thickness = settings.thickness;
   m.slip = settings.slip;
   m.slip_back = settings.slip_back;
-  m.smooth_normals = settings.smooth_normals;
+  m.smooth = settings.smooth;
   m.delta = minimum_separation(settings.thickness, r, m.storage);
   if (settings.thickness >= 4 * m.delta) return {};
   const double per_metre = 4 * minimum_separation(0, 1, m.storage);
@@ -154,7 +154,7 @@ ActiveSurfaces Attachments::gather(double dt, const WorldSettings& world, const 
 Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box) {
   SurfaceMotion& m = a.motion;
   std::swap(m.x_t0, m.x_t1);
-  if (a.settings.smooth_normals) m.velocity_t0 = m.velocity;
+  if (a.settings.smooth) m.velocity_t0 = m.velocity;
   const Gathered gathered = a.host->gather(dt, m);
   if (!gathered.status.ok()) return gathered.status;
   const bool is_new = gathered.new_surface || a.teleported || m.x_t1.size() != m.x_t0.size();
@@ -171,7 +171,7 @@ Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box
   OILSKIN_ASSERT(m.id != 0 && m.delta > 0 && m.x_t0.size() == m.x_t1.size());
   m.slip = a.settings.slip;
   m.slip_back = a.settings.slip_back;
-  m.smooth_normals = a.settings.smooth_normals;
+  m.smooth = a.settings.smooth;
   return {};
 }
 

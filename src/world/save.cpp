@@ -46,21 +46,21 @@ void visit(Archive& archive, std::optional<SlipSettings>& settings) {
 }
 
 void visit(Archive& archive, SurfaceSettings& settings) {
-  auto& [thickness, slip, slip_back, smooth_normals, collision_group, collision_mask] = settings;
+  auto& [thickness, slip, slip_back, smooth, collision_group, collision_mask] = settings;
   archive.value(thickness);
   visit(archive, slip);
   visit(archive, slip_back);
-  archive.values(smooth_normals, collision_group, collision_mask);
+  archive.values(smooth, collision_group, collision_mask);
 }
 
 void visit(Archive& archive, SurfaceMotion& motion) {
-  auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth_normals, nodes_movable, x_t0, x_t1,
+  auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, x_t0, x_t1,
          velocity, velocity_t0, inverse_mass, holdable, impulse, moved] = motion;
   if (archive.reading()) velocity_t0.clear();  // gather() fills it
   archive.values(id, triangles, storage, thickness, delta);
   visit(archive, slip);
   visit(archive, slip_back);
-  archive.values(smooth_normals, nodes_movable, x_t0, x_t1, velocity, inverse_mass, holdable, impulse, moved);
+  archive.values(smooth, nodes_movable, x_t0, x_t1, velocity, inverse_mass, holdable, impulse, moved);
 }
 
 /// Beyond it the squares of distances overflow [m].

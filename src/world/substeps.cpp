@@ -67,7 +67,7 @@ void SurfacePaths::continue_from_certified(Path& path) const {
   SurfaceMotion& m = *path.motion;
   OILSKIN_ASSERT(m.impulse.size() == m.x_t1.size() && path.target.size() == m.x_t1.size());
   m.x_t0 = m.x_t1;
-  if (m.smooth_normals) m.velocity_t0 = m.velocity;
+  if (m.smooth) m.velocity_t0 = m.velocity;
   for (std::size_t i = 0; i < m.x_t0.size(); ++i) {
     path.impulse[i] += m.impulse[i];
     // A prescribed node that was held has a longer displacement in less time; its velocity is that.
