@@ -9,7 +9,7 @@ namespace oilskin::contact {
 
 namespace {
 
-/// Triangles that meet at more than 60° have an edge between them.
+/// Triangles at more than 60° to each other have an edge between them.
 constexpr double smooth_cosine = 0.5;
 
 /// Unit, or zero for a triangle without area.

@@ -110,7 +110,7 @@ TEST(SmoothSheet, an_approach_steeper_than_the_edges_loses_what_is_steeper) {
 }
 
 TEST(SmoothSheet, a_flat_sheet_and_one_with_sharp_edges_stop_as_ever) {
-  // Two facets meet at 90°, and the leading sheet at 45° with the first.
+  // One facet stands at 90° to the leading sheet; of two, each at 45° to the next.
   for (int facets : {1, 2}) {
     const double angle = 0.2;
     const double expected = facets == 1 ? std::cos(angle) : 1;
