@@ -78,6 +78,7 @@ std::vector<std::string> flag_texts(std::uint32_t flags) {
       {flag_no_promise, "no_promise: contact.ccd or contact.zones is off, or particles started too close"},
       {flag_scatter_mismatch, "scatter_mismatch: the host does not store the numbers that it is given"},
       {flag_pressure_diverged, "pressure_diverged: keep fluid.support_ratio at 2.2 or below"},
+      {flag_energy_made, "energy_made: the step is too long for the water or for light cloth; see messages"},
   };
   std::vector<std::string> texts;
   for (const auto& [bit, text] : all)

@@ -226,6 +226,13 @@ void Attachments::roll_back() noexcept {
   }
 }
 
+const SurfaceMotion& Attachments::before(const Attachment& a) const {
+  OILSKIN_ASSERT(saved_.size() == list_.size());
+  std::size_t k = 0;
+  while (list_[k].get() != &a) ++k;
+  return saved_[k].motion;
+}
+
 void ActiveSurfaces::add(Attachment& a) {
   a.geometry.analyse(a.motion);
   attachment.push_back(&a);

@@ -100,7 +100,7 @@ namespace {
 
 constexpr char magic[8] = {'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'};
 constexpr std::uint32_t byte_order = 0x01020304, swapped_byte_order = 0x04030201;
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 constexpr std::size_t frame_bytes = 32;
 
 std::uint64_t check_sum(Span<const std::uint8_t> bytes) {
@@ -214,9 +214,11 @@ Status Attachments::take_hosts(Attachments& from) {
 
 /// Counters come first: ids are checked against them.
 void World::Impl::visit_state(Archive& archive) {
-  auto& [particles, next_particle_id, step_count, interval_count, time, last_dt, max_acceleration] = state;
+  auto& [particles, next_particle_id, step_count, interval_count, time, last_dt, max_acceleration, energy] =
+      state;
   archive.values(next_particle_id, step_count, interval_count, time, last_dt, max_acceleration);
   archive.require(time >= 0 && std::isfinite(time) && last_dt >= 0 && std::isfinite(last_dt), "the time");
+  energy.visit(archive);
   particles.visit(archive);
   if (archive.reading())
     archive.require(are_given(particles.id, next_particle_id), "the ids of the particles");

@@ -149,6 +149,7 @@ void World::Impl::emit(IntervalContext& interval) {
   interval.remaining.assign(interval.live, interval.dt);
   if (interval.is_first)
     for (const Vec3& v : particles.velocity) step.ledger.present_before(v);
+  if (interval.is_first) step.energy.begin(particles, interval.dt);
   const std::vector<fluid::Start>& starts = emission->due(interval.begin, interval.dt);
   const std::vector<std::uint8_t> blocked =
       find_blocked_starts(starts, settings.kill_box, step.surfaces, *workers);
@@ -160,6 +161,7 @@ void World::Impl::emit(IntervalContext& interval) {
                         fluid_settings.rest_density);
     interval.remaining.push_back(start.remaining);
     step.ledger.emitted(start.velocity);
+    step.energy.enter(start.position, start.velocity, interval.dt);
     step.ledger.gravity(1, start.remaining, settings.gravity);
   }
   step.ledger.emitted_mass(particles.size() - interval.live);
@@ -271,24 +273,45 @@ void World::Impl::commit(IntervalContext& interval) {
   fluid::Particles& particles = state.particles;
   OILSKIN_ASSERT(interval.x_t1.size() == particles.size() && interval.velocity.size() == particles.size());
   OILSKIN_ASSERT(all_finite(interval.x_t1) && all_finite(interval.velocity));
-  particles.position = interval.x_t1;
   particles.velocity = interval.velocity;
   std::vector<std::uint8_t> keep(particles.size(), 1);
   step.ledger.begin_after();
+  step.energy.touch(step.surfaces.motion, interval.dt);
   for (std::size_t i = 0; i < particles.size(); ++i) {
-    const bool left = !settings.kill_box.contains(particles.position[i]);
-    if (!interval.removed[i] && !left) {
+    keep[i] = commit_particle(interval, i);
+    if (keep[i])
       step.ledger.present_after(particles.velocity[i]);
-      continue;
-    }
-    keep[i] = 0;
-    step.ledger.removed(particles.velocity[i]);
-    if (!interval.removed[i]) ++step.report.removed;
+    else
+      step.ledger.removed(particles.velocity[i]);
   }
+  step.energy.end_interval(state.next_particle_id, interval.dt);
   step.report.removed += interval.report.removed;
   step.report.contact.add(interval.report);
   particles.compress(keep);
   step.report.alive = particles.size();
+}
+
+/// Whether the particle remains.
+bool World::Impl::commit_particle(IntervalContext& interval, std::size_t i) {
+  fluid::Particles& particles = state.particles;
+  StepReport& report = interval.step.report;
+  world::EnergyBalance& energy = interval.step.energy;
+  const Vec3 start = particles.position[i];
+  particles.position[i] = interval.x_t1[i];
+  const bool inside = settings.kill_box.contains(particles.position[i]);
+  if (interval.removed[i]) {
+    energy.lose(particles, i, start, interval.dt);
+    return false;
+  }
+  energy.move(particles, i, start, interval.remaining[i], interval.dt);
+  if (inside) {
+    energy.stay(particles, i, interval.dt);
+    return true;
+  }
+  energy.leave(particles, i, interval.dt);
+  ++report.removed;
+  if (energy.is_too_fast(particles, i)) ++report.removed_too_fast;
+  return false;
 }
 
 void World::Impl::scatter(StepContext& step) {
@@ -296,11 +319,14 @@ void World::Impl::scatter(StepContext& step) {
   step.paths.end();
   fluid->record_load(step.dt, step.surfaces.motion);
   world::Attachments::scatter(step.surfaces, step.report);
+  for (const world::Attachment* a : step.surfaces.attachment)
+    step.energy.end_surface(a->motion, step.dt, attachments.before(*a), state.last_dt);
 }
 
 void World::Impl::finish(StepContext& step) {
   OILSKIN_ASSERT(all_finite(state.particles.position) && all_finite(state.particles.velocity));
   OILSKIN_ASSERT(step.report.alive == state.particles.size());
+  step.report.energy = step.energy.finish(state.particles.size(), step.dt, fluid_settings.spacing);
   state.time += step.dt;
   state.last_dt = step.dt;
   ++state.step_count;
@@ -308,6 +334,7 @@ void World::Impl::finish(StepContext& step) {
   if (step.report.contact.crossings_found_by_verify > 0 && contact_settings.ccd && contact_settings.zones)
     step.report.messages.push_back("verify found particles that crossed a surface or ended nearer than δ");
   step.report.flags = flags_of(step.report, contact_settings);
+  if (step.report.energy.risen > energy_made_limit * step.report.energy.scale) advise_on_energy(step);
 }
 
 void World::Impl::checkpoint() {

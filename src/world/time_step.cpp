@@ -17,7 +17,8 @@ world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved
     const Vec3 &x = state.particles.position[i], &v = state.particles.velocity[i];
     if (!world::is_in_range(x) || !world::is_in_range(v)) continue;  // removed by the next step
     water.add(x);
-    found.fluid = std::max(found.fluid, v.squaredNorm());
+    // Momentum that a surface has not taken yet moves nothing.
+    found.fluid = std::max(found.fluid, state.particles.motion[i].squaredNorm());
   }
   found.fluid = std::max(std::sqrt(found.fluid), emission->fastest_due(state.time, dt));
   found.gravity = found.fluid > 0 || state.particles.size() > 0 ? settings.gravity.norm() : 0;

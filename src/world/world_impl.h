@@ -7,6 +7,7 @@
 #include "fluid/fluid_solver.h"
 #include "oilskin/world.h"
 #include "world/attachments.h"
+#include "world/energy.h"
 #include "world/step_context.h"
 
 namespace oilskin {
@@ -22,6 +23,7 @@ struct WorldState {
   double time = 0;              // [s]
   double last_dt = 0;           // of the last step [s]; 0 = there was none
   double max_acceleration = 0;  // by the fluid's own forces in the last interval [m/s²]
+  EnergyState energy;
 };
 
 }  // namespace world
@@ -63,8 +65,10 @@ struct World::Impl {
   void verify(world::IntervalContext& interval, const ParticleMotion& motion) const;
   void notify_observer(world::IntervalContext& interval);
   void commit(world::IntervalContext& interval);
+  bool commit_particle(world::IntervalContext& interval, std::size_t i);
   void scatter(world::StepContext& step);
   void finish(world::StepContext& step);
+  void advise_on_energy(world::StepContext& step) const;
 
   ParticleMotion motion_of(world::IntervalContext& interval);
 
