@@ -61,6 +61,13 @@ enum StepFlag : std::uint32_t {
   flag_scatter_mismatch = 1u << 9,
   /// The error of the pressure grew and the relaxation ω was halved: keep support_ratio ≤ 2.2.
   flag_pressure_diverged = 1u << 10,
+  /// The step is too long for fluid.viscosity, even in max_substeps parts, and a smaller viscosity was
+  /// applied:
+  /// raise max_substeps, or lower dt. StepReport::messages has the numbers.
+  flag_viscosity_limited = 1u << 11,
+  /// MCG03: sound and water travel farther than 0.4 H in an interval: raise max_substeps, lower dt or
+  /// stiffness.
+  flag_sound_too_fast = 1u << 12,
 };
 
 /// The names of the bits that are set, each with its remedy.
@@ -152,6 +159,8 @@ struct StepReport {
   double dt = 0;
   /// The number of certified intervals.
   int substeps = 0;
+  /// The number that stability asks for: above `substeps` a flag says which limit is violated.
+  double substeps_needed = 1;
   /// Wall time by stage.
   StageSeconds seconds;
   /// The pressure solver.
