@@ -1,8 +1,10 @@
 /// One coupled step, in order. docs/architecture.md has the table of what each stage reads and writes.
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "core/assert.h"
+#include "fluid/stability.h"
 #include "world/numeric_range.h"
 #include "world/relocation.h"
 #include "world/world_impl.h"
@@ -116,12 +118,34 @@ void World::Impl::remove_invalid_particles(StepContext& step) {
   OILSKIN_ASSERT(all_finite(particles.position) && all_finite(particles.velocity));
 }
 
+/// More parts than max_substeps are needed: which limit it is, with the numbers.
+void World::Impl::report_instability(StepContext& step) const {
+  const FluidSettings& f = fluid_settings;
+  const double part = step.dt / step.report.substeps;
+  if (part <= fluid::longest_viscous_interval(f)) {
+    step.report.flags |= flag_sound_too_fast;
+    return;
+  }
+  step.report.flags |= flag_viscosity_limited;
+  std::ostringstream text;
+  text << "fluid.viscosity " << f.viscosity << " m²/s at dt " << step.dt << " s needs "
+       << world::parts_needed(step.dt, fluid::longest_viscous_interval(f))
+       << " fluid sub-steps; max_substeps is " << f.max_substeps << ", so "
+       << fluid::viscous_step(f, part) / part << " m²/s was applied";
+  step.report.messages.push_back(text.str());
+}
+
 void World::Impl::choose_substeps(StepContext& step) const {
   const double distance = fluid_settings.cfl * fluid_settings.spacing, dt = step.dt;
   const int maximum = fluid_settings.max_substeps;
   const std::vector<SurfaceMotion*>& surfaces = step.surfaces.motion;
   int& count = step.report.substeps;
-  count = maximum > 1 ? world::substep_count(speeds(surfaces, dt, dt), dt, distance, maximum) : 1;
+  const world::Speeds found = speeds(surfaces, dt, dt);
+  double& needed = step.report.substeps_needed;
+  needed = state.particles.size() > 0 || found.fluid > 0 ? stable_parts(found, dt) : 1;
+  count = world::substep_count(found, dt, distance, maximum);
+  count = std::max(count, static_cast<int>(std::min(needed, static_cast<double>(maximum))));
+  if (needed > count) report_instability(step);
   OILSKIN_ASSERT(count >= 1 && count <= maximum);
   step.paths.begin(surfaces, count, dt / count);
 }
