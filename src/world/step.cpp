@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "world/carried_mass.h"
 #include "world/numeric_range.h"
 #include "world/relocation.h"
 #include "world/world_impl.h"
@@ -292,6 +293,8 @@ void World::Impl::scatter(StepContext& step) {
   StageTimer timer(step.report.seconds.gather);
   step.paths.end();
   fluid->record_load(step.dt, step.surfaces.motion);
+  for (world::Attachment* a : step.surfaces.attachment)
+    world::update_carried_mass(step.dt, fluid_settings, *a, step.report);
   world::Attachments::scatter(step.surfaces, step.report);
 }
 
