@@ -258,6 +258,13 @@ struct StepReport {
   Vec3 momentum_gravity = Vec3::Zero();
   /// Energies after the step, and their balance.
   EnergyReport energy;
+  /// The share of the impulses on surfaces that went to the hosts' added masses (SurfaceMotion::added_mass)
+  /// [N s] (C.31). Neither cloth nor water has it: the supports of the surface take it.
+  Vec3 momentum_owed = Vec3::Zero();
+  /// The largest ratio of the mass that a node carries in the next step to its own.
+  double carried_ratio = 0;
+  /// The largest speed p dt/σ [m/s] that the mean load of a node would give to its own mass in a step.
+  double load_speed = 0;
   /// StepFlag bits.
   std::uint32_t flags = 0;
 

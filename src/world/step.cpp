@@ -5,6 +5,7 @@
 
 #include "core/assert.h"
 #include "fluid/stability.h"
+#include "world/carried_mass.h"
 #include "world/numeric_range.h"
 #include "world/relocation.h"
 #include "world/world_impl.h"
@@ -342,6 +343,8 @@ void World::Impl::scatter(StepContext& step) {
   StageTimer timer(step.report.seconds.gather);
   step.paths.end();
   fluid->record_load(step.dt, step.surfaces.motion);
+  for (world::Attachment* a : step.surfaces.attachment)
+    world::update_carried_mass(step.dt, fluid_settings, *a, step.report);
   world::Attachments::scatter(step.surfaces, step.report);
   for (const world::Attachment* a : step.surfaces.attachment)
     step.energy.end_surface(a->motion, step.dt, attachments.before(*a), state.last_dt);
