@@ -33,6 +33,8 @@ struct SurfaceMotion {
   SlipSettings slip;
   /// The slip law of the back; absent = as the front.
   std::optional<SlipSettings> slip_back;
+  /// As SurfaceSettings::smooth.
+  bool smooth = false;
   /// Whether split repulsion may move free nodes. False for hosts that derive velocities from positions, such
   /// as Bullet's position-based solver: there the displacement of a node would add kinetic energy.
   bool nodes_movable = true;
@@ -44,6 +46,9 @@ struct SurfaceMotion {
   std::vector<Vec3> x_t1;
   /// The host's velocities [m/s].
   std::vector<Vec3> velocity;
+  /// With smooth: velocities in which contact left the nodes [m/s]; empty = as `velocity`. The caller
+  /// fills them, as x_t0.
+  std::vector<Vec3> velocity_t0;
   /// [1/kg], ≥ 0; 0 = prescribed: the host decides where the node goes.
   std::vector<double> inverse_mass;
   /// 1 = a prescribed node that contact may hold for an interval (a pin).

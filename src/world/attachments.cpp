@@ -69,6 +69,7 @@ Status set_delta(SurfaceMotion& m, const SurfaceSettings& settings, double r) {
   m.thickness = settings.thickness;
   m.slip = settings.slip;
   m.slip_back = settings.slip_back;
+  m.smooth = settings.smooth;
   m.delta = minimum_separation(settings.thickness, r, m.storage);
   if (settings.thickness >= 4 * m.delta) return {};
   const double per_metre = 4 * minimum_separation(0, 1, m.storage);
@@ -165,6 +166,7 @@ ActiveSurfaces Attachments::gather(double dt, const WorldSettings& world, const 
 Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box) {
   SurfaceMotion& m = a.motion;
   std::swap(m.x_t0, m.x_t1);
+  if (a.settings.smooth) m.velocity_t0 = m.velocity;
   m.added_mass.clear();
   const Gathered gathered = a.host->gather(dt, m);
   if (!gathered.status.ok()) return gathered.status;
@@ -176,12 +178,14 @@ Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box
     if (Status s = set_delta(m, a.settings, max_coordinate(kill_box)); !s.ok()) return s;
     m.id = next_id_++;
     m.x_t0 = m.x_t1;
+    m.velocity_t0.clear();
     a.is_new = true;
     forget_load(a);
   }
   OILSKIN_ASSERT(m.id != 0 && m.delta > 0 && m.x_t0.size() == m.x_t1.size());
   m.slip = a.settings.slip;
   m.slip_back = a.settings.slip_back;
+  m.smooth = a.settings.smooth;
   return {};
 }
 
@@ -236,6 +240,13 @@ void Attachments::roll_back() noexcept {
     // Another mesh may get the id that the step gave to this one.
     if (a.geometry.id != a.motion.id) a.geometry.id = 0;
   }
+}
+
+const SurfaceMotion& Attachments::before(const Attachment& a) const {
+  OILSKIN_ASSERT(saved_.size() == list_.size());
+  std::size_t k = 0;
+  while (list_[k].get() != &a) ++k;
+  return saved_[k].motion;
 }
 
 void ActiveSurfaces::add(Attachment& a) {

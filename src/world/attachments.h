@@ -64,6 +64,8 @@ class Attachments {
   /// Nothing may be attached or detached in between.
   void checkpoint();
   void roll_back() noexcept;
+  /// The motion of an active surface as checkpoint() found it.
+  const SurfaceMotion& before(const Attachment& a) const;
 
   /// Everything but hosts and handles; when reading, into attachments without hosts.
   void visit(Archive& archive);

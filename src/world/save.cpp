@@ -47,21 +47,22 @@ void visit(Archive& archive, std::optional<SlipSettings>& settings) {
 }
 
 void visit(Archive& archive, SurfaceSettings& settings) {
-  auto& [thickness, slip, slip_back, collision_group, collision_mask] = settings;
+  auto& [thickness, slip, slip_back, smooth, collision_group, collision_mask] = settings;
   archive.value(thickness);
   visit(archive, slip);
   visit(archive, slip_back);
-  archive.values(collision_group, collision_mask);
+  archive.values(smooth, collision_group, collision_mask);
 }
 
 void visit(Archive& archive, SurfaceMotion& motion) {
-  auto& [id, triangles, storage, thickness, delta, slip, slip_back, nodes_movable, x_t0, x_t1, velocity,
-         inverse_mass, holdable, added_mass, impulse, moved, carried_mass] = motion;
+  auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, x_t0, x_t1, velocity,
+         velocity_t0, inverse_mass, holdable, added_mass, impulse, moved, carried_mass] = motion;
+  if (archive.reading()) velocity_t0.clear();  // gather() fills it
   archive.values(id, triangles, storage, thickness, delta);
   visit(archive, slip);
   visit(archive, slip_back);
-  archive.values(nodes_movable, x_t0, x_t1, velocity, inverse_mass, holdable, added_mass, impulse, moved,
-                 carried_mass);
+  archive.values(smooth, nodes_movable, x_t0, x_t1, velocity, inverse_mass, holdable, added_mass, impulse,
+                 moved, carried_mass);
 }
 
 /// Beyond it the squares of distances overflow [m].
@@ -221,9 +222,11 @@ Status Attachments::take_hosts(Attachments& from) {
 
 /// Counters come first: ids are checked against them.
 void World::Impl::visit_state(Archive& archive) {
-  auto& [particles, next_particle_id, step_count, interval_count, time, last_dt, max_acceleration] = state;
+  auto& [particles, next_particle_id, step_count, interval_count, time, last_dt, max_acceleration, energy] =
+      state;
   archive.values(next_particle_id, step_count, interval_count, time, last_dt, max_acceleration);
   archive.require(time >= 0 && std::isfinite(time) && last_dt >= 0 && std::isfinite(last_dt), "the time");
+  energy.visit(archive);
   particles.visit(archive);
   if (archive.reading())
     archive.require(are_given(particles.id, next_particle_id), "the ids of the particles");
