@@ -138,6 +138,13 @@ class btFluidCoupling : public btActionInterface {
   /// (default), or that of WorldSettings and World::set_gravity().
   void setUseClothGravity(bool use);
 
+  /// Whether loaded nodes of supported cloth weigh up to a quarter of a layer of the water on them, too,
+  /// where the load would move them by more than a spacing in a step (default; C.29). Off: water on cloth
+  /// that is much lighter falls on until its stored speed is p dt/σ, and may be thrown off.
+  void setCarriesWater(bool carries);
+  /// Whether they do.
+  bool getCarriesWater() const;
+
   /// One coupled step for engines that own their world; call it after stepSimulation(). dt [s] is the time
   /// that the cloth has moved since the last call: Bullet's sub-steps × their length. 0 (no sub-step) does
   /// nothing, and the motion is part of the next step.
@@ -205,6 +212,10 @@ class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
   /// btFluidCoupling::resetMotion().
   void resetMotion(btCollisionObject* object) { m_coupling.resetMotion(object); }
 
+  /// btFluidCoupling::setCarriesWater().
+  void setCarriesWater(bool carries) { m_coupling.setCarriesWater(carries); }
+  /// btFluidCoupling::getCarriesWater().
+  bool getCarriesWater() const { return m_coupling.getCarriesWater(); }
   /// Couples at every n-th of Bullet's sub-steps (n ≥ 1), over the straight line from the last coupling.
   void setCouplingInterval(int n);
   /// The number of Bullet's sub-steps between two couplings.

@@ -39,6 +39,7 @@ void Particles::reserve_more(std::size_t count) {
   reserve_array(motion, count);
   reserve_array(density, count);
   reserve_array(pressure, count);
+  reserve_array(spare_load, count);
 }
 
 void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density) {
@@ -49,6 +50,7 @@ void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, do
   motion.push_back(v);  // it has not moved yet
   density.push_back(rest_density);
   pressure.push_back(0);
+  spare_load.push_back(Vec3::Zero());
 }
 
 void Particles::compress(Span<const std::uint8_t> keep) {
@@ -58,6 +60,7 @@ void Particles::compress(Span<const std::uint8_t> keep) {
   compress_array(motion, keep);
   compress_array(density, keep);
   compress_array(pressure, keep);
+  compress_array(spare_load, keep);
   compress_array(id, keep);
   OILSKIN_ASSERT(position.size() == size() && velocity.size() == size() && motion.size() == size());
   OILSKIN_ASSERT(density.size() == size() && pressure.size() == size());
@@ -73,14 +76,15 @@ void Particles::permute(Span<const std::uint32_t> order) {
   permute_array(motion, order, vectors);
   permute_array(density, order, scalars);
   permute_array(pressure, order, scalars);
+  permute_array(spare_load, order, vectors);
   permute_array(id, order, ids);
 }
 
 void Particles::visit(Archive& archive) {
-  archive.values(id, position, velocity, motion, density, pressure);
+  archive.values(id, position, velocity, motion, density, pressure, spare_load);
   const std::size_t n = id.size();
   archive.require(position.size() == n && velocity.size() == n && motion.size() == n && density.size() == n &&
-                      pressure.size() == n,
+                      pressure.size() == n && spare_load.size() == n,
                   "the number of particles");
   if (!archive.reading()) return;
   for (const Vec3& u : motion) archive.require(u.allFinite(), "the motion of a particle");

@@ -64,6 +64,13 @@ enum StepFlag : std::uint32_t {
   /// Energy was made (EnergyReport::risen above energy_made_limit of its scale): StepReport::messages names
   /// the cause and a step or a mass of the cloth that avoids it.
   flag_energy_made = 1u << 13,
+  /// The step is too long for fluid.viscosity, even in max_substeps parts, and a smaller viscosity was
+  /// applied:
+  /// raise max_substeps, or lower dt. StepReport::messages has the numbers.
+  flag_viscosity_limited = 1u << 11,
+  /// MCG03: sound and water travel farther than 0.4 H in an interval: raise max_substeps, lower dt or
+  /// stiffness.
+  flag_sound_too_fast = 1u << 12,
 };
 
 /// EnergyReport::risen over its scale above which flag_energy_made is set. Impacts that are resolved make
@@ -215,6 +222,8 @@ struct StepReport {
   double dt = 0;
   /// The number of certified intervals.
   int substeps = 0;
+  /// The number that stability asks for: above `substeps` a flag says which limit is violated.
+  double substeps_needed = 1;
   /// Wall time by stage.
   StageSeconds seconds;
   /// The pressure solver.
@@ -249,6 +258,13 @@ struct StepReport {
   Vec3 momentum_gravity = Vec3::Zero();
   /// Energies after the step, and their balance.
   EnergyReport energy;
+  /// The share of the impulses on surfaces that went to the hosts' added masses (SurfaceMotion::added_mass)
+  /// [N s] (C.31). Neither cloth nor water has it: the supports of the surface take it.
+  Vec3 momentum_owed = Vec3::Zero();
+  /// The largest ratio of the mass that a node carries in the next step to its own.
+  double carried_ratio = 0;
+  /// The largest speed p dt/σ [m/s] that the mean load of a node would give to its own mass in a step.
+  double load_speed = 0;
   /// StepFlag bits.
   std::uint32_t flags = 0;
 

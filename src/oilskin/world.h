@@ -127,9 +127,10 @@ class World {
 
   // --- the step
   /// One coupled step of dt [s], 1e-12 … 1e6. A refusal (another dt, settings out of range) changes nothing,
-  /// and report.status says why. If a displacement exceeds fluid.cfl spacings, the step is cut into up to
-  /// fluid.max_substeps intervals, each with its own certificate; surfaces move on straight lines through
-  /// them to the positions that their hosts propose for the end of the step.
+  /// and report.status says why. If a displacement exceeds fluid.cfl spacings, or the step is too long for
+  /// fluid.viscosity or for mcg03's speed of sound, it is cut into up to fluid.max_substeps intervals, each
+  /// with its own certificate; surfaces move on straight lines through them to the positions that their hosts
+  /// propose for the end of the step.
   const StepReport& step(double dt);
   /// The longest accurate next step, 0 < dt ≤ `largest` [s] (F.45); longer steps have no crossing either. It
   /// is the minimum of
@@ -139,7 +140,9 @@ class World {
   ///   - 0.25 √(H/a) × max_substeps, with the largest acceleration a by pressure, viscosity and gravity in
   ///   the last
   ///     interval;
-  ///   - 0.035 H²/ν (of the lattice; [Morris1997] has 0.125), and with mcg03 0.4 H/(√k + v).
+  ///   - 0.035 H²/ν × max_substeps (of the lattice; [Morris1997] has 0.125; less beside XSPH, (F.75)), and
+  ///   with
+  ///     mcg03 0.4 H/(√k + v) × max_substeps.
   double suggested_dt(double largest) const;
   /// The report of the last step.
   const StepReport& report() const;

@@ -1,8 +1,11 @@
 /// One coupled step, in order. docs/architecture.md has the table of what each stage reads and writes.
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "core/assert.h"
+#include "fluid/stability.h"
+#include "world/carried_mass.h"
 #include "world/numeric_range.h"
 #include "world/relocation.h"
 #include "world/world_impl.h"
@@ -83,8 +86,11 @@ void World::Impl::run_interval(IntervalContext& interval) {
                         step.surfaces.topology, seconds);
   predict_contacts(interval, pass);  // bounds for the pressure solver
   propose_motion(interval);          // pressure, viscosity → x_t1
-  pass.solve();                      // impulses, impacts, zones → certificate
-  verify(interval, motion);          // an independent check, when asked for
+  pass.set_start_velocity(state.particles.velocity);
+  if (fluid_settings.boundary == BoundaryModel::mirrored)
+    pass.set_wall_impulses(fluid->wall_impulses(), state.particles.spare_load);
+  pass.solve();              // impulses, impacts, zones → certificate
+  verify(interval, motion);  // an independent check, when asked for
   notify_observer(interval);
   commit(interval);  // no live particle has moved since the certificate
   step.contacts = pass.take_contacts();
@@ -113,12 +119,34 @@ void World::Impl::remove_invalid_particles(StepContext& step) {
   OILSKIN_ASSERT(all_finite(particles.position) && all_finite(particles.velocity));
 }
 
+/// More parts than max_substeps are needed: which limit it is, with the numbers.
+void World::Impl::report_instability(StepContext& step) const {
+  const FluidSettings& f = fluid_settings;
+  const double part = step.dt / step.report.substeps;
+  if (part <= fluid::longest_viscous_interval(f)) {
+    step.report.flags |= flag_sound_too_fast;
+    return;
+  }
+  step.report.flags |= flag_viscosity_limited;
+  std::ostringstream text;
+  text << "fluid.viscosity " << f.viscosity << " m²/s at dt " << step.dt << " s needs "
+       << world::parts_needed(step.dt, fluid::longest_viscous_interval(f))
+       << " fluid sub-steps; max_substeps is " << f.max_substeps << ", so "
+       << fluid::viscous_step(f, part) / part << " m²/s was applied";
+  step.report.messages.push_back(text.str());
+}
+
 void World::Impl::choose_substeps(StepContext& step) const {
   const double distance = fluid_settings.cfl * fluid_settings.spacing, dt = step.dt;
   const int maximum = fluid_settings.max_substeps;
   const std::vector<SurfaceMotion*>& surfaces = step.surfaces.motion;
   int& count = step.report.substeps;
-  count = maximum > 1 ? world::substep_count(speeds(surfaces, dt, dt), dt, distance, maximum) : 1;
+  const world::Speeds found = speeds(surfaces, dt, dt);
+  double& needed = step.report.substeps_needed;
+  needed = state.particles.size() > 0 || found.fluid > 0 ? stable_parts(found, dt) : 1;
+  count = world::substep_count(found, dt, distance, maximum);
+  count = std::max(count, static_cast<int>(std::min(needed, static_cast<double>(maximum))));
+  if (needed > count) report_instability(step);
   OILSKIN_ASSERT(count >= 1 && count <= maximum);
   step.paths.begin(surfaces, count, dt / count);
 }
@@ -315,6 +343,8 @@ void World::Impl::scatter(StepContext& step) {
   StageTimer timer(step.report.seconds.gather);
   step.paths.end();
   fluid->record_load(step.dt, step.surfaces.motion);
+  for (world::Attachment* a : step.surfaces.attachment)
+    world::update_carried_mass(step.dt, fluid_settings, *a, step.report);
   world::Attachments::scatter(step.surfaces, step.report);
   for (const world::Attachment* a : step.surfaces.attachment)
     step.energy.end_surface(a->motion, step.dt, attachments.before(*a), state.last_dt);

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "core/hash.h"
+#include "world/carried_mass.h"
 #include "world/numeric_range.h"
 #include "world/world_impl.h"
 
@@ -86,7 +87,10 @@ const SurfaceMotion* World::surface(SurfaceId id) const {
 
 void World::reset_motion(SurfaceId id) {
   // A refused surface remains refused until its next gather: its present motion is invalid.
-  if (world::Attachment* a = impl_->attachments.find(id.value)) a->teleported = true;
+  world::Attachment* a = impl_->attachments.find(id.value);
+  if (!a) return;
+  a->teleported = true;
+  world::forget_load(*a);
 }
 
 Status World::set_slip(SurfaceId id, const SlipSettings& slip) {

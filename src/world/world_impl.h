@@ -57,6 +57,7 @@ struct World::Impl {
   void gather(world::StepContext& step);
   void remove_invalid_particles(world::StepContext& step);
   void choose_substeps(world::StepContext& step) const;
+  void report_instability(world::StepContext& step) const;
   void run_interval(world::IntervalContext& interval);
   void emit(world::IntervalContext& interval);
   void predict_motion(world::IntervalContext& interval) const;
@@ -82,6 +83,7 @@ struct World::Impl {
 
   // How long it may be (time_step.cpp)
   world::Speeds speeds(Span<SurfaceMotion* const> moved, double moved_for, double dt) const;
+  double stable_parts(const world::Speeds& found, double dt) const;
   double longest_dt(double largest) const;
 };
 
