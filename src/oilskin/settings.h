@@ -45,10 +45,12 @@ struct FluidSettings {
   int min_iterations = 3;
   /// PCISPH, DFSPH: ≥ min_iterations. A step that reaches it is counted.
   int max_iterations = 50;
-  /// MCG03: k [m²/s²], > 0. The speed of sound is √k, so dt ≤ 0.4 H/(√k + v). A longer step lowers k to
-  /// (0.4 H/dt)².
+  /// MCG03: k [m²/s²], > 0. The speed of sound is √k, so a step longer than 0.4 H/(√k + v) is cut into fluid
+  /// sub-steps. A longer sub-step sets flag_sound_too_fast; one above 0.4 H/√k lowers k to (0.4 H/dt)².
   double stiffness = 4;
-  /// The kinematic viscosity ν [m²/s], ≥ 0; 0 = none. Explicit: dt ≤ 0.035 H²/ν.
+  /// The kinematic viscosity ν [m²/s], ≥ 0; 0 = none. Explicit: a step longer than 0.035 H²/ν is cut into
+  /// fluid sub-steps. Where max_substeps does not allow as many, the viscosity is limited to what is stable,
+  /// with flag_viscosity_limited.
   double viscosity = 1e-6;
   /// The XSPH smoothing rate ν_x [1/s], ≥ 0; its factor per step is 1 − exp(−ν_x dt); 0 = none.
   double xsph_rate = 10;
@@ -62,6 +64,7 @@ struct FluidSettings {
   /// The largest displacement within a fluid sub-step, in spacings, > 0.
   double cfl = 0.4;
   /// The largest number of fluid sub-steps of a step, 1 … 1000; each is an interval with its own certificate.
+  /// Displacements (cfl), viscosity and the speed of sound (mcg03) ask for them.
   int max_substeps = 1;
   /// The fluid touches surfaces whose collision_mask has a bit of this group …
   std::uint32_t collision_group = 1;

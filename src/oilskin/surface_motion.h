@@ -53,12 +53,21 @@ struct SurfaceMotion {
   std::vector<double> inverse_mass;
   /// 1 = a prescribed node that contact may hold for an interval (a pin).
   std::vector<std::uint8_t> holdable;
+  /// The part of `carried_mass` that the host adds to the node for this interval [kg], less than
+  /// 1/inverse_mass; empty = none. `inverse_mass` is then 1/(own + added mass).
+  std::vector<double> added_mass;
 
   // --- output of contact, with x_t1 and velocity as corrected
   /// The sum of the impulses given to each node [N s]; at prescribed nodes the reaction.
   std::vector<Vec3> impulse;
   /// 1 = contact changed x_t1 of the node.
   std::vector<std::uint8_t> moved;
+
+  // --- output of the world for the host's next gather()
+  /// The mass of water that a free node carries under its load [kg], ≥ 0 (C.29); empty = none. A host whose
+  /// constraints stop a loaded node within a step, whatever its load, may answer with `added_mass`: then the
+  /// load moves the node no farther than such constraints can bring it back. To ignore it changes nothing.
+  std::vector<double> carried_mass;
 
   /// The slip law of one side.
   const SlipSettings& slip_on(bool back) const { return back && slip_back ? *slip_back : slip; }

@@ -10,8 +10,15 @@ namespace oilskin::world {
 int substep_count(const Speeds& speeds, double dt, double distance, int maximum) {
   OILSKIN_ASSERT(dt > 0 && distance > 0 && maximum >= 1);
   const double fluid = speeds.fluid + speeds.gravity * dt;
-  const double parts = std::ceil(dt * std::max(fluid, speeds.surfaces) / distance);
+  const double by_speed = std::ceil(dt * std::max(fluid, speeds.surfaces) / distance);
+  const double by_change = parts_needed(dt, longest_step({speeds.fluid, speeds.change, 0, 0}, distance));
+  const double parts = std::max(by_speed, by_change);
   return parts < maximum ? std::max(1, static_cast<int>(parts)) : maximum;
+}
+
+double parts_needed(double dt, double longest) {
+  OILSKIN_ASSERT(dt > 0 && longest >= 0);
+  return std::max(1.0, std::ceil(dt / longest * (1 - 1e-12)));
 }
 
 double longest_step(const Speeds& speeds, double distance) {

@@ -335,6 +335,7 @@ void describe(Fields& f, Scene& s) {
   f.boolean("adaptive_dt", s.adaptive_dt);
   f.number("min_dt", s.min_dt, {0, 1000, true});
   f.number("duration", s.duration, between(0, 1e6));
+  f.integer("series_every", s.series_every, between(0, 1e9));
   f.unsigned_integer("seed", s.seed);
   f.vec3("gravity", s.world.gravity);
   f.object("fluid", [&](Fields& g) { describe(g, s.fluid); });
