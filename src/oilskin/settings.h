@@ -33,7 +33,7 @@ struct FluidSettings {
   double spacing = 0.005;
   /// The rest density ρ0 [kg/m³], 1e-6 … 1e9.
   double rest_density = 1000;
-  /// Support radius over spacing, H/dx, 1.5 … 4. The relaxation ω of PCISPH decreases as it grows.
+  /// Support radius over spacing, H/dx, 1.5 … 4, with mirrored walls 1.5 … 2.5. PCISPH's ω falls as it grows.
   double support_ratio = 2;
   /// The pressure solver.
   PressureSolver solver = PressureSolver::pcisph;

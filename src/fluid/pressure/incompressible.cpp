@@ -28,7 +28,8 @@ constexpr double min_correction_time = 0.04, correction_time_at_walls = 0.2;
 struct Settled {
   double ratio, volume;
 };
-constexpr Settled settled[] = {{1.6, 1.027}, {1.8, 1.001}, {2, 0.994}, {2.2, 0.989}, {2.5, 0.978}};
+constexpr Settled settled[] = {{1.5, 1.062}, {1.6, 1.027}, {1.8, 1.001},
+                               {2, 0.994},   {2.2, 0.989}, {2.5, 0.978}};
 
 double settled_volume_ratio(double ratio) {
   if (ratio <= settled[0].ratio) return settled[0].volume;
@@ -62,6 +63,7 @@ IncompressibleFluid::IncompressibleFluid(const FluidSettings& s)
   stiffness = scale * pcisph_stiffness<Kernel>(ratio) / (ratio * ratio);
   max_relaxation = pcisph_relaxation<Kernel>(ratio);
   wall_scale = 1 / density_scale;
+  virial = settled_virial<Kernel>(s.support_ratio);
   OILSKIN_ASSERT(volume > 0 && stiffness > 0 && max_relaxation > 0 && max_relaxation <= 1);
 }
 
@@ -71,7 +73,7 @@ IncompressibleSums IncompressibleFluid::sums(double dt) const {
 }
 
 double IncompressibleFluid::phi_per_pascal(double dt) const {
-  const double forces_over_masses = volume / settled_volume;
+  const double forces_over_masses = volume / (settled_volume * virial);
   return forces_over_masses * dt * dt * static_cast<double>(density_scale) /
          (settings.rest_density * support_radius * support_radius);
 }

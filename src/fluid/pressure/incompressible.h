@@ -41,6 +41,7 @@ struct IncompressibleFluid {
   float self_density;     // D w(0)
   double stiffness;       // τ: change of φ per relative density error (F.17)
   double max_relaxation;  // ω (F.22)
+  double virial;          // pressure of settled water over φ of (F.15)
   float wall_scale;       // 1/D: displacement by a wall in units of H per φ γ (F.16)
 
   IncompressibleSums sums(double dt) const;
