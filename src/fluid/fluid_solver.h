@@ -50,7 +50,7 @@ class FluidSolver {
   ///
   /// Particles that were appended since prepare() take no part, and nothing of them changes.
   void propose(double dt, const Vec3& gravity, Particles& particles, Span<const PredictionContact> contacts,
-               Span<Vec3> velocity, FluidReport& report, StageSeconds& seconds);
+               Span<Vec3> velocity, Span<Vec3> shift, FluidReport& report, StageSeconds& seconds);
 
   /// For a step that may fail: checkpoint() copies what is kept from step to step, roll_back() restores it.
   void checkpoint();

@@ -143,6 +143,7 @@ void PointWalls::add(const NearTriangle& near, const WallView& view) {
   wall.weight = {static_cast<float>(near.closest.weights[0]), static_cast<float>(near.closest.weights[1])};
   wall.gamma = image_.gamma(view.distance, view.share) * view.normal;
   wall.lambda = image_.lambda(view.distance, view.share);
+  wall.distance = view.distance;
   // At cloth that follows the fluid the hydrostatic correction would feed oscillations
   // (docs/theory/boundary.md 6).
   wall.depth = has_free_node(near) ? 0 : -view.distance * view.normal.dot(input_.down.cast<float>());

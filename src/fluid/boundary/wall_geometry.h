@@ -51,7 +51,8 @@ struct Wall {
   std::array<float, 2> weight{};  ///< barycentric, of corners 0 and 1 of the closest point
   Eigen::Vector3f gamma = Eigen::Vector3f::Zero();
   float lambda = 0;
-  float depth = 0;  ///< d_T (B.15): how much deeper than the particle the wall lies [H]; 0 for free nodes
+  float distance = 0;  ///< to the plane of the triangle [H]
+  float depth = 0;     ///< d_T (B.15): how much deeper than the particle the wall lies [H]; 0 for free nodes
 
   /// b_c of a corner.
   double share(int corner) const {
