@@ -136,6 +136,10 @@ void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
   state.previous_dt = dt;
 }
 
+Span<const contact::WallImpulse> FluidSolver::wall_impulses() const {
+  return impl_->state.boundary.wall_impulses();
+}
+
 void FluidSolver::checkpoint() {
   impl_->saved_previous_dt = impl_->state.previous_dt;
   impl_->saved_model = impl_->model->memory();
@@ -174,7 +178,7 @@ void FluidSolver::Impl::load(const Particles& particles) {
 void FluidSolver::Impl::finish(Particles& particles, Span<Vec3> velocity, Span<Vec3> shift) {
   state.for_each([&](std::size_t i) {
     velocity[i] = particles.velocity[i] + state.dv[i];
-    shift[i] = state.shift[i];
+    if (!shift.empty()) shift[i] = state.shift[i];
     particles.density[i] = settings.rest_density * static_cast<double>(state.relative_density[i]);
   });
 }
