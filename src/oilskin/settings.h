@@ -37,10 +37,10 @@ struct FluidSettings {
   double support_ratio = 2;
   /// The pressure solver.
   PressureSolver solver = PressureSolver::pcisph;
-  /// PCISPH, DFSPH: the mean positive density error, relative, at which the iterations end, ≥ 0.
+  /// PCISPH, DFSPH: the mean density error, relative, that the position correction leaves, ≥ 0.
   double tolerance = 1e-3;
-  /// DFSPH: the mean compression beyond ρ0 per step, relative, at which the divergence iterations end, ≥ 0.
-  double divergence_tolerance = 1e-3;
+  /// PCISPH, DFSPH: the mean compression per step, relative, at which the pressure iterations end, ≥ 0.
+  double divergence_tolerance = 1e-4;
   /// PCISPH, DFSPH: ≥ 1.
   int min_iterations = 3;
   /// PCISPH, DFSPH: ≥ min_iterations. A step that reaches it is counted.

@@ -1,8 +1,11 @@
 // What a run writes, and how it ends.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <map>
+#include <sstream>
 
 #include "app/program.h"
 
@@ -18,8 +21,8 @@ TEST(Output, the_report_has_every_key_of_the_format) {
   const auto report = report_of(folder.write("small.json", small), "", {});
   for (const char* key :
        {"scene", "settings", "machine", "steps", "substeps", "simulated_seconds", "wall_seconds", "seconds",
-        "particles", "contact", "density_error", "pressure_iterations", "momentum", "mass", "state_hash",
-        "peak_memory_bytes", "acceptance"})
+        "particles", "contact", "density_error", "pressure_iterations", "momentum", "mass", "energy",
+        "state_hash", "peak_memory_bytes", "acceptance"})
     EXPECT_TRUE(report.contains(key)) << key;
   for (const char* key : {"cloth", "neighbours", "occlusion", "boundary", "pressure", "other_fluid",
                           "proximity", "impulses", "ccd", "zones", "effects", "surface", "output", "verify"})
@@ -42,6 +45,55 @@ TEST(Output, settings_in_the_report_run_to_the_same_state) {
   const auto again = report_of(folder.write("b.json", first["settings"].dump()), "", {});
   EXPECT_EQ(first["state_hash"], again["state_hash"]);
   EXPECT_EQ(first["settings"], again["settings"]);
+}
+
+/// The columns of series.csv by name.
+std::map<std::string, std::vector<double>> read_series(const std::string& text) {
+  std::istringstream in(text);
+  std::string line, word;
+  std::getline(in, line);
+  std::vector<std::string> names;
+  for (std::istringstream head(line); std::getline(head, word, ',');) names.push_back(word);
+  std::map<std::string, std::vector<double>> columns;
+  while (std::getline(in, line)) {
+    std::size_t k = 0;
+    for (std::istringstream row(line); std::getline(row, word, ','); ++k)
+      columns[names.at(k)].push_back(std::stod(word));
+    EXPECT_EQ(k, names.size());
+  }
+  return columns;
+}
+
+TEST(Output, the_series_has_the_numbers_of_the_report_and_the_impulses_of_the_ledger) {
+  for (const char* every : {"1", "5", "0"}) {
+    const Folder folder;
+    oilskin({"run", folder.write("small.json", small), "--quiet", "--no-render", "--frames-per-second", "0",
+             "--out", folder.path(), "--duration", "0.2", "--set", std::string("series_every=") + every});
+    const auto report = nlohmann::json::parse(folder.read("report.json"));
+    if (*every == '0') {
+      EXPECT_FALSE(std::filesystem::exists(folder.path("series.csv")));
+      continue;
+    }
+    const auto series = read_series(folder.read("series.csv"));
+    const std::size_t rows = series.at("time").size();
+    EXPECT_EQ(rows, *every == '1' ? 100u : 20u);
+    EXPECT_NEAR(series.at("time").back(), 0.2, 1e-8);
+    const auto& energy = report["energy"];
+    EXPECT_NEAR(series.at("energy_made").back(), energy["made"].get<double>(),
+                1e-8 * energy["scale"].get<double>());
+    EXPECT_NEAR(series.at("water_kinetic").back(), energy["water_kinetic"].get<double>(), 1e-8);
+    double given = 0, iterations = 0;
+    for (std::size_t k = 0; k < rows; ++k) {
+      given += series.at("cloth_0_force_y")[k] * 0.2 / static_cast<double>(rows);
+      iterations += series.at("iterations")[k];
+    }
+    const auto& momentum = report["momentum"];
+    const double expected =
+        momentum["to_free_nodes"][1].get<double>() + momentum["to_prescribed_nodes"][1].get<double>();
+    EXPECT_LT(expected, 0);
+    EXPECT_NEAR(given, expected, 1e-8 * std::abs(expected));
+    EXPECT_NEAR(iterations, 100 * report["pressure_iterations"].get<double>(), 1e-6);
+  }
 }
 
 TEST(Output, options_reach_the_settings) {

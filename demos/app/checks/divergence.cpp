@@ -16,13 +16,14 @@ class Divergence : public Check {
   std::vector<CheckResult> results(const RunEnd& end) override {
     const Totals& t = end.totals;
     const double steps = static_cast<double>(std::max<std::uint64_t>(1, t.steps));
-    return {at_most("energy_made", std::max(t.max_made_fraction, t.max_risen_fraction), energy_made_),
+    const double made = ratio(std::max(t.max_made, t.max_risen), t.energy.scale);
+    return {at_most("energy_made", made, energy_made_),
             at_most("diverged_steps", static_cast<double>(t.diverged_steps) / steps, diverged_steps_),
             at_most("lost_too_fast", static_cast<double>(t.removed_too_fast), 0)};
   }
 
  private:
-  double energy_made_ = 0.1;      // of the scale of energies
+  double energy_made_ = 0.1;      // of the scale of energies at the end
   double diverged_steps_ = 0.05;  // fraction of the steps whose pressure loop grew
 };
 

@@ -26,6 +26,8 @@ void Totals::add(const StepReport& r) {
   momentum_scale += r.momentum_emitted.norm() + r.momentum_removed.norm() + r.momentum_gravity.norm() +
                     r.contact.impulse_on_free_nodes.norm() + r.contact.impulse_on_prescribed.norm();
   energy = r.energy;
+  max_made = std::max(max_made, r.energy.made);
+  max_risen = std::max(max_risen, r.energy.risen);
   max_made_fraction = std::max(max_made_fraction, r.energy.made_fraction());
   removed_too_fast += r.removed_too_fast;
   if ((r.flags & flag_pressure_diverged) != 0) ++diverged_steps;

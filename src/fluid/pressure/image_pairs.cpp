@@ -48,19 +48,25 @@ void for_image_pairs(StepState& state, const Add& add) {
   });
 }
 
-}  // namespace
-
-void add_image_slopes(StepState& state) {
-  for_image_pairs(state, [&](std::uint32_t i, std::uint32_t k, float slope, const Eigen::Vector3f&) {
-    state.slope[i / Neighbours::chunk_size][state.neighbours.pair_begin(i) + k] += slope;
-  });
+void add_to_gradient(StepState& state, std::uint32_t i, std::uint32_t k, float slope,
+                     const Eigen::Vector3f& delta) {
+  float* at = state.slope[i / Neighbours::chunk_size].data() + 3 * state.neighbours.pair_begin(i) +
+              12 * (k / 4) + k % 4;
+  for (int c = 0; c < 3; ++c) at[4 * c] += slope * delta[c];
 }
+
+}  // namespace
 
 void add_image_gradients(StepState& state) {
   for_image_pairs(state, [&](std::uint32_t i, std::uint32_t k, float slope, const Eigen::Vector3f& delta) {
-    float* at = state.slope[i / Neighbours::chunk_size].data() + 3 * state.neighbours.pair_begin(i) +
-                12 * (k / 4) + k % 4;
-    for (int c = 0; c < 3; ++c) at[4 * c] += slope * delta[c];
+    add_to_gradient(state, i, k, slope, delta);
+  });
+}
+
+void add_image_gradients(StepState& state, GradientCorrection& correction, float scale) {
+  for_image_pairs(state, [&](std::uint32_t i, std::uint32_t k, float slope, const Eigen::Vector3f& delta) {
+    add_to_gradient(state, i, k, slope, delta);
+    correction.add(i, slope, delta, scale);
   });
 }
 

@@ -7,13 +7,14 @@
 /// image of i does to j, so it is a pair term of i and j.
 #pragma once
 
+#include "fluid/pressure/gradient_correction.h"
 #include "fluid/pressure/step_state.h"
 
 namespace oilskin::fluid {
 
-/// Adds f_ij (B.32) to the stored slopes w'/q of the pairs at walls.
-void add_image_slopes(StepState& state);
-/// Adds f_ij Δ_ij to stored gradients, three per pair in blocks of four pairs.
+/// Adds f_ij Δ_ij (B.32) to the stored gradients of the pairs at walls, three per pair in blocks of four pairs.
 void add_image_gradients(StepState& state);
+/// Adds also f_ij Δ_ij ⊗ Δ_ij to the moments from which gradients are corrected; `scale` is D.
+void add_image_gradients(StepState& state, GradientCorrection& correction, float scale);
 
 }  // namespace oilskin::fluid
