@@ -48,11 +48,18 @@ void for_image_pairs(StepState& state, const Add& add) {
   });
 }
 
+/// Also to the particle's sums, from which the step of its pressure follows.
 void add_to_gradient(StepState& state, std::uint32_t i, std::uint32_t k, float slope,
                      const Eigen::Vector3f& delta) {
   float* at = state.slope[i / Neighbours::chunk_size].data() + 3 * state.neighbours.pair_begin(i) +
               12 * (k / 4) + k % 4;
-  for (int c = 0; c < 3; ++c) at[4 * c] += slope * delta[c];
+  const Eigen::Vector3f before(at[0], at[4], at[8]), change = slope * delta, after = before + change;
+  for (int c = 0; c < 3; ++c) at[4 * c] = after[c];
+  Record& sum = state.gradient[i];
+  sum.x += change.x();
+  sum.y += change.y();
+  sum.z += change.z();
+  sum.w += after.squaredNorm() - before.squaredNorm();
 }
 
 }  // namespace
