@@ -172,6 +172,14 @@ void btFluidCoupling::setUseClothGravity(bool use) {
   m_impl->use_cloth_gravity = use;
 }
 
+void btFluidCoupling::setCarriesWater(bool carries) {
+  m_impl->carries_water = carries;
+}
+
+bool btFluidCoupling::getCarriesWater() const {
+  return m_impl->carries_water;
+}
+
 const StepReport& btFluidCoupling::couple(double dt, bool updateNormals) {
   BT_PROFILE("oilskin::step");
   if (!m_impl->fluid)
@@ -181,8 +189,11 @@ const StepReport& btFluidCoupling::couple(double dt, bool updateNormals) {
   const Status gravity = m_impl->follow_gravity();
   if (!gravity.ok()) return m_impl->refuse(gravity.message);
   m_impl->refused = StepReport();
-  for (Attachment& a : m_impl->attachments)
-    if (a.soft) a.soft->set_update_normals(updateNormals);
+  for (Attachment& a : m_impl->attachments) {
+    if (!a.soft) continue;
+    a.soft->set_update_normals(updateNormals);
+    a.soft->set_carries_water(m_impl->carries_water);
+  }
   return m_impl->world()->step(dt);
 }
 

@@ -23,6 +23,7 @@ struct btFluidCoupling::Impl {
   btFluid* fluid = nullptr;
   std::vector<Attachment> attachments;
   bool use_cloth_gravity = true;
+  bool carries_water = true;
   StepReport refused;  // returned by step() if World::step was not called
 
   World* world() const { return fluid ? &fluid->getWorld() : nullptr; }

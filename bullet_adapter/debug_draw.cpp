@@ -19,7 +19,7 @@ btVector3 color_of(double speed) {
 void draw_particles(const World& world, btIDebugDraw* drawer) {
   const double length = 0.5 * world.fluid_settings().spacing;
   for (std::size_t i = 0; i < world.particle_count(); ++i) {
-    const Vec3 x = world.positions()[i], v = world.velocities()[i];
+    const Vec3 x = world.positions()[i], v = world.motions()[i];
     const double speed = v.norm();
     const Vec3 tail = x - length * (speed > 0 ? Vec3(v / speed) : Vec3(Vec3::UnitY()));
     drawer->drawLine(to_bt(x), to_bt(tail), color_of(speed));

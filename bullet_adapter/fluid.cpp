@@ -65,7 +65,7 @@ btVector3 btFluid::getPosition(int i) const {
 
 btVector3 btFluid::getVelocity(int i) const {
   btAssert(i >= 0 && i < getNumParticles());
-  return to_bt(m_world->velocities()[static_cast<std::size_t>(i)]);
+  return to_bt(m_world->motions()[static_cast<std::size_t>(i)]);
 }
 
 void btFluid::copyPositions(float* out, int strideBytes) const {
@@ -73,7 +73,7 @@ void btFluid::copyPositions(float* out, int strideBytes) const {
 }
 
 void btFluid::copyVelocities(float* out, int strideBytes) const {
-  copy_strided(m_world->velocities(), out, strideBytes);
+  copy_strided(m_world->motions(), out, strideBytes);
 }
 
 }  // namespace oilskin::bullet

@@ -1,5 +1,7 @@
 #include "soft_body_host.h"
 
+#include <BulletSoftBody/btSoftBodySolvers.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,6 +20,20 @@ bool finite(const btVector3& v) {
 /// The owner moves a body whose simulation is disabled, whatever its masses are.
 bool is_simulated(const btSoftBody& body) {
   return body.getActivationState() != DISABLE_SIMULATION;
+}
+
+/// By a pin, an anchor, or a contact with a collision object in Bullet's last sub-step.
+bool is_supported(const btSoftBody& body) {
+  if (body.m_anchors.size() > 0 || body.m_rcontacts.size() > 0) return true;
+  for (int i = 0; i < body.m_nodes.size(); ++i)
+    if (body.m_nodes[i].m_im == 0) return true;
+  return false;
+}
+
+/// Without the mass that was added.
+double own_mass(const SurfaceMotion& motion, std::size_t contact_node) {
+  const double mass = 1 / motion.inverse_mass[contact_node];
+  return motion.added_mass.empty() ? mass : mass - motion.added_mass[contact_node];
 }
 
 }  // namespace
@@ -166,6 +182,26 @@ std::vector<Vec3> SoftBodyHost::common_velocities() const {
   return velocity;
 }
 
+/// Bullet's position solver satisfies links whatever the masses are; the solvers of deformable bodies do not.
+/// Clusters are moved by impulses.
+bool SoftBodyHost::may_add_mass() const {
+  const btSoftBodySolver* solver = body_->getSoftBodySolver();
+  return carries_water_ && solver && solver->getSolverType() == btSoftBodySolver::DEFAULT_SOLVER &&
+         body_->m_clusters.size() == 0 && is_supported(*body_);
+}
+
+void SoftBodyHost::add_carried_mass(SurfaceMotion& motion) const {
+  const std::vector<double>& carried = motion.carried_mass;
+  if (carried.size() != contact_nodes_ || !may_add_mass()) return;
+  const auto is_carried = [&](std::size_t c) { return motion.inverse_mass[c] > 0 && carried[c] > 0; };
+  for (std::size_t c = 0; c < contact_nodes_; ++c) {
+    if (!is_carried(c)) continue;
+    if (motion.added_mass.empty()) motion.added_mass.assign(contact_nodes_, 0);
+    motion.added_mass[c] = carried[c];
+    motion.inverse_mass[c] = 1 / (1 / motion.inverse_mass[c] + carried[c]);
+  }
+}
+
 Gathered SoftBodyHost::gather(double dt, SurfaceMotion& motion) {
   Gathered result;
   result.status = check();
@@ -186,6 +222,7 @@ Gathered SoftBodyHost::gather(double dt, SurfaceMotion& motion) {
       for (std::uint32_t& node : t) node = contact_node_[node];
   }
   fill(teleported ? 0 : dt, motion);
+  if (!teleported) add_carried_mass(motion);
   forget_motion_ = false;
   return result;
 }
@@ -224,7 +261,7 @@ void SoftBodyHost::scatter(SurfaceMotion& motion) {
     const std::uint32_t c = contact_node_[i];
     any_moved |= scatter_node(i, velocity[c], motion);
     const double fraction = motion.inverse_mass[c] > 0 && copies_[c] > 1
-                                ? motion.inverse_mass[c] / static_cast<double>(node(i).m_im)
+                                ? 1 / (own_mass(motion, c) * static_cast<double>(node(i).m_im))
                                 : 1.0 / copies_[c];
     node_impulse_[i] = fraction * motion.impulse[c];
     any_impulse |= motion.inverse_mass[c] > 0 && !motion.impulse[c].isZero(0);

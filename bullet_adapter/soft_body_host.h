@@ -33,6 +33,10 @@ class SoftBodyHost : public SurfaceHost {
   void forget_motion() { forget_motion_ = true; }
   /// Should scatter update the normals if it moved nodes? Off if Bullet updates them directly afterwards.
   void set_update_normals(bool on) { update_normals_ = on; }
+  /// Should loaded nodes weigh the water that they carry, too (SurfaceMotion::carried_mass)? They do where a
+  /// support holds the body and Bullet's position solver moves it: that one stops a node whatever its mass
+  /// is. Without a support the momentum of the water must become the cloth's.
+  void set_carries_water(bool on) { carries_water_ = on; }
   /// Impulse of the last scatter on each node in Bullet's order [N s].
   const std::vector<Vec3>& node_impulses() const { return node_impulse_; }
 
@@ -45,6 +49,8 @@ class SoftBodyHost : public SurfaceHost {
   bool split_pins(SurfaceMotion& motion);
   bool is_prescribed(std::size_t node) const;
   void fill(double dt, SurfaceMotion& motion);
+  bool may_add_mass() const;
+  void add_carried_mass(SurfaceMotion& motion) const;
   std::vector<Vec3> common_velocities() const;
   bool scatter_node(std::size_t node, const Vec3& velocity, const SurfaceMotion& motion);
 
@@ -52,6 +58,7 @@ class SoftBodyHost : public SurfaceHost {
   Options options_;
   bool forget_motion_ = true;
   bool update_normals_ = true;
+  bool carries_water_ = true;
   std::vector<Triangle> faces_;              // of the last gather, in Bullet's node numbers
   std::vector<std::uint32_t> contact_node_;  // per Bullet node
   std::size_t contact_nodes_ = 0;

@@ -65,11 +65,12 @@ class btFluid {
   int getNumParticles() const;
   /// [m]
   btVector3 getPosition(int i) const;
-  /// [m/s]
+  /// How fast it moves [m/s]: World::motions().
   btVector3 getVelocity(int i) const;
   /// Writes three floats per particle [m], `strideBytes` ≥ 12 apart, getNumParticles() times.
   void copyPositions(float* out, int strideBytes = 12) const;
-  /// Writes three floats per particle [m/s], `strideBytes` ≥ 12 apart, getNumParticles() times.
+  /// Writes three floats per particle [m/s], `strideBytes` ≥ 12 apart, getNumParticles() times:
+  /// World::motions().
   void copyVelocities(float* out, int strideBytes = 12) const;
 
   /// The world behind the fluid, with all that Bullet's interface does not show.
@@ -137,24 +138,32 @@ class btFluidCoupling : public btActionInterface {
   /// (default), or that of WorldSettings and World::set_gravity().
   void setUseClothGravity(bool use);
 
+  /// Whether loaded nodes of supported cloth weigh up to a quarter of a layer of the water on them, too,
+  /// where the load would move them by more than a spacing in a step (default; C.29). Off: water on cloth
+  /// that is much lighter falls on until its stored speed is p dt/σ, and may be thrown off.
+  void setCarriesWater(bool carries);
+  /// Whether they do.
+  bool getCarriesWater() const;
+
   /// One coupled step for engines that own their world; call it after stepSimulation(). dt [s] is the time
   /// that the cloth has moved since the last call: Bullet's sub-steps × their length. 0 (no sub-step) does
   /// nothing, and the motion is part of the next step.
   const StepReport& step(btScalar dt);
-  /// The report of the last step.
+  /// The report of the last step, with the balance of energies.
   const StepReport& getReport() const;
 
   /// The impulses on the nodes in the last step [N s], one per node in Bullet's order, at pins the reaction;
   /// null for a cloth that is not attached.
   const std::vector<Vec3>* getNodeImpulses(const btSoftBody* cloth) const;
-  /// The motion of a cloth in the last step; null for one that is not attached.
+  /// The motion of a cloth in the last step; null for one that is not attached. load_of() gives the force on
+  /// it.
   const SurfaceMotion* getSurface(const btSoftBody* cloth) const;
-  /// The motion of an object in the last step; null for one that is not attached.
+  /// The motion of an object in the last step; null for one that is not attached. load_of() gives the force.
   const SurfaceMotion* getSurface(const btCollisionObject* object) const;
 
   /// Does nothing: actions run before Bullet solves the cloth.
   void updateAction(btCollisionWorld*, btScalar) override {}
-  /// Wireframe: particles as short lines along their velocity, from dark blue (at rest) to white (fast).
+  /// Wireframe: particles as short lines along their motion, from dark blue (at rest) to white (fast).
   /// Contact points or normals: contacts of the last step.
   void debugDraw(btIDebugDraw* drawer) override;
 
@@ -203,6 +212,10 @@ class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
   /// btFluidCoupling::resetMotion().
   void resetMotion(btCollisionObject* object) { m_coupling.resetMotion(object); }
 
+  /// btFluidCoupling::setCarriesWater().
+  void setCarriesWater(bool carries) { m_coupling.setCarriesWater(carries); }
+  /// btFluidCoupling::getCarriesWater().
+  bool getCarriesWater() const { return m_coupling.getCarriesWater(); }
   /// Couples at every n-th of Bullet's sub-steps (n ≥ 1), over the straight line from the last coupling.
   void setCouplingInterval(int n);
   /// The number of Bullet's sub-steps between two couplings.

@@ -5,6 +5,7 @@
 
 #include "contact/contacts.h"
 #include "contact/friction.h"
+#include "contact/turn.h"
 #include "core/assert.h"
 
 namespace oilskin::contact {
@@ -46,6 +47,19 @@ void stop(Context& context, ContactConstraint& constraint, bool moves_particle) 
   OILSKIN_ASSERT(impulse >= 0);
   constraint.normal_impulse = impulse;
   apply_impulse(context, constraint.contact, change * constraint.contact.normal, moves_particle);
+}
+
+// Keeps the speed of what approaches because a smooth sheet turns (C.37): a pair has the same effective mass
+// in all directions, so the kinetic energy that the stop takes is given back along the sheet. It comes before
+// the stop, as it needs the approach.
+void turn(Context& context, const ContactConstraint& constraint, bool moves_particle) {
+  const Vec3 &n = constraint.contact.normal, v = relative_velocity(context, constraint.contact);
+  const double vn = v.dot(n);
+  const Vec3 vt = v - vn * n;
+  const double speed = vt.norm(), kept = speed_to_turn(constraint, vn, speed);
+  if (kept == 0) return;
+  const double gain = kept * kept / (speed * (std::hypot(speed, kept) + speed));  // of vt, relative
+  apply_impulse(context, constraint.contact, gain / constraint.k * vt, moves_particle);
 }
 
 // Spring repulsion of [Bridson2002] with its cap (C.15); without it, as in [Huber2013] Eq. 4, it is unstable.
@@ -90,7 +104,7 @@ void apply_friction(Context& context, ContactConstraint& constraint) {
   const SlipModel model =
       context.surfaces[constraint.contact.surface]->slip_on(constraint.contact.back).model;
   if (model == SlipModel::free || (model == SlipModel::viscous_wall && constraint.wall_area == 0)) return;
-  if (!constraint.friction_active && !(constraint.normal_impulse + constraint.spring_impulse > 0)) return;
+  if (!constraint.friction_active && !(constraint.friction_load() > 0)) return;
   const Vec3 v = relative_velocity(context, constraint.contact);
   const Vec3 vt = v - v.dot(constraint.contact.normal) * constraint.contact.normal;
   const Vec3 impulse = tangential_impulse(context, constraint, vt);
@@ -122,6 +136,7 @@ ContactConstraint make_constraint(const Context& context, const Contact& contact
     constraint.k += contact.weights[k] * contact.weights[k] * s.inverse_mass[contact.nodes[k]];
   if (s.nodes_movable) constraint.k_position = constraint.k;
   OILSKIN_ASSERT(constraint.k_position >= 0 && constraint.k >= constraint.k_position);
+  find_turn(context, constraint);
   return constraint;
 }
 
@@ -153,6 +168,8 @@ void solve_constraints(Context& context, std::vector<ContactConstraint>& constra
   for (int iteration = 0; iteration < context.settings->solver_iterations; ++iteration) {
     for (ContactConstraint& constraint : constraints) {
       if (!(constraint.k > 0)) continue;  // an immovable particle on prescribed nodes
+      if (constraint.normal_active && iteration == 0 && constraint.turn > 0)
+        turn(context, constraint, !split);
       if (constraint.normal_active) stop(context, constraint, !split);
       if (constraint.normal_active && repulsion == Repulsion::bridson) spring(context, constraint);
       apply_friction(context, constraint);

@@ -11,7 +11,12 @@ struct ContactConstraint {
   double overlap = 0;           ///< h − d0 [m], > 0 if the contact begins within the thickness
   bool normal_active = true;    ///< stop and repulsion act
   bool friction_active = true;  ///< friction acts even without a normal impulse (first layer at rest)
-  double wall_area = 0;         ///< viscous_wall: area of the wall that the particle represents [m²]
+  double wall_area = 0;         ///< area of the wall that the particle represents [m²] (C.19)
+  double viscous_share = 0;     ///< sticking with boundary terms: (B.46), 0 = sticks, 1 = viscous wall
+  double wall_impulse = 0;      ///< J_w ≥ 0 of (B.43): what wall pressure gave to the particle [N s]
+  double spare_load = 0;        ///< J_r ≥ 0 of (B.44): left from the last interval [N s]
+  double turn = 0;              ///< approach by the turn of a smooth sheet (C.35) [m/s]
+  double max_turn = 0;          ///< tangent of the largest turn of one (C.36)
 
   // Accumulated
   double normal_impulse = 0;               ///< J_n ≥ 0 [N s]
@@ -22,6 +27,11 @@ struct ContactConstraint {
   // From the masses
   double k = 0;           ///< K (C.10) [1/kg]
   double k_position = 0;  ///< K_x of (C.14): K if nodes may be moved, else 1/m_i [1/kg]
+
+  /// The normal impulse of this interval [N s].
+  double load() const { return normal_impulse + spring_impulse + wall_impulse; }
+  /// The normal impulse that bounds friction [N s].
+  double friction_load() const { return load() + spare_load; }
 };
 
 /// The constraint of a contact at the start positions.

@@ -4,6 +4,7 @@
 
 #include "contact/friction.h"
 #include "contact/impacts.h"
+#include "contact/wall_friction.h"
 #include "contact/zones.h"
 #include "core/assert.h"
 
@@ -91,9 +92,11 @@ void ContactPass::solve_contacts() {
   std::vector<ContactConstraint> constraints;
   constraints.reserve(active_.size());
   for (const Contact& c : active_) constraints.push_back(make_constraint(context_, c));
-  distribute_wall_area(context_, constraints);
   split_gap_between_opposing_contacts(context_, constraints);
+  add_wall_impulses(context_, constraints);
+  distribute_wall_area(context_, constraints);
   solve_constraints(context_, constraints);
+  keep_spare_load(context_, constraints);
   context_.report->contacts = active_.size();
   for (const Contact& c : active_)
     context_.report->started_too_close += c.distance < context_.surfaces[c.surface]->delta;

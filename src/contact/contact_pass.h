@@ -29,6 +29,17 @@ class ContactPass {
   /// Collects candidates and contacts for the predicted x_t1. Sets impulse and moved of the surfaces to zero.
   void find();
 
+  /// Of the particles at the start, before this interval's forces; without them, their present velocities
+  /// count as such.
+  void set_start_velocity(Span<const Vec3> velocity) { context_.start_velocity = velocity; }
+  /// Boundary terms have acted: what they gave to the particles, ordered by particle, and per particle what
+  /// the last interval left for friction, which solve() replaces.
+  void set_wall_impulses(Span<const WallImpulse> impulses, Span<Vec3> spare_load) {
+    context_.boundary_terms = true;
+    context_.wall_impulses = impulses;
+    context_.spare_load = spare_load;
+  }
+
   /// Contacts that act for the present x_t1, ordered by particle, surface and triangle.
   const std::vector<Contact>& select_contacts();
 

@@ -3,6 +3,7 @@
 
 #include "contact/predicates.h"
 #include "contact/surface_geometry.h"
+#include "contact/wall_impulse.h"
 #include "core/assert.h"
 #include "core/parallel.h"
 #include "core/stage_timer.h"
@@ -18,6 +19,10 @@ struct Context {
   ParticleMotion* particles = nullptr;
   Span<SurfaceMotion* const> surfaces;
   Span<SurfaceGeometry* const> geometry;  // one per surface
+  Span<const Vec3> start_velocity;        // of the particles, before this interval's forces; empty = unknown
+  Span<const WallImpulse> wall_impulses;  // ordered by particle
+  Span<Vec3> spare_load;                  // per particle: in and out, with boundary terms (B.45)
+  bool boundary_terms = false;            // walls act on the particles by pressure, too
 
   // State. A stamp is the epoch in which an end position last changed; a pair is tested again if a stamp of
   // its points is younger than its last test.

@@ -47,6 +47,57 @@ SurfaceSide side_of(const MeshTopology& topology, Span<const Triangle> triangles
   return side;
 }
 
+namespace {
+
+bool has_wall_area(const Context& context, const ContactConstraint& constraint) {
+  const Contact& c = constraint.contact;
+  switch (context.surfaces[c.surface]->slip_on(c.back).model) {
+    case SlipModel::viscous_wall:
+      return constraint.friction_active;
+    case SlipModel::sticking:
+      return context.boundary_terms && context.particles->viscosity > 0;
+    case SlipModel::free:
+    case SlipModel::coulomb:
+      break;
+  }
+  return false;
+}
+
+/// Distance over which the wall shear of (C.17) falls [m].
+double shear_distance(const Context& context, const ContactConstraint& constraint) {
+  const ParticleMotion& p = *context.particles;
+  const Contact& c = constraint.contact;
+  return std::max(c.distance - wall_offset(p, *context.surfaces[c.surface]), 0.25 * p.spacing);
+}
+
+/// M of (C.17) [kg].
+double wall_drag(const Context& context, const ContactConstraint& constraint, double slip_length) {
+  const ParticleMotion& p = *context.particles;
+  const double z = shear_distance(context, constraint);
+  return context.dt * p.viscosity * p.rest_density * constraint.wall_area / (z + slip_length);
+}
+
+/// (B.46): y⁺² of the particle, squared over that of the edge of the viscous sublayer.
+double viscous_share(const Context& context, const ContactConstraint& constraint) {
+  constexpr double sublayer = 25;  // y⁺ = 5
+  const ParticleMotion& p = *context.particles;
+  const Contact& c = constraint.contact;
+  const SurfaceMotion& s = *context.surfaces[c.surface];
+  const double u = p.inverse_mass[c.particle];
+  if (s.slip_on(c.back).model != SlipModel::sticking || !(constraint.wall_area > 0) || !(u > 0)) return 0;
+  const auto tangential = [&](const Vec3& v) { return (v - v.dot(c.normal) * c.normal).norm(); };
+  Vec3 slip = p.velocity[c.particle];
+  const Vec3 change = context.start_velocity.empty() ? slip : Vec3(slip - context.start_velocity[c.particle]);
+  for (int k = 0; k < 3; ++k) slip -= c.weights[k] * s.velocity[c.nodes[k]];
+  const double z = shear_distance(context, constraint), nu = p.viscosity;
+  const double of_forces =
+      tangential(change) * z * z / (u * context.dt * constraint.wall_area * p.rest_density * nu * nu);
+  const double ratio = std::max(of_forces, tangential(slip) * z / nu) / sublayer;
+  return 1 / (1 + ratio * ratio);
+}
+
+}  // namespace
+
 // A particle represents dx² of each wall that it sees: once if several contacts belong to one wall (inner
 // edges of a flat sheet, a cloth on a floor), twice in a corner. A contact gets the area that nearer contacts
 // of the particle leave, by the component of its normal that theirs do not have.
@@ -58,9 +109,7 @@ void distribute_wall_area(const Context& context, std::vector<ContactConstraint>
       ++end;
     for (std::size_t k = begin; k < end; ++k) {
       const Contact& c = constraints[k].contact;
-      if (!constraints[k].friction_active ||
-          context.surfaces[c.surface]->slip_on(c.back).model != SlipModel::viscous_wall)
-        continue;
+      if (!has_wall_area(context, constraints[k])) continue;
       double fraction = c.normal_alignment;
       for (std::size_t o = begin; o < end; ++o) {
         const Contact& other = constraints[o].contact;
@@ -69,6 +118,7 @@ void distribute_wall_area(const Context& context, std::vector<ContactConstraint>
       }
       OILSKIN_ASSERT(fraction >= 0 && fraction < 1 + 1e-9);
       constraints[k].wall_area = fraction * area;
+      constraints[k].viscous_share = viscous_share(context, constraints[k]);
     }
   }
 }
@@ -82,19 +132,19 @@ Vec3 tangential_impulse(const Context& context, const ContactConstraint& constra
     case SlipModel::free:
       return Vec3::Zero();
     case SlipModel::coulomb: {
-      const double normal = constraint.normal_impulse + constraint.spring_impulse;
+      const double normal = constraint.friction_load();
       const double limit = normal > 0 ? slip.friction * normal : 0;  // 0, not NaN, for infinite friction
       const double size = sticking.norm();
       return size <= limit ? sticking : Vec3(sticking * (limit / size));
     }
-    case SlipModel::sticking:
-      return sticking;
+    case SlipModel::sticking: {
+      if (constraint.viscous_share == 0) return sticking;
+      const double drag = wall_drag(context, constraint, 0);
+      return (1 - constraint.viscous_share / (1 + drag * constraint.k)) * sticking;
+    }
     case SlipModel::viscous_wall: {
       // (C.17): implicit, so that it never reverses the velocity.
-      const ParticleMotion& p = *context.particles;
-      const double z = std::max(constraint.contact.distance - wall_offset(p, surface), 0.25 * p.spacing);
-      const double drag =
-          context.dt * p.viscosity * p.rest_density * constraint.wall_area / (z + slip.slip_length);
+      const double drag = wall_drag(context, constraint, slip.slip_length);
       const Vec3 velocity_without = vt - constraint.k * constraint.tangential_impulse;
       return -drag / (1 + drag * constraint.k) * velocity_without;
     }

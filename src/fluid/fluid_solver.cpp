@@ -136,6 +136,10 @@ void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
   state.previous_dt = dt;
 }
 
+Span<const contact::WallImpulse> FluidSolver::wall_impulses() const {
+  return impl_->state.boundary.wall_impulses();
+}
+
 void FluidSolver::checkpoint() {
   impl_->saved_previous_dt = impl_->state.previous_dt;
   impl_->saved_model = impl_->model->memory();

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "contact/wall_impulse.h"
 #include "core/archive.h"
 #include "core/mesh_topology.h"
 #include "core/parallel.h"
@@ -51,6 +52,9 @@ class FluidSolver {
   /// Particles that were appended since prepare() take no part, and nothing of them changes.
   void propose(double dt, const Vec3& gravity, Particles& particles, Span<const PredictionContact> contacts,
                Span<Vec3> velocity, FluidReport& report, StageSeconds& seconds);
+
+  /// What boundary terms gave to particles at walls with friction in the last propose(), ordered by particle.
+  Span<const contact::WallImpulse> wall_impulses() const;
 
   /// For a step that may fail: checkpoint() copies what is kept from step to step, roll_back() restores it.
   void checkpoint();

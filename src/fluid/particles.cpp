@@ -36,8 +36,10 @@ void Particles::reserve_more(std::size_t count) {
   reserve_array(id, count);
   reserve_array(position, count);
   reserve_array(velocity, count);
+  reserve_array(motion, count);
   reserve_array(density, count);
   reserve_array(pressure, count);
+  reserve_array(spare_load, count);
 }
 
 void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density) {
@@ -45,18 +47,23 @@ void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, do
   id.push_back(new_id);
   position.push_back(x);
   velocity.push_back(v);
+  motion.push_back(v);  // it has not moved yet
   density.push_back(rest_density);
   pressure.push_back(0);
+  spare_load.push_back(Vec3::Zero());
 }
 
 void Particles::compress(Span<const std::uint8_t> keep) {
   OILSKIN_ASSERT(keep.size() == size());
   compress_array(position, keep);
   compress_array(velocity, keep);
+  compress_array(motion, keep);
   compress_array(density, keep);
   compress_array(pressure, keep);
+  compress_array(spare_load, keep);
   compress_array(id, keep);
-  OILSKIN_ASSERT(position.size() == size() && velocity.size() == size() && pressure.size() == size());
+  OILSKIN_ASSERT(position.size() == size() && velocity.size() == size() && motion.size() == size());
+  OILSKIN_ASSERT(density.size() == size() && pressure.size() == size());
 }
 
 void Particles::permute(Span<const std::uint32_t> order) {
@@ -66,16 +73,21 @@ void Particles::permute(Span<const std::uint32_t> order) {
   std::vector<std::uint64_t> ids;
   permute_array(position, order, vectors);
   permute_array(velocity, order, vectors);
+  permute_array(motion, order, vectors);
   permute_array(density, order, scalars);
   permute_array(pressure, order, scalars);
+  permute_array(spare_load, order, vectors);
   permute_array(id, order, ids);
 }
 
 void Particles::visit(Archive& archive) {
-  archive.values(id, position, velocity, density, pressure);
+  archive.values(id, position, velocity, motion, density, pressure, spare_load);
   const std::size_t n = id.size();
-  archive.require(position.size() == n && velocity.size() == n && density.size() == n && pressure.size() == n,
+  archive.require(position.size() == n && velocity.size() == n && motion.size() == n && density.size() == n &&
+                      pressure.size() == n && spare_load.size() == n,
                   "the number of particles");
+  if (!archive.reading()) return;
+  for (const Vec3& u : motion) archive.require(u.allFinite(), "the motion of a particle");
 }
 
 }  // namespace oilskin::fluid

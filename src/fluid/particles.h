@@ -10,9 +10,11 @@ namespace oilskin::fluid {
 struct Particles {
   std::vector<std::uint64_t> id;
   std::vector<Vec3> position;    ///< [m]
-  std::vector<Vec3> velocity;    ///< [m/s]
+  std::vector<Vec3> velocity;    ///< stored: with momentum that surfaces have not taken yet [m/s]
+  std::vector<Vec3> motion;      ///< displacement over time of the last interval [m/s]
   std::vector<double> density;   ///< [kg/m³]
   std::vector<double> pressure;  ///< [Pa] of the last step: warm start of the next
+  std::vector<Vec3> spare_load;  ///< of the last interval's load, what friction may still use (B.45) [N s]
 
   std::size_t size() const { return id.size(); }
   void push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density);

@@ -6,14 +6,15 @@
 
 namespace oilskin {
 
-/// A round nozzle. Particles start on the square lattice through the axis within `radius` (81 for radius = 5
-/// dx). Layers follow each other at a distance that makes the mass flow ρ0 π r² v (F.37).
+/// A round nozzle. Particles start on a square lattice around the axis, as many as the flow needs (80 for
+/// radius = 5 dx). Layers follow each other at a distance of one spacing or more that makes the mass flow ρ0
+/// π r² v (F.37), (F.73).
 struct DiscEmitter {
   /// The centre of the nozzle [m].
   Vec3 center = Vec3::Zero();
   /// The direction of the jet, of any length > 0.
   Vec3 direction = Vec3(0, -1, 0);
-  /// The radius r of the nozzle [m], > 0.
+  /// The radius r of the nozzle [m], half a spacing to 10⁴ spacings of the fluid.
   double radius = 0.025;
   /// The speed v of the jet [m/s], > 0.
   double speed = 1;

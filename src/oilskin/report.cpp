@@ -78,6 +78,13 @@ std::vector<std::string> flag_texts(std::uint32_t flags) {
       {flag_no_promise, "no_promise: contact.ccd or contact.zones is off, or particles started too close"},
       {flag_scatter_mismatch, "scatter_mismatch: the host does not store the numbers that it is given"},
       {flag_pressure_diverged, "pressure_diverged: keep fluid.support_ratio at 2.2 or below"},
+      {flag_energy_made, "energy_made: the step is too long for the water or for light cloth; see messages"},
+      {flag_viscosity_limited,
+       "viscosity_limited: a smaller viscosity than fluid.viscosity was applied; lower dt or raise "
+       "fluid.max_substeps"},
+      {flag_sound_too_fast,
+       "sound_too_fast: dt > 0.4 H/(sqrt(fluid.stiffness) + v) for mcg03; lower dt or raise "
+       "fluid.max_substeps"},
   };
   std::vector<std::string> texts;
   for (const auto& [bit, text] : all)

@@ -61,7 +61,21 @@ enum StepFlag : std::uint32_t {
   flag_scatter_mismatch = 1u << 9,
   /// The error of the pressure grew and the relaxation ω was halved: keep support_ratio ≤ 2.2.
   flag_pressure_diverged = 1u << 10,
+  /// Energy was made (EnergyReport::risen above energy_made_limit of its scale): StepReport::messages names
+  /// the cause and a step or a mass of the cloth that avoids it.
+  flag_energy_made = 1u << 13,
+  /// The step is too long for fluid.viscosity, even in max_substeps parts, and a smaller viscosity was
+  /// applied:
+  /// raise max_substeps, or lower dt. StepReport::messages has the numbers.
+  flag_viscosity_limited = 1u << 11,
+  /// MCG03: sound and water travel farther than 0.4 H in an interval: raise max_substeps, lower dt or
+  /// stiffness.
+  flag_sound_too_fast = 1u << 12,
 };
+
+/// EnergyReport::risen over its scale above which flag_energy_made is set. Impacts that are resolved make
+/// less than 0.01; what the discretization of a start from a lattice makes is below 0.02.
+constexpr double energy_made_limit = 0.02;
 
 /// The names of the bits that are set, each with its remedy.
 std::vector<std::string> flag_texts(std::uint32_t flags);
@@ -137,6 +151,62 @@ struct FluidReport {
 /// that the last sub-step does not hide a bad one before it.
 FluidReport worst_of(const FluidReport& a, const FluidReport& b);
 
+/// Energies, and their balance since the world began (F.65)–(F.71) [J]. Speeds are displacements over time,
+/// (x_t1 − x_t0)/dt of the last certified interval, not stored velocities; heights are those of the middle of
+/// that interval, so that free fall conserves energy to rounding. Potentials are relative to the origin. Only
+/// surfaces that collide with the fluid take part.
+struct EnergyReport {
+  /// Of the particles.
+  double water_kinetic = 0;
+  /// Of the particles, by gravity.
+  double water_potential = 0;
+  /// Of the nodes that are not prescribed.
+  double node_kinetic = 0;
+  /// Of the nodes that are not prescribed, by gravity.
+  double node_potential = 0;
+  /// What the impulses of the last step will give to free nodes, at the speeds of the last step. The host
+  /// moves them in its next step.
+  double transfer = 0;
+  /// Brought by particles: from emitters and add_particles().
+  double entered_kinetic = 0;
+  /// The same, potential; with the nodes of surfaces attached, less those detached.
+  double entered_potential = 0;
+  /// Of particles that left the fluid within a step.
+  double left_kinetic = 0;
+  /// The same, potential.
+  double left_potential = 0;
+  /// Work of pins and of static and kinematic nodes: −reaction impulse × speed.
+  double work_prescribed = 0;
+  /// Work of hosts on their free nodes, as their links, damping and forces do: the change of momentum that is
+  /// neither the fluid's nor gravity's × mean speed. Positive where a host drives its cloth, or gains energy.
+  double work_host = 0;
+  /// Done to particles between steps: add_velocities(), a change of gravity, particles moved or removed at a
+  /// new surface.
+  double work_outside = 0;
+  /// The largest work of gravity so far.
+  double released_potential = 0;
+  /// Kinetic + potential + transfer + left − entered − work: what the discretization made; negative where
+  /// water lost energy by friction and inelastic impacts.
+  double made = 0;
+  /// `made` of this step.
+  double made_in_step = 0;
+  /// `made` less its smallest value within the last 0.1 s (up to 0.2 s), dips of one or two steps not
+  /// counted.
+  double risen = 0;
+  /// What `made` is compared with: the largest of entered_kinetic, released_potential, the largest work of
+  /// prescribed nodes and hosts so far, and the energy that lifts the fluid by one spacing.
+  double scale = 0;
+  /// Root of the mean square speed of the particles [m/s].
+  double rms_speed = 0;
+  /// Speed of the fastest particle [m/s].
+  double max_speed = 0;
+
+  /// made/scale; 0 where nothing has happened.
+  double made_fraction() const { return scale > 0 ? made / scale : 0; }
+  /// risen/scale.
+  double risen_fraction() const { return scale > 0 ? risen / scale : 0; }
+};
+
 /// One step. If it was cut into sub-steps, counts and impulses are sums, `fluid` is their worst_of(), and
 /// `alive` and the momenta before and after are those of the whole step.
 struct StepReport {
@@ -152,6 +222,8 @@ struct StepReport {
   double dt = 0;
   /// The number of certified intervals.
   int substeps = 0;
+  /// The number that stability asks for: above `substeps` a flag says which limit is violated.
+  double substeps_needed = 1;
   /// Wall time by stage.
   StageSeconds seconds;
   /// The pressure solver.
@@ -166,6 +238,8 @@ struct StepReport {
   std::uint64_t removed = 0;
   /// Particles removed because their numbers were not finite.
   std::uint64_t removed_invalid = 0;
+  /// Particles that left the kill box more than twice as fast as any energy in the world allows (F.72).
+  std::uint64_t removed_too_fast = 0;
   /// Starts without a particle: too close to a surface, or outside the kill box.
   std::uint64_t blocked_starts = 0;
   /// The mass of emitted particles [kg].
@@ -182,6 +256,15 @@ struct StepReport {
   Vec3 momentum_removed = Vec3::Zero();
   /// The momentum from gravity [N s].
   Vec3 momentum_gravity = Vec3::Zero();
+  /// Energies after the step, and their balance.
+  EnergyReport energy;
+  /// The share of the impulses on surfaces that went to the hosts' added masses (SurfaceMotion::added_mass)
+  /// [N s] (C.31). Neither cloth nor water has it: the supports of the surface take it.
+  Vec3 momentum_owed = Vec3::Zero();
+  /// The largest ratio of the mass that a node carries in the next step to its own.
+  double carried_ratio = 0;
+  /// The largest speed p dt/σ [m/s] that the mean load of a node would give to its own mass in a step.
+  double load_speed = 0;
   /// StepFlag bits.
   std::uint32_t flags = 0;
 

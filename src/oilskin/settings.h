@@ -45,10 +45,12 @@ struct FluidSettings {
   int min_iterations = 3;
   /// PCISPH, DFSPH: ≥ min_iterations. A step that reaches it is counted.
   int max_iterations = 50;
-  /// MCG03: k [m²/s²], > 0. The speed of sound is √k, so dt ≤ 0.4 H/(√k + v). A longer step lowers k to
-  /// (0.4 H/dt)².
+  /// MCG03: k [m²/s²], > 0. The speed of sound is √k, so a step longer than 0.4 H/(√k + v) is cut into fluid
+  /// sub-steps. A longer sub-step sets flag_sound_too_fast; one above 0.4 H/√k lowers k to (0.4 H/dt)².
   double stiffness = 4;
-  /// The kinematic viscosity ν [m²/s], ≥ 0; 0 = none. Explicit: dt ≤ 0.035 H²/ν.
+  /// The kinematic viscosity ν [m²/s], ≥ 0; 0 = none. Explicit: a step longer than 0.035 H²/ν is cut into
+  /// fluid sub-steps. Where max_substeps does not allow as many, the viscosity is limited to what is stable,
+  /// with flag_viscosity_limited.
   double viscosity = 1e-6;
   /// The XSPH smoothing rate ν_x [1/s], ≥ 0; its factor per step is 1 − exp(−ν_x dt); 0 = none.
   double xsph_rate = 10;
@@ -62,6 +64,7 @@ struct FluidSettings {
   /// The largest displacement within a fluid sub-step, in spacings, > 0.
   double cfl = 0.4;
   /// The largest number of fluid sub-steps of a step, 1 … 1000; each is an interval with its own certificate.
+  /// Displacements (cfl), viscosity and the speed of sound (mcg03) ask for them.
   int max_substeps = 1;
   /// The fluid touches surfaces whose collision_mask has a bit of this group …
   std::uint32_t collision_group = 1;
@@ -76,11 +79,13 @@ struct FluidSettings {
 enum class SlipModel {
   /// No tangential impulse: inviscid.
   free,
-  /// |J_t| ≤ μ J_n; μ = 1 is Eq. 8 of [Huber2013]. J_n is the impulse of contact alone: water that boundary
-  /// terms carry has no friction.
+  /// |J_t| ≤ μ J_n; μ = 1 is Eq. 8 of [Huber2013]. J_n is the normal impulse of contact and of the wall
+  /// pressure of boundary terms together.
   coulomb,
-  /// The first layer moves with the sheet. The wall is effectively half a spacing inside the fluid: in a
-  /// channel of 10 particles the velocity in the middle is a fifth too small.
+  /// The first layer, which contact or wall pressure carries, moves with the sheet. With contact alone the
+  /// wall is effectively half a spacing inside the fluid: in a channel of 10 particles the velocity in the
+  /// middle is a fifth too small. With boundary terms a layer that lies in the viscous sublayer (y⁺ < 5) has
+  /// the drag of viscous_wall, so that flows of thick liquids are of second order in dx.
   sticking,
   /// Wall shear μ_f v_t/(z + ℓ) on the first layer, z < dx, implicit: no slip of a viscous fluid, of second
   /// order in dx. It is proportional to the viscosity, so its effect on water at 5 mm is small.
@@ -109,6 +114,11 @@ struct SurfaceSettings {
   SlipSettings slip;
   /// The slip law of the back; absent = as `slip`.
   std::optional<SlipSettings> slip_back;
+  /// The triangles stand for a smooth sheet: what slides round an edge between them keeps its speed. Where
+  /// off, the next triangle stops a part of it: a film that N triangles turn by 180° keeps cos^N(π/N). No
+  /// approach that is flatter than the neighbouring triangles' angle is damped. Edges of more than 60° stay
+  /// edges.
+  bool smooth = false;
   /// The surface touches a fluid whose collision_mask has a bit of this group …
   std::uint32_t collision_group = 1;
   /// … and whose collision_group has a bit of this mask.

@@ -33,6 +33,8 @@ struct SurfaceMotion {
   SlipSettings slip;
   /// The slip law of the back; absent = as the front.
   std::optional<SlipSettings> slip_back;
+  /// As SurfaceSettings::smooth.
+  bool smooth = false;
   /// Whether split repulsion may move free nodes. False for hosts that derive velocities from positions, such
   /// as Bullet's position-based solver: there the displacement of a node would add kinetic energy.
   bool nodes_movable = true;
@@ -44,16 +46,28 @@ struct SurfaceMotion {
   std::vector<Vec3> x_t1;
   /// The host's velocities [m/s].
   std::vector<Vec3> velocity;
+  /// With smooth: velocities in which contact left the nodes [m/s]; empty = as `velocity`. The caller
+  /// fills them, as x_t0.
+  std::vector<Vec3> velocity_t0;
   /// [1/kg], ≥ 0; 0 = prescribed: the host decides where the node goes.
   std::vector<double> inverse_mass;
   /// 1 = a prescribed node that contact may hold for an interval (a pin).
   std::vector<std::uint8_t> holdable;
+  /// The part of `carried_mass` that the host adds to the node for this interval [kg], less than
+  /// 1/inverse_mass; empty = none. `inverse_mass` is then 1/(own + added mass).
+  std::vector<double> added_mass;
 
   // --- output of contact, with x_t1 and velocity as corrected
   /// The sum of the impulses given to each node [N s]; at prescribed nodes the reaction.
   std::vector<Vec3> impulse;
   /// 1 = contact changed x_t1 of the node.
   std::vector<std::uint8_t> moved;
+
+  // --- output of the world for the host's next gather()
+  /// The mass of water that a free node carries under its load [kg], ≥ 0 (C.29); empty = none. A host whose
+  /// constraints stop a loaded node within a step, whatever its load, may answer with `added_mass`: then the
+  /// load moves the node no farther than such constraints can bring it back. To ignore it changes nothing.
+  std::vector<double> carried_mass;
 
   /// The slip law of one side.
   const SlipSettings& slip_on(bool back) const { return back && slip_back ? *slip_back : slip; }

@@ -23,6 +23,18 @@ struct SurfaceId {
   bool operator==(SurfaceId o) const { return value == o.value; }
 };
 
+/// What the fluid gave a surface in the last step, by contact and pressure, prescribed nodes included. Over
+/// StepReport::dt it is the mean force [N] and torque [N m].
+struct SurfaceLoad {
+  /// The sum of the impulses on the nodes [N s].
+  Vec3 impulse = Vec3::Zero();
+  /// Their moment about the origin [N m s], nodes at the end of the step.
+  Vec3 angular_impulse = Vec3::Zero();
+};
+
+/// The sum over the nodes of a surface; zero before its first step.
+SurfaceLoad load_of(const SurfaceMotion& surface);
+
 /// A fluid with the surfaces attached to it.
 ///
 /// *Threads.* One thread at a time may call a world; different worlds are independent. step() runs its loops
@@ -100,20 +112,25 @@ class World {
   Span<const std::uint64_t> ids() const;
   /// [m]
   Span<const Vec3> positions() const;
-  /// [m/s]
+  /// The momentum of each particle over its mass [m/s]. On light cloth it includes momentum that the cloth
+  /// has not taken yet, so that water at rest may store several m/s: for what moves, see motions().
   Span<const Vec3> velocities() const;
+  /// How fast each particle moves [m/s]: its displacement in the last certified interval over the time of it;
+  /// velocities() where it has not moved yet. For pictures, motion blur and speeds.
+  Span<const Vec3> motions() const;
   /// [kg/m³], at the start of the last step.
   Span<const double> densities() const;
   /// [Pa]
   Span<const double> pressures() const;
-  /// Changes velocities, for example by wind: v += dv, one value per particle in storage order.
+  /// Changes velocities and motions, for example by wind: v += dv, one value per particle in storage order.
   Status add_velocities(Span<const Vec3> dv);
 
   // --- the step
   /// One coupled step of dt [s], 1e-12 … 1e6. A refusal (another dt, settings out of range) changes nothing,
-  /// and report.status says why. If a displacement exceeds fluid.cfl spacings, the step is cut into up to
-  /// fluid.max_substeps intervals, each with its own certificate; surfaces move on straight lines through
-  /// them to the positions that their hosts propose for the end of the step.
+  /// and report.status says why. If a displacement exceeds fluid.cfl spacings, or the step is too long for
+  /// fluid.viscosity or for mcg03's speed of sound, it is cut into up to fluid.max_substeps intervals, each
+  /// with its own certificate; surfaces move on straight lines through them to the positions that their hosts
+  /// propose for the end of the step.
   const StepReport& step(double dt);
   /// The longest accurate next step, 0 < dt ≤ `largest` [s] (F.45); longer steps have no crossing either. It
   /// is the minimum of
@@ -123,7 +140,9 @@ class World {
   ///   - 0.25 √(H/a) × max_substeps, with the largest acceleration a by pressure, viscosity and gravity in
   ///   the last
   ///     interval;
-  ///   - 0.035 H²/ν (of the lattice; [Morris1997] has 0.125), and with mcg03 0.4 H/(√k + v).
+  ///   - 0.035 H²/ν × max_substeps (of the lattice; [Morris1997] has 0.125; less beside XSPH, (F.75)), and
+  ///   with
+  ///     mcg03 0.4 H/(√k + v) × max_substeps.
   double suggested_dt(double largest) const;
   /// The report of the last step.
   const StepReport& report() const;

@@ -6,6 +6,7 @@
 
 #include "core/assert.h"
 #include "core/inverse_mass.h"
+#include "world/carried_mass.h"
 #include "world/numeric_range.h"
 
 namespace oilskin::world {
@@ -34,11 +35,18 @@ Status check_mesh(const SurfaceMotion& m) {
   return {};
 }
 
+bool is_added_mass(const SurfaceMotion& m, std::size_t i) {
+  return m.added_mass[i] >= 0 && m.added_mass[i] * m.inverse_mass[i] < 1;
+}
+
 Status check_state(const SurfaceMotion& m) {
   const std::size_t n = m.x_t1.size();
   if (m.velocity.size() != n || m.inverse_mass.size() != n || (!m.holdable.empty() && m.holdable.size() != n))
     return refuse("the host gave ", n, " positions, ", m.velocity.size(), " velocities, ",
                   m.inverse_mass.size(), " inverse masses; they must be as many");
+  if (!m.added_mass.empty() && m.added_mass.size() != n)
+    return refuse("the host gave ", n, " positions and ", m.added_mass.size(),
+                  " added masses; they must be as many, or none");
   for (std::size_t i = 0; i < n; ++i) {
     if (!m.x_t1[i].allFinite()) return refuse("the position of node ", i, " is not finite");
     if (!m.velocity[i].allFinite()) return refuse("the velocity of node ", i, " is not finite");
@@ -47,6 +55,9 @@ Status check_state(const SurfaceMotion& m) {
     if (!is_inverse_mass(m.inverse_mass[i]))
       return refuse("the inverse mass of node ", i, " is ", m.inverse_mass[i], "; it must be ",
                     inverse_mass_range);
+    if (!m.added_mass.empty() && !is_added_mass(m, i))
+      return refuse("the added mass of node ", i, " is ", m.added_mass[i],
+                    "; it must be ≥ 0 and less than 1/inverse mass");
     if (stored(m.x_t1[i], m.storage) != m.x_t1[i])
       return refuse("the position of node ", i, " is not a ",
                     m.storage == Storage::float32 ? "single" : "double", "-precision number");
@@ -59,6 +70,7 @@ Status set_delta(SurfaceMotion& m, const SurfaceSettings& settings, double r) {
   m.thickness = *settings.thickness;
   m.slip = settings.slip;
   m.slip_back = settings.slip_back;
+  m.smooth = settings.smooth;
   m.delta = minimum_separation(m.thickness, r, m.storage);
   if (m.thickness >= 4 * m.delta) return {};
   const double per_metre = 4 * minimum_separation(0, 1, m.storage);
@@ -141,6 +153,7 @@ ActiveSurfaces Attachments::gather(double dt, const WorldSettings& world, const 
     }
     if (a->refused) {
       report.flags |= flag_surface_refused;
+      forget_load(*a);
       continue;
     }
     // Prescribed nodes are not rounded again, wherever they stand: a floor may be larger than the kill box.
@@ -153,6 +166,8 @@ ActiveSurfaces Attachments::gather(double dt, const WorldSettings& world, const 
 Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box) {
   SurfaceMotion& m = a.motion;
   std::swap(m.x_t0, m.x_t1);
+  if (a.settings.smooth) m.velocity_t0 = m.velocity;
+  m.added_mass.clear();
   const Gathered gathered = a.host->gather(dt, m);
   if (!gathered.status.ok()) return gathered.status;
   const bool is_new = gathered.new_surface || a.teleported || m.x_t1.size() != m.x_t0.size();
@@ -163,11 +178,14 @@ Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box
     if (Status s = set_delta(m, a.settings, max_coordinate(kill_box)); !s.ok()) return s;
     m.id = next_id_++;
     m.x_t0 = m.x_t1;
+    m.velocity_t0.clear();
     a.is_new = true;
+    forget_load(a);
   }
   OILSKIN_ASSERT(m.id != 0 && m.delta > 0 && m.x_t0.size() == m.x_t1.size());
   m.slip = a.settings.slip;
   m.slip_back = a.settings.slip_back;
+  m.smooth = a.settings.smooth;
   return {};
 }
 
@@ -202,6 +220,7 @@ void Attachments::checkpoint() {
   for (std::size_t k = 0; k < list_.size(); ++k) {
     const Attachment& a = *list_[k];
     saved_[k].motion = a.motion;
+    saved_[k].mean_load = a.mean_load;
     saved_[k].is_new = a.is_new;
     saved_[k].teleported = a.teleported;
     saved_[k].refused = a.refused;
@@ -214,12 +233,20 @@ void Attachments::roll_back() noexcept {
   for (std::size_t k = 0; k < list_.size(); ++k) {
     Attachment& a = *list_[k];
     std::swap(a.motion, saved_[k].motion);
+    a.mean_load.swap(saved_[k].mean_load);
     a.is_new = saved_[k].is_new;
     a.teleported = saved_[k].teleported;
     a.refused = saved_[k].refused;
     // Another mesh may get the id that the step gave to this one.
     if (a.geometry.id != a.motion.id) a.geometry.id = 0;
   }
+}
+
+const SurfaceMotion& Attachments::before(const Attachment& a) const {
+  OILSKIN_ASSERT(saved_.size() == list_.size());
+  std::size_t k = 0;
+  while (list_[k].get() != &a) ++k;
+  return saved_[k].motion;
 }
 
 void ActiveSurfaces::add(Attachment& a) {

@@ -18,9 +18,10 @@ struct Attachment {
   // State, saved with the world.
   // Between steps motion.x_t1 is what the host stores; the next gather makes it x_t0.
   SurfaceMotion motion;
-  bool is_new = true;       // new id: particles near it are relocated before the next interval
-  bool teleported = false;  // the next gather makes it a new surface
-  bool refused = false;     // left out, until a gather after reset_motion is accepted
+  bool is_new = true;           // new id: particles near it are relocated before the next interval
+  bool teleported = false;      // the next gather makes it a new surface
+  bool refused = false;         // left out, until a gather after reset_motion is accepted
+  std::vector<Vec3> mean_load;  // of each node [N] (C.30); empty = none yet
 
   // Derived from the motion
   contact::SurfaceGeometry geometry;
@@ -63,6 +64,8 @@ class Attachments {
   /// Nothing may be attached or detached in between.
   void checkpoint();
   void roll_back() noexcept;
+  /// The motion of an active surface as checkpoint() found it.
+  const SurfaceMotion& before(const Attachment& a) const;
 
   /// Everything but hosts and handles; when reading, into attachments without hosts.
   void visit(Archive& archive);
@@ -74,6 +77,7 @@ class Attachments {
   /// Of an attachment, by checkpoint().
   struct SavedState {
     SurfaceMotion motion;
+    std::vector<Vec3> mean_load;
     bool is_new = false, teleported = false, refused = false;
   };
 

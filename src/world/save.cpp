@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/hash.h"
+#include "world/carried_mass.h"
 #include "world/numeric_range.h"
 #include "world/world_impl.h"
 
@@ -46,22 +47,24 @@ void visit(Archive& archive, std::optional<SlipSettings>& settings) {
 }
 
 void visit(Archive& archive, SurfaceSettings& settings) {
-  auto& [thickness, slip, slip_back, collision_group, collision_mask] = settings;
+  auto& [thickness, slip, slip_back, smooth, collision_group, collision_mask] = settings;
   double value = thickness.value_or(0);  // an attached surface has one
   archive.value(value);
   thickness = value;
   visit(archive, slip);
   visit(archive, slip_back);
-  archive.values(collision_group, collision_mask);
+  archive.values(smooth, collision_group, collision_mask);
 }
 
 void visit(Archive& archive, SurfaceMotion& motion) {
-  auto& [id, triangles, storage, thickness, delta, slip, slip_back, nodes_movable, x_t0, x_t1, velocity,
-         inverse_mass, holdable, impulse, moved] = motion;
+  auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, x_t0, x_t1, velocity,
+         velocity_t0, inverse_mass, holdable, added_mass, impulse, moved, carried_mass] = motion;
+  if (archive.reading()) velocity_t0.clear();  // gather() fills it
   archive.values(id, triangles, storage, thickness, delta);
   visit(archive, slip);
   visit(archive, slip_back);
-  archive.values(nodes_movable, x_t0, x_t1, velocity, inverse_mass, holdable, impulse, moved);
+  archive.values(smooth, nodes_movable, x_t0, x_t1, velocity, inverse_mass, holdable, added_mass, impulse,
+                 moved, carried_mass);
 }
 
 /// Beyond it the squares of distances overflow [m].
@@ -74,6 +77,9 @@ bool is_in_range(const SurfaceMotion& m) {
   if (m.storage != Storage::float32 && m.storage != Storage::float64) return false;
   if (m.x_t0.size() != n || m.velocity.size() != n || m.inverse_mass.size() != n) return false;
   if (!has(m.holdable.size()) || !has(m.impulse.size()) || !has(m.moved.size())) return false;
+  if (!has(m.added_mass.size()) || !has(m.carried_mass.size())) return false;
+  for (double mass : m.carried_mass)
+    if (!(mass >= 0 && std::isfinite(mass))) return false;
   if (!(m.delta > 0 && m.thickness >= 4 * m.delta && m.thickness < max_thickness)) return false;
   for (const Triangle& t : m.triangles)
     if (t[0] >= n || t[1] >= n || t[2] >= n) return false;
@@ -101,7 +107,7 @@ namespace {
 
 constexpr char magic[8] = {'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'};
 constexpr std::uint32_t byte_order = 0x01020304, swapped_byte_order = 0x04030201;
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 constexpr std::size_t frame_bytes = 32;
 
 std::uint64_t check_sum(Span<const std::uint8_t> bytes) {
@@ -160,7 +166,10 @@ void Attachments::visit(Archive& archive) {
     // The motion of a refused surface is invalid; if it is accepted later, it is a new surface.
     if (a->refused) return archive.value(a->motion.id);
     oilskin::visit(archive, a->motion);
-    if (archive.ok()) archive.require(oilskin::is_in_range(a->motion), "the state of a surface");
+    archive.value(a->mean_load);
+    if (archive.ok())
+      archive.require(oilskin::is_in_range(a->motion) && is_mean_load(a->mean_load, a->motion.x_t1.size()),
+                      "the state of a surface");
   });
   if (!archive.reading()) return;
   std::vector<std::uint64_t> ids;
@@ -215,9 +224,11 @@ Status Attachments::take_hosts(Attachments& from) {
 
 /// Counters come first: ids are checked against them.
 void World::Impl::visit_state(Archive& archive) {
-  auto& [particles, next_particle_id, step_count, interval_count, time, last_dt, max_acceleration] = state;
+  auto& [particles, next_particle_id, step_count, interval_count, time, last_dt, max_acceleration, energy] =
+      state;
   archive.values(next_particle_id, step_count, interval_count, time, last_dt, max_acceleration);
   archive.require(time >= 0 && std::isfinite(time) && last_dt >= 0 && std::isfinite(last_dt), "the time");
+  energy.visit(archive);
   particles.visit(archive);
   if (archive.reading())
     archive.require(are_given(particles.id, next_particle_id), "the ids of the particles");

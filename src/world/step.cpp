@@ -1,8 +1,11 @@
 /// One coupled step, in order. docs/architecture.md has the table of what each stage reads and writes.
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "core/assert.h"
+#include "fluid/stability.h"
+#include "world/carried_mass.h"
 #include "world/numeric_range.h"
 #include "world/relocation.h"
 #include "world/world_impl.h"
@@ -83,8 +86,11 @@ void World::Impl::run_interval(IntervalContext& interval) {
                         step.surfaces.topology, seconds);
   predict_contacts(interval, pass);  // bounds for the pressure solver
   propose_motion(interval);          // pressure, viscosity → x_t1
-  pass.solve();                      // impulses, impacts, zones → certificate
-  verify(interval, motion);          // an independent check, when asked for
+  pass.set_start_velocity(state.particles.velocity);
+  if (fluid_settings.boundary == BoundaryModel::mirrored)
+    pass.set_wall_impulses(fluid->wall_impulses(), state.particles.spare_load);
+  pass.solve();              // impulses, impacts, zones → certificate
+  verify(interval, motion);  // an independent check, when asked for
   notify_observer(interval);
   commit(interval);  // no live particle has moved since the certificate
   step.contacts = pass.take_contacts();
@@ -113,12 +119,34 @@ void World::Impl::remove_invalid_particles(StepContext& step) {
   OILSKIN_ASSERT(all_finite(particles.position) && all_finite(particles.velocity));
 }
 
+/// More parts than max_substeps are needed: which limit it is, with the numbers.
+void World::Impl::report_instability(StepContext& step) const {
+  const FluidSettings& f = fluid_settings;
+  const double part = step.dt / step.report.substeps;
+  if (part <= fluid::longest_viscous_interval(f)) {
+    step.report.flags |= flag_sound_too_fast;
+    return;
+  }
+  step.report.flags |= flag_viscosity_limited;
+  std::ostringstream text;
+  text << "fluid.viscosity " << f.viscosity << " m²/s at dt " << step.dt << " s needs "
+       << world::parts_needed(step.dt, fluid::longest_viscous_interval(f))
+       << " fluid sub-steps; max_substeps is " << f.max_substeps << ", so "
+       << fluid::viscous_step(f, part) / part << " m²/s was applied";
+  step.report.messages.push_back(text.str());
+}
+
 void World::Impl::choose_substeps(StepContext& step) const {
   const double distance = fluid_settings.cfl * fluid_settings.spacing, dt = step.dt;
   const int maximum = fluid_settings.max_substeps;
   const std::vector<SurfaceMotion*>& surfaces = step.surfaces.motion;
   int& count = step.report.substeps;
-  count = maximum > 1 ? world::substep_count(speeds(surfaces, dt, dt), dt, distance, maximum) : 1;
+  const world::Speeds found = speeds(surfaces, dt, dt);
+  double& needed = step.report.substeps_needed;
+  needed = state.particles.size() > 0 || found.fluid > 0 ? stable_parts(found, dt) : 1;
+  count = world::substep_count(found, dt, distance, maximum);
+  count = std::max(count, static_cast<int>(std::min(needed, static_cast<double>(maximum))));
+  if (needed > count) report_instability(step);
   OILSKIN_ASSERT(count >= 1 && count <= maximum);
   step.paths.begin(surfaces, count, dt / count);
 }
@@ -146,6 +174,7 @@ void World::Impl::emit(IntervalContext& interval) {
   interval.remaining.assign(interval.live, interval.dt);
   if (interval.is_first)
     for (const Vec3& v : particles.velocity) step.ledger.present_before(v);
+  if (interval.is_first) step.energy.begin(particles, interval.dt);
   const std::vector<fluid::Start>& starts = emission->due(interval.begin, interval.dt);
   const std::vector<std::uint8_t> blocked =
       find_blocked_starts(starts, settings.kill_box, step.surfaces, *workers);
@@ -157,6 +186,7 @@ void World::Impl::emit(IntervalContext& interval) {
                         fluid_settings.rest_density);
     interval.remaining.push_back(start.remaining);
     step.ledger.emitted(start.velocity);
+    step.energy.enter(start.position, start.velocity, interval.dt);
     step.ledger.gravity(1, start.remaining, settings.gravity);
   }
   step.ledger.emitted_mass(particles.size() - interval.live);
@@ -268,36 +298,62 @@ void World::Impl::commit(IntervalContext& interval) {
   fluid::Particles& particles = state.particles;
   OILSKIN_ASSERT(interval.x_t1.size() == particles.size() && interval.velocity.size() == particles.size());
   OILSKIN_ASSERT(all_finite(interval.x_t1) && all_finite(interval.velocity));
-  particles.position = interval.x_t1;
   particles.velocity = interval.velocity;
   std::vector<std::uint8_t> keep(particles.size(), 1);
   step.ledger.begin_after();
+  step.energy.touch(step.surfaces.motion, interval.dt);
   for (std::size_t i = 0; i < particles.size(); ++i) {
-    const bool left = !settings.kill_box.contains(particles.position[i]);
-    if (!interval.removed[i] && !left) {
+    keep[i] = commit_particle(interval, i);
+    if (keep[i])
       step.ledger.present_after(particles.velocity[i]);
-      continue;
-    }
-    keep[i] = 0;
-    step.ledger.removed(particles.velocity[i]);
-    if (!interval.removed[i]) ++step.report.removed;
+    else
+      step.ledger.removed(particles.velocity[i]);
   }
+  step.energy.end_interval(state.next_particle_id, interval.dt);
   step.report.removed += interval.report.removed;
   step.report.contact.add(interval.report);
   particles.compress(keep);
   step.report.alive = particles.size();
 }
 
+/// Whether the particle remains.
+bool World::Impl::commit_particle(IntervalContext& interval, std::size_t i) {
+  fluid::Particles& particles = state.particles;
+  StepReport& report = interval.step.report;
+  world::EnergyBalance& energy = interval.step.energy;
+  const Vec3 start = particles.position[i];
+  particles.position[i] = interval.x_t1[i];
+  const bool inside = settings.kill_box.contains(particles.position[i]);
+  if (interval.removed[i]) {
+    energy.lose(particles, i, start, interval.dt);
+    return false;
+  }
+  energy.move(particles, i, start, interval.remaining[i], interval.dt);
+  if (inside) {
+    energy.stay(particles, i, interval.dt);
+    return true;
+  }
+  energy.leave(particles, i, interval.dt);
+  ++report.removed;
+  if (energy.is_too_fast(particles, i)) ++report.removed_too_fast;
+  return false;
+}
+
 void World::Impl::scatter(StepContext& step) {
   StageTimer timer(step.report.seconds.gather);
   step.paths.end();
   fluid->record_load(step.dt, step.surfaces.motion);
+  for (world::Attachment* a : step.surfaces.attachment)
+    world::update_carried_mass(step.dt, fluid_settings, *a, step.report);
   world::Attachments::scatter(step.surfaces, step.report);
+  for (const world::Attachment* a : step.surfaces.attachment)
+    step.energy.end_surface(a->motion, step.dt, attachments.before(*a), state.last_dt);
 }
 
 void World::Impl::finish(StepContext& step) {
   OILSKIN_ASSERT(all_finite(state.particles.position) && all_finite(state.particles.velocity));
   OILSKIN_ASSERT(step.report.alive == state.particles.size());
+  step.report.energy = step.energy.finish(state.particles.size(), step.dt, fluid_settings.spacing);
   state.time += step.dt;
   state.last_dt = step.dt;
   ++state.step_count;
@@ -305,6 +361,7 @@ void World::Impl::finish(StepContext& step) {
   if (step.report.contact.crossings_found_by_verify > 0 && contact_settings.ccd && contact_settings.zones)
     step.report.messages.push_back("verify found particles that crossed a surface or ended nearer than δ");
   step.report.flags = flags_of(step.report, contact_settings);
+  if (step.report.energy.risen > energy_made_limit * step.report.energy.scale) advise_on_energy(step);
 }
 
 void World::Impl::checkpoint() {

@@ -4,13 +4,15 @@
 #include "fluid/fluid_solver.h"
 #include "oilskin/contact.h"
 #include "world/attachments.h"
+#include "world/energy.h"
 #include "world/ledger.h"
 #include "world/substeps.h"
 
 namespace oilskin::world {
 
 struct StepContext {
-  StepContext(double step_length, double particle_mass) : dt(step_length), ledger(report, particle_mass) {}
+  StepContext(double step_length, double particle_mass, EnergyState& state, const Vec3& gravity)
+      : dt(step_length), ledger(report, particle_mass), energy(state, particle_mass, gravity) {}
   StepContext(const StepContext&) = delete;
   StepContext& operator=(const StepContext&) = delete;
 
@@ -23,7 +25,8 @@ struct StepContext {
 
   // Output
   StepReport report;
-  Ledger ledger;                  // adds to the report
+  Ledger ledger;  // adds to the report
+  EnergyBalance energy;
   std::vector<Contact> contacts;  // of the last interval
 };
 

@@ -10,8 +10,15 @@ namespace oilskin::world {
 int substep_count(const Speeds& speeds, double dt, double distance, int maximum) {
   OILSKIN_ASSERT(dt > 0 && distance > 0 && maximum >= 1);
   const double fluid = speeds.fluid + speeds.gravity * dt;
-  const double parts = std::ceil(dt * std::max(fluid, speeds.surfaces) / distance);
+  const double by_speed = std::ceil(dt * std::max(fluid, speeds.surfaces) / distance);
+  const double by_change = parts_needed(dt, longest_step({speeds.fluid, speeds.change, 0, 0}, distance));
+  const double parts = std::max(by_speed, by_change);
   return parts < maximum ? std::max(1, static_cast<int>(parts)) : maximum;
+}
+
+double parts_needed(double dt, double longest) {
+  OILSKIN_ASSERT(dt > 0 && longest >= 0);
+  return std::max(1.0, std::ceil(dt / longest * (1 - 1e-12)));
 }
 
 double longest_step(const Speeds& speeds, double distance) {
@@ -67,6 +74,7 @@ void SurfacePaths::continue_from_certified(Path& path) const {
   SurfaceMotion& m = *path.motion;
   OILSKIN_ASSERT(m.impulse.size() == m.x_t1.size() && path.target.size() == m.x_t1.size());
   m.x_t0 = m.x_t1;
+  if (m.smooth) m.velocity_t0 = m.velocity;
   for (std::size_t i = 0; i < m.x_t0.size(); ++i) {
     path.impulse[i] += m.impulse[i];
     // A prescribed node that was held has a longer displacement in less time; its velocity is that.

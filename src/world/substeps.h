@@ -10,11 +10,17 @@ struct Speeds {
   double fluid = 0;     ///< of the fastest particle, live or due to start
   double gravity = 0;   ///< |g| [m/s²]
   double surfaces = 0;  ///< of the fastest node that may touch the fluid
+  double change = 0;    ///< largest change per second by the fluid's own forces, in the last interval [m/s²]
 };
 
 /// The number of equal parts of a step of dt [s] such that no displacement in a part exceeds `distance` [m]
-/// (Courant–Friedrichs–Lewy); at most `maximum`.
+/// (Courant–Friedrichs–Lewy), even if the last interval's change of speed goes on in one part; at most
+/// `maximum` (F.43), (F.76).
 int substep_count(const Speeds& speeds, double dt, double distance, int maximum);
+
+/// The number of equal parts of a step of dt [s] such that none is longer than `longest` [s], as a real
+/// number: it may exceed every integer.
+double parts_needed(double dt, double longest);
 
 /// The longest dt [s] without a displacement above `distance` [m]; infinity where nothing moves.
 double longest_step(const Speeds& speeds, double distance);

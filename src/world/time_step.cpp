@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "fluid/stability.h"
 #include "world/numeric_range.h"
 #include "world/world_impl.h"
 
@@ -17,30 +18,37 @@ world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved
     const Vec3 &x = state.particles.position[i], &v = state.particles.velocity[i];
     if (!world::is_in_range(x) || !world::is_in_range(v)) continue;  // removed by the next step
     water.add(x);
-    found.fluid = std::max(found.fluid, v.squaredNorm());
+    // Momentum that a surface has not taken yet moves nothing.
+    found.fluid = std::max(found.fluid, state.particles.motion[i].squaredNorm());
   }
   found.fluid = std::max(std::sqrt(found.fluid), emission->fastest_due(state.time, dt));
+  found.change = state.max_acceleration;
   found.gravity = found.fluid > 0 || state.particles.size() > 0 ? settings.gravity.norm() : 0;
   const double reach = fluid->support_radius() + found.fluid * dt;
   if (moved_for > 0) found.surfaces = world::fastest_node(moved, water.inflated(reach), moved_for);
   return found;
 }
 
-/// The limits (F.45) and (F.46). Limits of accuracy hold for an interval: sub-steps relax them. Limits of
-/// stability hold for the step, because only speeds decide on sub-steps.
+/// The number of parts that stability asks for, (F.77).
+double World::Impl::stable_parts(const world::Speeds& found, double dt) const {
+  const FluidSettings& f = fluid_settings;
+  return world::parts_needed(
+      dt, std::min(fluid::longest_viscous_interval(f), fluid::longest_sound_interval(f, found.fluid)));
+}
+
+/// The limits (F.45) and (F.46). They hold for an interval: sub-steps relax them.
 double World::Impl::longest_dt(double largest) const {
   std::vector<SurfaceMotion*> moved;
   for (const auto& a : attachments.all())
     if (!a->refused && world::can_collide(fluid_settings, a->settings)) moved.push_back(&a->motion);
   const world::Speeds found = speeds(moved, state.last_dt, largest);
   const FluidSettings& f = fluid_settings;
-  const double support = fluid->support_radius();
-  double dt = std::min(largest, world::longest_step(found, f.max_substeps * f.cfl * f.spacing));
+  const double parts = f.max_substeps, support = fluid->support_radius();
+  double dt = std::min(largest, world::longest_step(found, parts * f.cfl * f.spacing));
   if (state.max_acceleration > 0)
-    dt = std::min(dt, f.max_substeps * 0.25 * std::sqrt(support / state.max_acceleration));
-  if (f.viscosity > 0) dt = std::min(dt, 0.035 * support * support / f.viscosity);
-  if (f.solver == PressureSolver::mcg03)
-    dt = std::min(dt, 0.4 * support / (std::sqrt(f.stiffness) + found.fluid));
+    dt = std::min(dt, parts * 0.25 * std::sqrt(support / state.max_acceleration));
+  dt = std::min(dt, parts * fluid::longest_viscous_interval(f));
+  dt = std::min(dt, parts * fluid::longest_sound_interval(f, found.fluid));
   OILSKIN_ASSERT(dt > 0);
   return dt;
 }

@@ -5,10 +5,21 @@
 #include <sstream>
 
 #include "core/hash.h"
+#include "world/carried_mass.h"
 #include "world/numeric_range.h"
 #include "world/world_impl.h"
 
 namespace oilskin {
+
+SurfaceLoad load_of(const SurfaceMotion& surface) {
+  SurfaceLoad load;
+  if (surface.impulse.size() != surface.x_t1.size()) return load;
+  for (std::size_t j = 0; j < surface.impulse.size(); ++j) {
+    load.impulse += surface.impulse[j];
+    load.angular_impulse += surface.x_t1[j].cross(surface.impulse[j]);
+  }
+  return load;
+}
 
 World::Impl::Impl(const WorldSettings& world, const FluidSettings& fluid_in,
                   const ContactSettings& contact_in)
@@ -78,7 +89,10 @@ const SurfaceMotion* World::surface(SurfaceId id) const {
 
 void World::reset_motion(SurfaceId id) {
   // A refused surface remains refused until its next gather: its present motion is invalid.
-  if (world::Attachment* a = impl_->attachments.find(id.value)) a->teleported = true;
+  world::Attachment* a = impl_->attachments.find(id.value);
+  if (!a) return;
+  a->teleported = true;
+  world::forget_load(*a);
 }
 
 Status World::set_slip(SurfaceId id, const SlipSettings& slip) {
@@ -187,6 +201,9 @@ Span<const Vec3> World::positions() const {
 Span<const Vec3> World::velocities() const {
   return impl_->state.particles.velocity;
 }
+Span<const Vec3> World::motions() const {
+  return impl_->state.particles.motion;
+}
 Span<const double> World::densities() const {
   return impl_->state.particles.density;
 }
@@ -198,17 +215,21 @@ Status World::add_velocities(Span<const Vec3> dv) {
   if (dv.size() != impl_->state.particles.size())
     return Status::refused("there are " + std::to_string(dv.size()) + " values for " +
                            std::to_string(impl_->state.particles.size()) + " particles");
-  for (std::size_t i = 0; i < dv.size(); ++i) impl_->state.particles.velocity[i] += dv[i];
+  for (std::size_t i = 0; i < dv.size(); ++i) {
+    impl_->state.particles.velocity[i] += dv[i];
+    impl_->state.particles.motion[i] += dv[i];
+  }
   return {};
 }
 
 const StepReport& World::step(double dt) {
   Impl& w = *impl_;
-  world::StepContext step(dt, particle_mass());
+  world::StepContext step(dt, particle_mass(), w.state.energy, w.settings.gravity);
   step.report.step = w.state.step_count;
   step.report.time = w.state.time;
   step.report.dt = dt;
   step.report.alive = w.state.particles.size();
+  step.report.energy = w.state.energy.report;
   step.report.status = w.status;
   if (w.status.ok() && !(dt >= 1e-12 && dt <= 1e6)) {
     std::ostringstream s;

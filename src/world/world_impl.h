@@ -7,6 +7,7 @@
 #include "fluid/fluid_solver.h"
 #include "oilskin/world.h"
 #include "world/attachments.h"
+#include "world/energy.h"
 #include "world/step_context.h"
 
 namespace oilskin {
@@ -22,6 +23,7 @@ struct WorldState {
   double time = 0;              // [s]
   double last_dt = 0;           // of the last step [s]; 0 = there was none
   double max_acceleration = 0;  // by the fluid's own forces in the last interval [m/s²]
+  EnergyState energy;
 };
 
 }  // namespace world
@@ -55,6 +57,7 @@ struct World::Impl {
   void gather(world::StepContext& step);
   void remove_invalid_particles(world::StepContext& step);
   void choose_substeps(world::StepContext& step) const;
+  void report_instability(world::StepContext& step) const;
   void run_interval(world::IntervalContext& interval);
   void emit(world::IntervalContext& interval);
   void predict_motion(world::IntervalContext& interval) const;
@@ -63,8 +66,10 @@ struct World::Impl {
   void verify(world::IntervalContext& interval, const ParticleMotion& motion) const;
   void notify_observer(world::IntervalContext& interval);
   void commit(world::IntervalContext& interval);
+  bool commit_particle(world::IntervalContext& interval, std::size_t i);
   void scatter(world::StepContext& step);
   void finish(world::StepContext& step);
+  void advise_on_energy(world::StepContext& step) const;
 
   ParticleMotion motion_of(world::IntervalContext& interval);
 
@@ -78,6 +83,7 @@ struct World::Impl {
 
   // How long it may be (time_step.cpp)
   world::Speeds speeds(Span<SurfaceMotion* const> moved, double moved_for, double dt) const;
+  double stable_parts(const world::Speeds& found, double dt) const;
   double longest_dt(double largest) const;
 };
 

@@ -19,6 +19,8 @@ TEST(SubstepCount, follows_the_rule) {
   EXPECT_EQ(substep_count(s, 1, 0.002, 10), 10);
   s.gravity = 10;
   EXPECT_EQ(substep_count(s, 0.2, 0.25, 10), 5) << "0.2 s at 4 + 0.2 · 10 m/s";
+  s.change = 3000;
+  EXPECT_EQ(substep_count(s, 2e-3, 0.002, 10), 6) << "4 m/s, and 3000 m/s² once more: 0.387 ms";
   s.surfaces = 1e300;
   EXPECT_EQ(substep_count(s, 1e300, 1e-6, 1000), 1000);
 }
@@ -54,10 +56,17 @@ TEST(SuggestedDt, is_the_smallest_of_its_limits) {
   EXPECT_EQ(suggested(FluidSettings{}, Vec3(0, 2, 0), 0, 1e-4), 1e-4);
   FluidSettings honey;
   honey.viscosity = 1;
+  honey.xsph_rate = 0;
   EXPECT_NEAR(suggested(honey, Vec3::Zero(), 0), 0.035 * 0.01 * 0.01, 1e-15);
+  honey.max_substeps = 4;
+  EXPECT_NEAR(suggested(honey, Vec3::Zero(), 0), 4 * 0.035 * 0.01 * 0.01, 1e-15);
+  honey.xsph_rate = 1e9;  // the first parts of both operators are damped at once: half of it is left
+  EXPECT_NEAR(suggested(honey, Vec3::Zero(), 0), 2 * 0.035 * 0.01 * 0.01, 1e-15);
   FluidSettings gas;
   gas.solver = PressureSolver::mcg03;
   EXPECT_NEAR(suggested(gas, Vec3(0, 0.1, 0), 0), 0.4 * 0.01 / 2.1, 1e-15);
+  gas.max_substeps = 2;
+  EXPECT_NEAR(suggested(gas, Vec3(0, 0.1, 0), 0), 2 * 0.4 * 0.01 / 2.1, 1e-15);
 }
 
 TEST(SuggestedDt, takes_the_emitters_of_the_next_step_into_account) {

@@ -37,7 +37,7 @@ class AtRest : public Check {
     const World& world = now.simulation.world();
     for (Place& p : places_)
       if (now.t > p.from && now.t <= p.to)
-        p.seen = std::max(p.seen, rms_speed_within(world.positions(), world.velocities(), p.within));
+        p.seen = std::max(p.seen, rms_speed_within(world.positions(), world.motions(), p.within));
   }
 
   /// Water that was not looked at to the end was not seen to be at rest.

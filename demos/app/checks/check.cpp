@@ -29,7 +29,7 @@ double water_volume(const Scene& scene, Simulation& simulation) {
 }
 
 double kinetic_energy(const World& world) {
-  return world.particle_mass() * kinetic_energy_per_mass(world.velocities());
+  return world.particle_mass() * kinetic_energy_per_mass(world.motions());
 }
 
 void check_cloth_index(const Scene& scene, int index, const std::string& key) {

@@ -8,6 +8,7 @@ std::unique_ptr<Check> make_not_finite();
 std::unique_ptr<Check> make_surfaces_left_out();
 std::unique_ptr<Check> make_momentum_residual();
 std::unique_ptr<Check> make_mass_residual();
+std::unique_ptr<Check> make_divergence();
 std::unique_ptr<Check> make_min_emitted();
 std::unique_ptr<Check> make_min_over_rim();
 std::unique_ptr<Check> make_vertical_momentum();
@@ -34,6 +35,7 @@ Span<const CheckEntry> check_table() {
       {nullptr, make_surfaces_left_out},
       {nullptr, make_momentum_residual},
       {nullptr, make_mass_residual},
+      {nullptr, make_divergence},
       {"min_emitted", make_min_emitted},
       {"min_over_rim", make_min_over_rim},
       {"vertical_momentum", make_vertical_momentum},

@@ -44,7 +44,7 @@ class SlipRatio : public Check {
     for (std::size_t i = 0; i < world.particle_count(); ++i) {
       NearestSurface::Hit hit;
       if (!nearest.find(world.positions()[i], &hit) || hit.point.distance == 0) continue;
-      Vec3 u = world.velocities()[i];
+      Vec3 u = world.motions()[i];
       for (int k = 0; k < 3; ++k) u -= hit.point.weights[k] * motion->velocity[hit.nodes[k]];
       const Vec3 n = hit.point.offset / hit.point.distance;
       speed.add((u - n * n.dot(u)).norm(), now.since_look);

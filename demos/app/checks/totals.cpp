@@ -25,9 +25,20 @@ void Totals::add(const StepReport& r) {
   momentum_residual += r.momentum_residual();
   momentum_scale += r.momentum_emitted.norm() + r.momentum_removed.norm() + r.momentum_gravity.norm() +
                     r.contact.impulse_on_free_nodes.norm() + r.contact.impulse_on_prescribed.norm();
+  energy = r.energy;
+  max_made_fraction = std::max(max_made_fraction, r.energy.made_fraction());
+  removed_too_fast += r.removed_too_fast;
+  if ((r.flags & flag_pressure_diverged) != 0) ++diverged_steps;
   flags |= r.flags;
-  for (const std::string& message : r.messages)
-    if (std::find(messages.begin(), messages.end(), message) == messages.end()) messages.push_back(message);
+  for (const std::string& message : r.messages) {
+    if (message.rfind("energy made", 0) == 0) {
+      // It has other numbers in every step: that of the worst step remains.
+      if (r.energy.risen_fraction() > max_risen_fraction) energy_message = message;
+    } else if (std::find(messages.begin(), messages.end(), message) == messages.end()) {
+      messages.push_back(message);
+    }
+  }
+  max_risen_fraction = std::max(max_risen_fraction, r.energy.risen_fraction());
 }
 
 Vec3 fluid_momentum(const World& world) {

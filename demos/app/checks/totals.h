@@ -17,8 +17,13 @@ struct Totals {
   Vec3 momentum_emitted = Vec3::Zero(), momentum_removed = Vec3::Zero(), momentum_gravity = Vec3::Zero();
   Vec3 momentum_residual = Vec3::Zero();
   double momentum_scale = 0;  ///< Σ of the lengths of all that was exchanged [N s]
+  EnergyReport energy;        ///< of the last step
+  double max_made_fraction = 0, max_risen_fraction = 0;  ///< of all steps, see EnergyReport
+  std::uint64_t removed_too_fast = 0;
+  std::uint64_t diverged_steps = 0;  ///< with flag_pressure_diverged
   std::uint32_t flags = 0;
   std::vector<std::string> messages;  ///< each once
+  std::string energy_message;         ///< of the step in which most energy had been made
 
   void add(const StepReport& report);
 };

@@ -123,6 +123,29 @@ Json momentum(const RunSummary& s) {
           {"scale", t.momentum_scale}};
 }
 
+Json energy(const RunSummary& s) {
+  const EnergyReport& e = s.totals.energy;
+  return {{"water_kinetic", e.water_kinetic},
+          {"water_potential", e.water_potential},
+          {"node_kinetic", e.node_kinetic},
+          {"node_potential", e.node_potential},
+          {"transfer", e.transfer},
+          {"entered_kinetic", e.entered_kinetic},
+          {"entered_potential", e.entered_potential},
+          {"left_kinetic", e.left_kinetic},
+          {"left_potential", e.left_potential},
+          {"work_prescribed", e.work_prescribed},
+          {"work_host", e.work_host},
+          {"work_outside", e.work_outside},
+          {"released_potential", e.released_potential},
+          {"made", e.made},
+          {"scale", e.scale},
+          {"max_made_fraction", s.totals.max_made_fraction},
+          {"max_risen_fraction", s.totals.max_risen_fraction},
+          {"rms_speed", e.rms_speed},
+          {"max_speed", e.max_speed}};
+}
+
 Json mass(const RunSummary& s) {
   const World& world = s.simulation.world();
   const double alive = world.particle_mass() * static_cast<double>(world.particle_count());
@@ -167,17 +190,16 @@ Json make_report(const RunSummary& s) {
   report["simulated_seconds"] = t.simulated;
   report["wall_seconds"] = s.wall_seconds;
   report["seconds"] = seconds(s);
-  report["particles"] = {{"emitted", t.emitted},
-                         {"alive", s.simulation.world().particle_count()},
-                         {"removed", t.removed},
-                         {"absorbed", 0},
-                         {"blocked_starts", t.blocked_starts}};
+  report["particles"] = {{"emitted", t.emitted}, {"alive", s.simulation.world().particle_count()},
+                         {"removed", t.removed}, {"removed_too_fast", t.removed_too_fast},
+                         {"absorbed", 0},        {"blocked_starts", t.blocked_starts}};
   report["contact"] = contact(s);
   if (s.scene.water_mesh) report["surface"] = surface(s.meshes);
   report["density_error"] = {{"mean", t.density_error_sum / steps}, {"max", t.density_error_max}};
   report["pressure_iterations"] = static_cast<double>(t.pressure_iterations) / steps;
   report["momentum"] = momentum(s);
   report["mass"] = mass(s);
+  report["energy"] = energy(s);
   report["state_hash"] = hexadecimal(s.simulation.world().state_hash());
   report["peak_memory_bytes"] = peak_memory_bytes();
   report["resident_memory_bytes"] = {{"after_a_fifth", s.memory.after_a_fifth()},
@@ -185,6 +207,7 @@ Json make_report(const RunSummary& s) {
   report["acceptance"] = acceptance(s);
   report["flags"] = flag_texts(t.flags);
   report["messages"] = t.messages;
+  if (!t.energy_message.empty()) report["messages"].push_back(t.energy_message);
   if (s.signal != 0) report["stopped_by_signal"] = s.signal;
   return report;
 }

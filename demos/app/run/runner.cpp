@@ -11,6 +11,7 @@
 #include "output/frame_path.h"
 #include "output/mesh_file.h"
 #include "output/output_error.h"
+#include "output/series.h"
 #include "output/trace_output.h"
 #include "output/water_mesh.h"
 #include "render/make_frames.h"
@@ -69,6 +70,7 @@ class Run {
         acceptance_(scene),
         progress_(options.quiet, options.trace == "-"),
         directory_(prepare_directory(scene, options)),
+        series_(scene, directory_),
         plan_(scene) {
     simulation_options_.threads = options.threads;
     simulation_ = make_simulation(scene, simulation_options_);
@@ -117,6 +119,7 @@ class Run {
     const StepReport& report = simulation_->step(plan_.next(t, suggested));
     if (!report.status.ok()) throw SceneError("step " + std::to_string(s) + ": " + report.status.message);
     totals_.add(report);
+    series_.after_step(*simulation_, simulation_->world(), report);
     if (trace_) trace_->check();
     memory_.after_step(simulation_->time().value(), scene_.duration);
     acceptance_.after_step(*simulation_, report.dt);
@@ -134,7 +137,7 @@ class Run {
     data.t = totals_.simulated;
     data.id = world.ids();
     data.position = world.positions();
-    data.velocity = world.velocities();
+    data.velocity = world.motions();
     data.density = world.densities();
     data.pressure = world.pressures();
     for (std::size_t i = 0; i < scene_.cloth.size(); ++i) data.cloth.push_back(simulation_->cloth(i));
@@ -166,6 +169,7 @@ class Run {
 
   int finish() {
     memory_.finish();
+    series_.finish();
     const double wall = seconds_since(start_);
     std::vector<CheckResult> checks;
     if (caught_signal() == 0)
@@ -188,6 +192,7 @@ class Run {
                   wall, static_cast<unsigned long long>(totals_.emitted));
     progress_.line(text);
     for (const std::string& message : totals_.messages) progress_.line("  note: " + message);
+    if (!totals_.energy_message.empty()) progress_.line("  note: " + totals_.energy_message);
     for (const std::string& flag : flag_texts(totals_.flags)) progress_.line("  flag: " + flag);
     for (const CheckResult& c : checks) {
       std::snprintf(text, sizeof text, "  %-18s %12.6g   limit %-10.6g %s", c.name.c_str(), c.value, c.limit,
@@ -207,6 +212,7 @@ class Run {
   std::unique_ptr<TraceOutput> trace_;  // outlives the world that it watches
   std::unique_ptr<Simulation> simulation_;
   std::unique_ptr<Frames> frames_;
+  SeriesOutput series_;
   Totals totals_;
   ResidentMemory memory_;
   StepPlan plan_;

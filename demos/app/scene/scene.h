@@ -150,6 +150,7 @@ struct Scene {
   double dt = 0.001, duration = 0.5;  ///< [s]
   bool adaptive_dt = false;           ///< dt is the longest step
   double min_dt = 1e-5;               ///< the shortest, where it adapts [s]
+  int series_every = 1;               ///< steps between two rows of series.csv; 0 = no file
   std::uint64_t seed = 1;
   WorldSettings world;
   FluidSettings fluid;

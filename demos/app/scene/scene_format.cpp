@@ -45,6 +45,7 @@ void describe(Fields& f, SurfaceSettings& s) {
   f.optional_number("thickness", s.thickness, positive());
   f.object("slip", [&](Fields& g) { describe(g, s.slip); });
   f.optional_object("slip_back", s.slip_back, [](Fields& g, SlipSettings& back) { describe(g, back); });
+  f.boolean("smooth", s.smooth);
   f.mask("collision_group", s.collision_group);
   f.mask("collision_mask", s.collision_mask);
 }
@@ -345,6 +346,7 @@ void describe(Fields& f, Scene& s) {
   f.boolean("adaptive_dt", s.adaptive_dt);
   f.number("min_dt", s.min_dt, {0, 1000, true});
   f.number("duration", s.duration, between(0, 1e6));
+  f.integer("series_every", s.series_every, between(0, 1e9));
   f.unsigned_integer("seed", s.seed);
   f.vec3("gravity", s.world.gravity);
   f.object("fluid", [&](Fields& g) { describe(g, s.fluid); });

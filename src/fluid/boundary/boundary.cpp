@@ -1,5 +1,7 @@
 #include "fluid/boundary/boundary.h"
 
+#include <algorithm>
+
 #include "core/assert.h"
 
 namespace oilskin::fluid {
@@ -8,11 +10,18 @@ namespace {
 
 constexpr std::size_t point_chunk = 256;
 
+/// Friction of these laws is bounded by them, or needs to know the first layer (docs/theory/boundary.md 10).
+bool has_dry_friction(const SurfaceMotion& s) {
+  const auto is_dry = [](SlipModel m) { return m == SlipModel::coulomb || m == SlipModel::sticking; };
+  return is_dry(s.slip_on(false).model) || is_dry(s.slip_on(true).model);
+}
+
 }  // namespace
 
 void Boundary::clear() {
   geometry_.clear();
   nodes_.clear();
+  wall_impulses_.clear();
 }
 
 void Boundary::find(const BoundaryInput& input, const Workers& workers) {
@@ -61,6 +70,24 @@ void Boundary::apply_load(const std::vector<WallLoad<double>>& load, std::vector
     s.velocity[nodes_[n].node] += s.inverse_mass[nodes_[n].node] * impulse;
     s.impulse[nodes_[n].node] += impulse;
   });
+  record_wall_impulses(load);
+}
+
+void Boundary::record_wall_impulses(const std::vector<WallLoad<double>>& load) {
+  wall_impulses_.clear();
+  if (std::none_of(surfaces_.begin(), surfaces_.end(), [](auto* s) { return has_dry_friction(*s); })) return;
+  for (const Wall& wall : geometry_.walls()) {
+    const double theta = load[wall.point].on(wall.depth);
+    if (!has_dry_friction(*surfaces_[wall.surface])) continue;
+    contact::WallImpulse w;
+    w.particle = points()[wall.point].particle;
+    w.surface = wall.surface;
+    w.triangle = wall.triangle;
+    w.weights = {wall.share(0), wall.share(1), wall.share(2)};
+    w.normal = wall.gamma.cast<double>();
+    w.impulse = mass_ * std::max(theta, 0.0) * w.normal.norm();
+    wall_impulses_.push_back(w);
+  }
 }
 
 }  // namespace oilskin::fluid

@@ -5,6 +5,7 @@
 /// Σ_T θ_T γ_T (B.13). The nodes of the walls get the opposite momentum (B.14).
 #pragma once
 
+#include "contact/wall_impulse.h"
 #include "fluid/boundary/load_memory.h"
 #include "fluid/boundary/wall_compliance.h"
 #include "fluid/boundary/wall_geometry.h"
@@ -34,11 +35,15 @@ class Boundary {
   /// dv += Σ_T θ_T γ_T; velocities and impulses of the nodes change by the opposite momentum.
   void apply_load(const std::vector<WallLoad<double>>& load, std::vector<Vec3>& dv, const Workers& workers);
 
+  /// What the last apply_load() gave to particles at walls with friction, ordered by particle.
+  const std::vector<contact::WallImpulse>& wall_impulses() const { return wall_impulses_; }
+
   /// What is kept from step to step.
   LoadMemory& memory() { return memory_; }
 
  private:
   std::vector<WallNodeMotion> node_motion(double dt) const;
+  void record_wall_impulses(const std::vector<WallLoad<double>>& load);
 
   WallGeometry geometry_;
   WallNodes nodes_;
@@ -46,6 +51,7 @@ class Boundary {
   LoadMemory memory_;
   double mass_ = 0;  // of a particle [kg]
   std::vector<SurfaceMotion*> surfaces_;
+  std::vector<contact::WallImpulse> wall_impulses_;
 };
 
 }  // namespace oilskin::fluid

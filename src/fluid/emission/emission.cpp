@@ -5,6 +5,7 @@
 
 #include "core/assert.h"
 #include "core/refuse.h"
+#include "fluid/emission/nozzle.h"
 #include "fluid/emission/random.h"
 #include "fluid/kernels.h"
 
@@ -87,21 +88,6 @@ bool is_in_range(const Source& s, double time) {
   return due < 0x1p53 && (!s.begun || static_cast<double>(s.next) >= due - 2);
 }
 
-/// Sites of the square lattice through the axis, within the radius.
-std::vector<Vec3> disc_sites(const DiscEmitter& e, double spacing) {
-  const Vec3 axis = e.direction.normalized();
-  int minimum = 0;
-  axis.cwiseAbs().minCoeff(&minimum);
-  const Vec3 u = axis.cross(Vec3::Unit(minimum)).normalized(), v = axis.cross(u);
-  const double limit = e.radius / spacing * (1 + 1e-9);
-  const int n = static_cast<int>(limit);
-  std::vector<Vec3> sites;
-  for (int a = -n; a <= n; ++a)
-    for (int b = -n; b <= n; ++b)
-      if (a * a + b * b <= limit * limit) sites.push_back(e.center + spacing * (a * u + b * v));
-  return sites;
-}
-
 std::vector<Vec3> ball_sites(double radius, double spacing) {
   const double limit = radius / spacing * (1 + 1e-9);
   const int n = static_cast<int>(limit);
@@ -174,21 +160,18 @@ Status Emission::add(const DiscEmitter& e) {
   if (!s.ok()) return s;
   if (!(e.direction.stableNorm() > 0))
     return refuse_value("disc emitter: direction", e.direction.transpose(), "longer than 0");
-  if (e.radius / dx > 1e4)
-    return refuse_value("disc emitter: radius", e.radius, "at most 10000 spacings of the fluid");
+  if (!(e.radius >= 0.5 * dx && e.radius <= 1e4 * dx))
+    return refuse_value("disc emitter: radius", e.radius, "half a spacing to 10000 spacings of the fluid");
   Source source;
   source.kind = Source::Kind::nozzle;
-  source.sites = disc_sites(e, dx);
   source.velocity = e.speed * e.direction.stableNormalized();
   source.start = e.start;
   source.stop = e.stop;
-  // Distance of layers that gives the mass flow ρ0 π r² v (F.37).
-  const double layer = static_cast<double>(source.sites.size()) * impl_->particle_mass /
-                       (impl_->rest_density * pi * e.radius * e.radius);
-  if (layer < 0.65 * dx) {
-    return refuse("disc emitter: radius is ", e.radius, "; the ", source.sites.size(),
-                  " sites within it cannot carry the flow of its area; use a radius of ", dx, " m or more");
-  }
+  // A layer of `needed` sites per spacing has the mass flow ρ0 π r² v. With more of them layers are farther
+  // apart; with fewer they would be nearer than a spacing, and the jet would burst (F.37), (F.73).
+  const double area = impl_->rest_density * pi * e.radius * e.radius, mass = impl_->particle_mass;
+  source.sites = nozzle_sites(e, area * dx / mass * (1 - 1e-9), dx);
+  const double layer = static_cast<double>(source.sites.size()) * mass / area;
   source.period = layer / e.speed;
   if (!(source.period >= min_period))
     return refuse_value("disc emitter: speed", e.speed, "at most 1e9 layers per second");

@@ -1,6 +1,7 @@
 #include "fluid/pressure/incompressible.h"
 
 #include "core/assert.h"
+#include "fluid/stability.h"
 
 namespace oilskin::fluid {
 
@@ -65,7 +66,7 @@ IncompressibleFluid::IncompressibleFluid(const FluidSettings& s)
 }
 
 IncompressibleSums IncompressibleFluid::sums(double dt) const {
-  return {volume, support_radius, -std::expm1(-settings.xsph_rate * dt), settings.viscosity * dt,
+  return {volume, support_radius, -std::expm1(-settings.xsph_rate * dt), viscous_step(settings, dt),
           viscous_weights};
 }
 

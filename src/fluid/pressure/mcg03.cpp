@@ -5,6 +5,7 @@
 #include "fluid/lattice.h"
 #include "fluid/pressure/pair_sums.h"
 #include "fluid/pressure/pressure_model.h"
+#include "fluid/stability.h"
 
 namespace oilskin::fluid {
 
@@ -37,7 +38,8 @@ class Mcg03 : public PressureModel {
 
   void explicit_terms(StepState& state) override {
     const double smoothed = -std::expm1(-settings_.xsph_rate * state.dt);
-    run_explicit_sums(state, Mcg03Model(volume_, support_radius_, smoothed, settings_.viscosity * state.dt),
+    run_explicit_sums(state,
+                      Mcg03Model(volume_, support_radius_, smoothed, viscous_step(settings_, state.dt)),
                       settings_.viscosity > 0 || settings_.xsph_rate > 0);
   }
 

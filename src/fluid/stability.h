@@ -1,0 +1,44 @@
+/// How long an interval may be so that what is integrated explicitly stays stable.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "oilskin/settings.h"
+
+namespace oilskin::fluid {
+
+/// ν dt/H² up to which the viscous term alone is stable, with a margin of 7 % (F.12).
+constexpr double viscous_limit = 0.035;
+
+inline double support_radius(const FluidSettings& s) {
+  return s.support_ratio * s.spacing;
+}
+
+/// The largest ν dt [m²] that an interval of dt [s] takes, next to its XSPH (F.74).
+inline double largest_viscous_step(const FluidSettings& s, double dt) {
+  const double h = support_radius(s);
+  return viscous_limit * h * h * std::max(0.5, 1 - 0.5 * s.xsph_rate * dt);
+}
+
+/// ν dt as it is applied: the stable part of it [m²].
+inline double viscous_step(const FluidSettings& s, double dt) {
+  return std::min(s.viscosity * dt, largest_viscous_step(s, dt));
+}
+
+/// The longest interval [s] in which viscosity need not be limited; infinity without viscosity (F.75).
+inline double longest_viscous_interval(const FluidSettings& s) {
+  if (!(s.viscosity > 0)) return std::numeric_limits<double>::infinity();
+  const double h = support_radius(s), d = viscous_limit * h * h;
+  return std::max(0.5 * d / s.viscosity, d / (s.viscosity + 0.5 * d * s.xsph_rate));
+}
+
+/// The longest interval [s] of the state equation at the speed v [m/s] of the fluid; infinity for other
+/// solvers (F.46).
+inline double longest_sound_interval(const FluidSettings& s, double v) {
+  if (s.solver != PressureSolver::mcg03) return std::numeric_limits<double>::infinity();
+  return 0.4 * support_radius(s) / (std::sqrt(s.stiffness) + v);
+}
+
+}  // namespace oilskin::fluid

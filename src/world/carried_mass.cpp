@@ -1,0 +1,81 @@
+#include "world/carried_mass.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/assert.h"
+
+namespace oilskin::world {
+
+namespace {
+
+/// t_m of (C.30) [s]: that of the load memory of boundary terms (B.26), for the same reason.
+constexpr double memory_time = 0.05;
+
+/// Of a layer of particles: the most that a node carries (C.29). Measured in docs/decisions/0019.
+constexpr double largest_share = 0.25;
+
+/// A third of the areas of the triangles at each node [m²].
+std::vector<double> node_areas(const SurfaceMotion& m) {
+  std::vector<double> area(m.x_t1.size(), 0);
+  for (const Triangle& t : m.triangles) {
+    const Vec3 &a = m.x_t1[t[0]], &b = m.x_t1[t[1]], &c = m.x_t1[t[2]];
+    const double third = (b - a).cross(c - a).norm() / 6;
+    for (std::uint32_t node : t) area[node] += third;
+  }
+  return area;
+}
+
+double added_mass(const SurfaceMotion& m, std::size_t i) {
+  return m.added_mass.empty() ? 0 : m.added_mass[i];
+}
+
+/// (C.31)
+Vec3 owed(const SurfaceMotion& m) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < m.added_mass.size(); ++i)
+    sum += m.added_mass[i] * m.inverse_mass[i] * m.impulse[i];
+  return sum;
+}
+
+void record_load(double dt, Attachment& a) {
+  const SurfaceMotion& m = a.motion;
+  if (a.mean_load.size() != m.impulse.size()) a.mean_load.assign(m.impulse.size(), Vec3::Zero());
+  const double fresh = -std::expm1(-dt / memory_time);
+  for (std::size_t i = 0; i < m.impulse.size(); ++i)
+    a.mean_load[i] += fresh * (m.impulse[i] / dt - a.mean_load[i]);
+}
+
+}  // namespace
+
+/// (C.29)
+void update_carried_mass(double dt, const FluidSettings& fluid, Attachment& a, StepReport& report) {
+  SurfaceMotion& m = a.motion;
+  OILSKIN_ASSERT(dt > 0 && m.impulse.size() == m.x_t1.size());
+  report.momentum_owed += owed(m);
+  record_load(dt, a);
+  const std::vector<double> area = node_areas(m);
+  const double most = largest_share * fluid.rest_density * fluid.spacing;
+  m.carried_mass.assign(m.x_t1.size(), 0);
+  for (std::size_t i = 0; i < m.x_t1.size(); ++i) {
+    if (m.inverse_mass[i] == 0) continue;
+    const double own = 1 / m.inverse_mass[i] - added_mass(m, i), load = a.mean_load[i].norm();
+    const double carried = std::min(dt * dt * load / fluid.spacing - own, most * area[i]);
+    report.load_speed = std::max(report.load_speed, load * dt / own);
+    if (!(carried > 0)) continue;
+    m.carried_mass[i] = carried;
+    report.carried_ratio = std::max(report.carried_ratio, carried / own);
+  }
+}
+
+void forget_load(Attachment& a) {
+  a.mean_load.clear();
+  a.motion.carried_mass.clear();
+}
+
+bool is_mean_load(const std::vector<Vec3>& load, std::size_t n) {
+  return (load.empty() || load.size() == n) &&
+         std::all_of(load.begin(), load.end(), [](const Vec3& f) { return f.allFinite(); });
+}
+
+}  // namespace oilskin::world

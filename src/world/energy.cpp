@@ -1,0 +1,201 @@
+#include "world/energy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/assert.h"
+
+namespace oilskin::world {
+
+namespace {
+
+/// Shortest stretch of time over which EnergyReport::risen looks back [s].
+constexpr double window = 0.1;
+
+/// A particle is too fast beyond this multiple of the energy that explains it: where streams collide, a small
+/// part of the water has more than its share.
+constexpr double focus = 4;
+
+/// The speed of a node over a step or an interval [m/s]; 0 before the first.
+Vec3 speed(const SurfaceMotion& m, std::size_t node, double dt) {
+  return dt > 0 ? Vec3((m.x_t1[node] - m.x_t0[node]) / dt) : Vec3::Zero();
+}
+
+}  // namespace
+
+/// The middle of the interval (F.66), as if particle i had moved for all of it; x is its end.
+Vec3 EnergyBalance::middle(const fluid::Particles& particles, std::size_t i, const Vec3& x, double dt) const {
+  const double length = particles.id[i] >= state_.first_new_id ? dt : state_.interval;
+  return x - 0.5 * length * particles.motion[i];
+}
+
+void EnergyBalance::begin(const fluid::Particles& particles, double dt) {
+  const bool turned = gravity_ != state_.gravity;
+  if (turned) state_.max_specific = 0;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const Vec3 &x = particles.position[i], &u = particles.motion[i];
+    const bool is_new = particles.id[i] >= state_.first_new_id;
+    (is_new ? entered_ : start_).add(mass_, u, middle(particles, i, x, dt));
+    if (is_new || turned)
+      state_.max_specific = std::max(state_.max_specific, 0.5 * u.squaredNorm() - gravity_.dot(x));
+  }
+}
+
+void EnergyBalance::enter(const Vec3& x, const Vec3& velocity, double dt) {
+  entered_.add(mass_, velocity, x - 0.5 * dt * velocity);
+  state_.max_specific = std::max(state_.max_specific, 0.5 * velocity.squaredNorm() - gravity_.dot(x));
+}
+
+/// (F.68). Nodes that are not prescribed get the impulse after their motion: (F.69).
+void EnergyBalance::touch(Span<SurfaceMotion* const> surfaces, double dt) {
+  OILSKIN_ASSERT(dt > 0);
+  for (const SurfaceMotion* s : surfaces)
+    for (std::size_t j = 0; j < s->impulse.size(); ++j) {
+      if (s->impulse[j].isZero(0)) continue;
+      const Vec3 u = speed(*s, j, dt);
+      state_.max_node_speed = std::max(state_.max_node_speed, u.norm());
+      (s->inverse_mass[j] == 0 ? on_prescribed_ : transfer_) += s->impulse[j].dot(u);
+    }
+}
+
+void EnergyBalance::move(fluid::Particles& particles, std::size_t i, const Vec3& start, double time,
+                         double dt) {
+  OILSKIN_ASSERT(time >= 0 && time <= dt);
+  // Shorter times have rounding instead of a displacement.
+  if (time > 1e-9 * dt) particles.motion[i] = (particles.position[i] - start) / time;
+}
+
+void EnergyBalance::stay(const fluid::Particles& particles, std::size_t i, double dt) {
+  const Vec3& u = particles.motion[i];
+  water_.add(mass_, u, particles.position[i] - 0.5 * dt * u);
+  max_speed_ = std::max(max_speed_, u.squaredNorm());
+}
+
+void EnergyBalance::leave(const fluid::Particles& particles, std::size_t i, double dt) {
+  left_.add(mass_, particles.motion[i], particles.position[i] - 0.5 * dt * particles.motion[i]);
+}
+
+void EnergyBalance::lose(const fluid::Particles& particles, std::size_t i, const Vec3& start, double dt) {
+  left_.add(mass_, particles.motion[i], middle(particles, i, start, dt));
+}
+
+bool EnergyBalance::is_too_fast(const fluid::Particles& particles, std::size_t i) const {
+  const double walls = 0.5 * state_.max_node_speed * state_.max_node_speed;
+  const double available = state_.max_specific + gravity_.dot(particles.position[i]) + walls;
+  return 0.5 * particles.motion[i].squaredNorm() > focus * std::max(available, 0.0);
+}
+
+void EnergyBalance::end_interval(std::uint64_t next_id, double dt) {
+  state_.water = water_;
+  state_.report.max_speed = std::sqrt(max_speed_);
+  state_.interval = dt;
+  state_.first_new_id = next_id;
+  water_ = Energy();
+  max_speed_ = 0;
+}
+
+/// Where contact gave a free node an impulse at the end of the step before, its speed changed in between:
+/// the work is at the mean (F.69).
+void EnergyBalance::end_surface(const SurfaceMotion& now, double dt, const SurfaceMotion& before,
+                                double dt_before) {
+  const bool is_same = before.id == now.id && before.x_t1.size() == now.x_t1.size();
+  for (std::size_t j = 0; j < before.x_t1.size(); ++j) {
+    if (before.inverse_mass[j] == 0) continue;
+    const Vec3 u = speed(before, j, dt_before);
+    nodes_before_.add(1 / before.inverse_mass[j], u, before.x_t1[j] - 0.5 * dt_before * u);
+    if (before.impulse.size() != before.x_t1.size()) continue;
+    if (is_same) late_ += 0.5 * before.impulse[j].dot(speed(now, j, dt) - u);
+  }
+  for (std::size_t j = 0; j < now.x_t1.size(); ++j) {
+    if (now.inverse_mass[j] == 0) continue;
+    const Vec3 u = speed(now, j, dt);
+    nodes_.add(1 / now.inverse_mass[j], u, now.x_t1[j] - 0.5 * dt * u);
+  }
+}
+
+const EnergyReport& EnergyBalance::finish(std::size_t count, double dt, double spacing) {
+  EnergyReport& r = state_.report;
+  const Energy& water = state_.water;
+  r.water_kinetic = water.kinetic;
+  r.water_potential = water.potential(gravity_);
+  r.node_kinetic = nodes_.kinetic;
+  r.node_potential = nodes_.potential(gravity_);
+  r.rms_speed = count > 0 ? std::sqrt(2 * water.kinetic / (static_cast<double>(count) * mass_)) : 0;
+  r.entered_kinetic += entered_.kinetic;
+  r.entered_potential +=
+      entered_.potential(gravity_) + nodes_before_.total(gravity_) - state_.nodes.total(gravity_);
+  r.left_kinetic += left_.kinetic;
+  r.left_potential += left_.potential(gravity_);
+  r.work_prescribed -= on_prescribed_;
+  r.work_host += nodes_.total(gravity_) - nodes_before_.total(gravity_) - r.transfer - late_;
+  r.work_outside += start_.total(gravity_) - water_before_.total(state_.gravity) -
+                    (gravity_ - state_.gravity).dot(state_.nodes.moment);
+  r.transfer = transfer_;
+  r.made_in_step = water.total(gravity_) - start_.total(gravity_) - entered_.total(gravity_) +
+                   left_.total(gravity_) + on_prescribed_ + transfer_ + late_;
+  r.made += r.made_in_step;
+  state_.gravity_work -= water.potential(gravity_) - start_.potential(gravity_) -
+                         entered_.potential(gravity_) + left_.potential(gravity_) +
+                         nodes_.potential(gravity_) - nodes_before_.potential(gravity_);
+  update_scale(static_cast<double>(count) * mass_ * gravity_.norm() * spacing);
+  update_window(dt);
+  state_.gravity = gravity_;
+  state_.nodes = nodes_;
+  return r;
+}
+
+/// (F.71)
+void EnergyBalance::update_scale(double lift) {
+  EnergyReport& r = state_.report;
+  r.released_potential = std::max(r.released_potential, state_.gravity_work);
+  for (const double work : {r.work_prescribed, r.work_host, r.work_outside})
+    state_.max_work = std::max(state_.max_work, work);
+  r.scale = std::max({r.scale, r.entered_kinetic, r.released_potential, state_.max_work, lift});
+}
+
+/// A particle that runs onto a light node stops for the rest of a step, before the node gives way: a dip of
+/// one or two steps is none.
+void EnergyBalance::update_window(double dt) {
+  EnergyReport& r = state_.report;
+  const double lately = std::max({r.made, state_.last_made[0], state_.last_made[1]});
+  state_.last_made = {r.made, state_.last_made[0]};
+  state_.time += dt;
+  if (state_.time >= state_.window_end) {
+    state_.min_made_before = state_.min_made;
+    state_.min_made = lately;
+    state_.window_end = state_.time + window;
+  }
+  state_.min_made = std::min(state_.min_made, lately);
+  r.risen = std::max(0.0, r.made - std::min(state_.min_made, state_.min_made_before));
+}
+
+namespace {
+
+void visit(Archive& archive, Energy& energy) {
+  auto& [kinetic, moment] = energy;
+  archive.values(kinetic, moment);
+}
+
+void visit(Archive& archive, EnergyReport& r) {
+  auto& [water_kinetic, water_potential, node_kinetic, node_potential, transfer, entered_kinetic,
+         entered_potential, left_kinetic, left_potential, work_prescribed, work_host, work_outside,
+         released_potential, made, made_in_step, risen, scale, rms_speed, max_speed] = r;
+  archive.values(water_kinetic, water_potential, node_kinetic, node_potential, transfer, entered_kinetic,
+                 entered_potential, left_kinetic, left_potential, work_prescribed, work_host, work_outside,
+                 released_potential, made, made_in_step, risen, scale, rms_speed, max_speed);
+}
+
+}  // namespace
+
+void EnergyState::visit(Archive& archive) {
+  auto& [interval_, first_new_id_, max_specific_, max_node_speed_, gravity_, water_, nodes_, report_,
+         gravity_work_, max_work_, time_, window_end_, min_made_, min_made_before_, last_made_] = *this;
+  archive.values(interval_, first_new_id_, max_specific_, max_node_speed_, gravity_, gravity_work_, max_work_,
+                 time_, window_end_, min_made_, min_made_before_, last_made_[0], last_made_[1]);
+  world::visit(archive, water_);
+  world::visit(archive, nodes_);
+  world::visit(archive, report_);
+  archive.require(interval_ >= 0 && std::isfinite(interval_), "the length of the last interval");
+}
+
+}  // namespace oilskin::world

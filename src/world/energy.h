@@ -1,0 +1,96 @@
+/// The balance of energies (F.65)–(F.72).
+#pragma once
+
+#include <array>
+
+#include "core/archive.h"
+#include "fluid/particles.h"
+#include "oilskin/report.h"
+#include "oilskin/surface_motion.h"
+
+namespace oilskin::world {
+
+/// Kinetic energy [J], and Σ m x [kg m], from which the potential follows for any gravity.
+struct Energy {
+  double kinetic = 0;
+  Vec3 moment = Vec3::Zero();
+
+  /// A mass [kg] that moves with u [m/s] and is at x [m] in the middle of its interval.
+  void add(double mass, const Vec3& u, const Vec3& x) {
+    kinetic += 0.5 * mass * u.squaredNorm();
+    moment += mass * x;
+  }
+  double potential(const Vec3& gravity) const { return -gravity.dot(moment); }
+  double total(const Vec3& gravity) const { return kinetic + potential(gravity); }
+};
+
+/// What the balance keeps from step to step.
+struct EnergyState {
+  double interval = 0;              ///< length of the last interval [s]; 0 = there was none
+  std::uint64_t first_new_id = 1;   ///< particles with this id or a later one have not moved yet
+  double max_specific = 0;          ///< kinetic and potential energy of a particle that came in [J/kg]
+  double max_node_speed = 0;        ///< of nodes that touched the fluid [m/s]
+  Vec3 gravity = Vec3::Zero();      ///< of the last step [m/s²]
+  Energy water, nodes;              ///< at the end of the last step
+  EnergyReport report;              ///< of the last step
+  double gravity_work = 0;          ///< so far [J]
+  double max_work = 0;              ///< the largest work so far of prescribed nodes, hosts or callers [J]
+  double time = 0, window_end = 0;  ///< since the balance began [s]
+  double min_made = 0, min_made_before = 0;  ///< of EnergyReport::made in this window and the one before [J]
+  std::array<double, 2> last_made = {0, 0};  ///< of the last two steps, the last first
+
+  void visit(Archive& archive);
+};
+
+/// The balance of one step. Per interval: begin() in the first, enter(), touch(), then move() and stay() or
+/// leave(), or lose(), for each particle, end_interval(). After the last one end_surface() and finish().
+class EnergyBalance {
+ public:
+  /// Each particle weighs `particle_mass` [kg].
+  EnergyBalance(EnergyState& state, double particle_mass, const Vec3& gravity)
+      : state_(state), mass_(particle_mass), gravity_(gravity), water_before_(state.water) {}
+
+  /// The particles at the start of the first interval, of length dt [s].
+  void begin(const fluid::Particles& particles, double dt);
+  /// An emitter starts a particle in an interval of length dt.
+  void enter(const Vec3& x, const Vec3& velocity, double dt);
+  /// Impulses and motion of the surfaces in an interval of length dt.
+  void touch(Span<SurfaceMotion* const> surfaces, double dt);
+
+  /// Particle i went from `start` to particles.position within `time` [s]: sets particles.motion.
+  void move(fluid::Particles& particles, std::size_t i, const Vec3& start, double time, double dt);
+  void stay(const fluid::Particles& particles, std::size_t i, double dt);
+  void leave(const fluid::Particles& particles, std::size_t i, double dt);
+  /// Particle i is removed at `start`: it has no certified end.
+  void lose(const fluid::Particles& particles, std::size_t i, const Vec3& start, double dt);
+  /// Whether particle i is faster than any energy in the world allows (F.72).
+  bool is_too_fast(const fluid::Particles& particles, std::size_t i) const;
+  /// `next_id` of particles to come.
+  void end_interval(std::uint64_t next_id, double dt);
+
+  /// A surface at the end of a step of dt, and as the step of dt_before left it.
+  void end_surface(const SurfaceMotion& now, double dt, const SurfaceMotion& before, double dt_before);
+  /// The report of a step of dt with `count` particles. `spacing` [m] is the resolution of heights.
+  const EnergyReport& finish(std::size_t count, double dt, double spacing);
+
+ private:
+  Vec3 middle(const fluid::Particles& particles, std::size_t i, const Vec3& x, double dt) const;
+  void update_scale(double lift);
+  void update_window(double dt);
+
+  EnergyState& state_;
+  const double mass_;  // [kg]
+  const Vec3 gravity_;
+
+  // Of the step
+  const Energy water_before_;
+  Energy start_, entered_, left_, nodes_before_, nodes_;
+  // Work of the fluid [J]: on prescribed nodes; on free ones at the speeds of the step; what the latter was
+  // off by in the step before.
+  double on_prescribed_ = 0, transfer_ = 0, late_ = 0;
+  // Of the interval
+  Energy water_;
+  double max_speed_ = 0;  // squared
+};
+
+}  // namespace oilskin::world

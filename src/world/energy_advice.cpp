@@ -1,0 +1,90 @@
+/// What avoids energy that a step made, with numbers.
+#include <cmath>
+#include <sstream>
+
+#include "world/world_impl.h"
+
+namespace oilskin {
+
+namespace {
+
+constexpr double frame = 1.0 / 60;  // [s]
+
+/// What a surface took in a step.
+struct Load {
+  std::size_t surface = 0;
+  double mass = 0;          ///< of its free nodes [kg]
+  double touched_mass = 0;  ///< of those that got an impulse
+  double impulse = 0;       ///< [N s]
+  /// The speed that the load gives to the nodes before their host responds, p dt/σ [m/s].
+  double kick() const { return touched_mass > 0 ? impulse / touched_mass : 0; }
+};
+
+Load load_on(const SurfaceMotion& m) {
+  Load load;
+  Vec3 impulse = Vec3::Zero();
+  for (std::size_t j = 0; j < m.impulse.size(); ++j) {
+    if (m.inverse_mass[j] == 0) continue;
+    load.mass += 1 / m.inverse_mass[j];
+    if (m.impulse[j].isZero(0)) continue;
+    load.touched_mass += 1 / m.inverse_mass[j];
+    impulse += m.impulse[j];
+  }
+  load.impulse = impulse.norm();
+  return load;
+}
+
+/// Two digits.
+std::string rounded(double value) {
+  std::ostringstream s;
+  s.precision(2);
+  s << value;
+  return s.str();
+}
+
+std::string about_cloth(const Load& load, double dt, double gravity, double max_kick) {
+  const double ratio = load.kick() / max_kick;
+  std::ostringstream s;
+  s << "the cloth (surface " << load.surface + 1 << ") ";
+  if (gravity > 0) s << "carries " << rounded(load.kick() / (gravity * dt)) << " × its mass";
+  if (!(gravity > 0)) s << "takes " << rounded(load.kick()) << " m/s a step";
+  s << " at " << rounded(1e3 * dt) << " ms: " << std::ceil(frame / (dt / ratio))
+    << " steps a frame of 1/60 s, or ≥ " << rounded(load.mass * ratio) << " kg";
+  return s.str();
+}
+
+std::string about_water(double distance, double dt, int substeps) {
+  std::ostringstream s;
+  if (distance > 1) {
+    s << "the fastest water moves " << rounded(distance) << " × fluid.cfl spacings in an interval of "
+      << rounded(1e3 * dt / substeps) << " ms: dt ≤ " << rounded(1e3 * dt / distance)
+      << " ms, or fluid.max_substeps ≥ " << std::ceil(substeps * distance);
+  } else {
+    s << "pressure made it at " << rounded(1e3 * dt) << " ms: dt ≤ " << rounded(500 * dt) << " ms";
+  }
+  return s.str();
+}
+
+}  // namespace
+
+/// The load of a step must not give cloth more than the speed of a fall through one spacing: water that
+/// follows it would be a layer behind (F.72).
+void World::Impl::advise_on_energy(world::StepContext& step) const {
+  const EnergyReport& energy = step.report.energy;
+  const double g = settings.gravity.norm(), spacing = fluid_settings.spacing;
+  const double max_kick = g > 0 ? std::sqrt(g * spacing) : fluid_settings.cfl * spacing / step.dt;
+  Load largest;
+  for (std::size_t k = 0; k < step.surfaces.size(); ++k) {
+    Load load = load_on(*step.surfaces.motion[k]);
+    load.surface = k;
+    if (load.kick() > largest.kick()) largest = load;
+  }
+  const double interval = step.dt / step.report.substeps;
+  const double distance = energy.max_speed * interval / (fluid_settings.cfl * spacing);
+  step.report.flags |= flag_energy_made;
+  step.report.messages.push_back(
+      "energy made: " + (largest.kick() > max_kick ? about_cloth(largest, step.dt, g, max_kick)
+                                                   : about_water(distance, step.dt, step.report.substeps)));
+}
+
+}  // namespace oilskin

@@ -1,0 +1,109 @@
+// What is integrated explicitly stays stable: the step is cut, or the viscosity limited, and a flag says so.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/random.h"
+#include "support/record.h"
+#include "support/world_helpers.h"
+#include "world/driven_sheet.h"
+
+namespace oilskin::test {
+namespace {
+
+FluidSettings thick(double viscosity, int max_substeps, PressureSolver solver = PressureSolver::pcisph) {
+  FluidSettings f;
+  f.viscosity = viscosity;
+  f.max_substeps = max_substeps;
+  f.solver = solver;
+  return f;
+}
+
+/// A step of water at rest.
+StepReport step_of(const FluidSettings& fluid, double dt) {
+  World w(box(1), fluid);
+  add_block(w, 4, Vec3::Zero(), Vec3::Zero());
+  return w.step(dt);
+}
+
+TEST(Viscosity, cuts_the_step_as_often_as_it_needs) {
+  const double limit = 0.035 * 0.01 * 0.01;  // [m²], of ν dt
+  for (const PressureSolver solver : {PressureSolver::pcisph, PressureSolver::dfsph, PressureSolver::mcg03})
+    for (const double dt : {1e-4, 7e-4, 4e-3})
+      for (const double needed : {0.7, 1.2, 4.9, 7.3}) {
+        const double parts = std::ceil(needed);
+        const StepReport r = step_of(thick(needed * limit / dt, 8, solver), dt);
+        EXPECT_GE(r.substeps, parts);
+        EXPECT_LE(r.substeps, parts + 1) << "with what XSPH adds";
+        EXPECT_LE(r.substeps_needed, r.substeps);
+        EXPECT_EQ(r.flags, 0u);
+        EXPECT_TRUE(r.messages.empty());
+      }
+}
+
+TEST(Viscosity, is_limited_where_the_step_may_not_be_cut_and_a_message_has_the_numbers) {
+  const StepReport r = step_of(thick(0.1, 8), 1e-3);
+  EXPECT_EQ(r.substeps, 8);
+  EXPECT_EQ(r.substeps_needed, 29);
+  EXPECT_EQ(r.flags, static_cast<std::uint32_t>(flag_viscosity_limited));
+  ASSERT_EQ(r.messages.size(), 1u);
+  EXPECT_EQ(
+      r.messages[0],
+      "fluid.viscosity 0.1 m²/s at dt 0.001 s needs 29 fluid sub-steps; max_substeps is 8, so 0.0279825 "
+      "m²/s was applied");
+  EXPECT_EQ(flag_texts(r.flags).size(), 1u);
+  World empty(box(1), thick(0.1, 1));
+  EXPECT_EQ(empty.step(1e-3).flags, 0u) << "no water, no flag";
+}
+
+double kinetic(const World& w) {
+  double sum = 0;
+  for (const Vec3& v : w.velocities()) sum += v.squaredNorm();
+  return sum;
+}
+
+/// Water in slight disorder with random velocities, in the air.
+void expect_no_energy(const FluidSettings& fluid, double dt, double jitter, Random& random) {
+  World w(box(1), fluid);
+  std::vector<Vec3> x, v;
+  for (int i = 0; i < 512; ++i) {
+    x.push_back(0.005 * Vec3(i % 8, i / 8 % 8, i / 64) + random.in_cube(jitter * 0.005));
+    v.push_back(random.in_cube(0.1));
+  }
+  ASSERT_TRUE(w.add_particles(x, v, nullptr).ok());
+  const double start = kinetic(w);
+  for (int k = 0; k < 12; ++k) {
+    const StepReport& r = w.step(dt);
+    EXPECT_EQ((r.flags & flag_viscosity_limited) != 0, r.substeps_needed > r.substeps);
+    EXPECT_LE(kinetic(w), start) << "viscosity " << fluid.viscosity << ", dt " << dt << ", sub-steps "
+                                 << fluid.max_substeps << ", solver " << static_cast<int>(fluid.solver);
+  }
+  EXPECT_EQ(w.particle_count(), 512u);
+}
+
+TEST(Viscosity, of_any_size_makes_no_energy_at_any_step) {
+  Random random(3);
+  for (const PressureSolver solver : {PressureSolver::pcisph, PressureSolver::dfsph, PressureSolver::mcg03})
+    for (const int maximum : {1, 8})
+      for (int k = 0; k < 8; ++k) {
+        FluidSettings fluid = thick(random.log_uniform(3e-3, 10), maximum, solver);
+        fluid.xsph_rate = k % 3 == 0 ? random.log_uniform(10, 1e4) : 10;
+        expect_no_energy(fluid, random.log_uniform(1e-3, 1e-2), 0.02, random);
+      }
+}
+
+TEST(StateEquation, flags_sound_that_is_too_fast) {
+  FluidSettings gas = thick(0, 1, PressureSolver::mcg03);
+  gas.stiffness = 100;  // 10 m/s
+  EXPECT_EQ(step_of(gas, 0.39e-3).flags, 0u);
+  const StepReport r = step_of(gas, 0.41e-3);
+  EXPECT_EQ(r.flags, static_cast<std::uint32_t>(flag_sound_too_fast));
+  EXPECT_EQ(r.substeps_needed, 2);
+  gas.max_substeps = 3;
+  EXPECT_EQ(step_of(gas, 0.41e-3).substeps, 2);
+  EXPECT_EQ(step_of(gas, 0.41e-3).flags, 0u);
+  EXPECT_EQ(step_of(gas, 2e-3).flags, static_cast<std::uint32_t>(flag_sound_too_fast));
+}
+
+}  // namespace
+}  // namespace oilskin::test
