@@ -80,6 +80,7 @@ class Drawing {
     f.solver = one_of(random_, {PressureSolver::pcisph, PressureSolver::pcisph, PressureSolver::dfsph,
                                 PressureSolver::dfsph, PressureSolver::mcg03});
     f.stiffness = 20;
+    f.boundary = BoundaryModel::contact_only;
     if (f.solver != PressureSolver::mcg03)
       f.boundary = one_of(random_, {BoundaryModel::contact_only, BoundaryModel::mirrored});
     f.max_substeps = one_of(random_, {1, 1, 8});

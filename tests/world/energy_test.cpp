@@ -14,6 +14,7 @@ FluidSettings plain() {
   FluidSettings s;
   s.xsph_rate = 0;
   s.viscosity = 0;
+  s.boundary = BoundaryModel::contact_only;
   return s;
 }
 

@@ -16,6 +16,7 @@ FluidSettings thick(double viscosity, int max_substeps, PressureSolver solver = 
   f.viscosity = viscosity;
   f.max_substeps = max_substeps;
   f.solver = solver;
+  f.boundary = BoundaryModel::contact_only;
   return f;
 }
 
