@@ -140,7 +140,7 @@ class btFluidCoupling : public btActionInterface {
 
   /// Whether loaded nodes of supported cloth weigh up to a quarter of a layer of the water on them, too,
   /// where the load would move them by more than a spacing in a step (default; C.29). Off: water on cloth
-  /// that is much lighter falls on until its stored speed is p dt/σ, and may be thrown off.
+  /// that is much lighter falls on until its stored speed is p dt/σ, and may be flung away.
   void setCarriesWater(bool carries);
   /// Whether they do.
   bool getCarriesWater() const;

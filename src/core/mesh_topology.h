@@ -2,6 +2,7 @@
 /// alone, so one analysis holds for as long as the triangles do.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "core/assert.h"
@@ -34,6 +35,25 @@ class MeshTopology {
     return at_border_[triangle] != 0;
   }
 
+  static constexpr std::uint32_t none = UINT32_MAX;
+  /// The other triangle at the edge from the triangle's corner k to the next; none unless exactly two
+  /// triangles share the edge.
+  std::uint32_t neighbour(std::uint32_t triangle, std::size_t k) const {
+    OILSKIN_ASSERT(triangle < neighbour_.size() && k < 3);
+    return neighbour_[triangle][k];
+  }
+  /// Do the triangle and neighbour(triangle, k) run through their edge in opposite directions, as the
+  /// triangles of an oriented sheet do?
+  bool is_oriented_like(std::uint32_t triangle, std::size_t k) const {
+    OILSKIN_ASSERT(triangle < neighbour_.size() && k < 3);
+    return (turned_[triangle] >> k & 1) == 0;
+  }
+  /// The least triangle that is reached over edges with neighbours: the name of the connected part.
+  std::uint32_t part(std::uint32_t triangle) const {
+    OILSKIN_ASSERT(triangle < part_.size());
+    return part_[triangle];
+  }
+
   /// The triangles that have the node, ascending. A triangle that names the node twice is listed twice.
   Span<const std::uint32_t> triangles_of(std::uint32_t node) const {
     OILSKIN_ASSERT(node < node_count());
@@ -42,12 +62,17 @@ class MeshTopology {
 
  private:
   void collect_triangles_of_nodes(Span<const Triangle> triangles);
-  void find_border(Span<const Triangle> triangles);
+  void connect(Span<const Triangle> triangles);
+  void join(std::uint32_t a, std::size_t edge_a, std::uint32_t b, std::size_t edge_b, bool same_direction);
+  void find_parts();
 
   std::vector<std::uint32_t> first_equal_;  // per triangle
   std::vector<std::uint32_t> begin_;        // per node, into triangle_; one more than there are nodes
   std::vector<std::uint32_t> triangle_;
   std::vector<std::uint8_t> at_border_;  // per triangle
+  std::vector<std::array<std::uint32_t, 3>> neighbour_;
+  std::vector<std::uint8_t> turned_;  // per triangle, a bit per edge
+  std::vector<std::uint32_t> part_;
 };
 
 }  // namespace oilskin

@@ -52,6 +52,25 @@ double lattice_mass_beyond(double ratio) {
   return 0.5 * (1 - plane / lattice_sum(ratio, [](double q) { return Kernel::w(q); }));
 }
 
+/// −(1/3) Σ q w'(q) over Σ w of the cubic lattice, the mean of the cubic lattice and of the face-centred
+/// cubic lattice of the same density: the pressure with which settled water pushes, over that of its
+/// equations in the limit of many neighbours (F.15). Settled water is between the two.
+template <class Kernel>
+double settled_virial(double ratio) {
+  const auto virial = [](double q) { return -q * q * Kernel::dw_over_q(q) / 3; };
+  const double cubic = lattice_sum(ratio, virial);
+  const double half = 0.5 * std::cbrt(4.0);  // of the edge of the cell with four points
+  const int n = static_cast<int>(std::ceil(2 * ratio));
+  double centred = 0;
+  for (int a = -n; a <= n; ++a)
+    for (int b = -n; b <= n; ++b)
+      for (int c = -n; c <= n; ++c) {
+        const double q = half * std::sqrt(static_cast<double>(a * a + b * b + c * c)) / ratio;
+        if ((a + b + c) % 2 == 0 && q < 1) centred += virial(q);
+      }
+  return 0.5 * (cubic + centred) / lattice_sum(ratio, [](double q) { return Kernel::w(q); });
+}
+
 /// Weights of the two parts of the viscous pair term ψ(q) = slope (−w'/q)/(q² + 0.01) + hat (1 − q)² (F.10).
 struct ViscousWeights {
   double slope = 0, hat = 1;

@@ -2,9 +2,67 @@
 /// Sources of particles.
 #pragma once
 
+#include <functional>
+
 #include "oilskin/types.h"
 
 namespace oilskin {
+
+/// A vector at each point [m], for example a velocity [m/s] or a displacement [m].
+using VectorField = std::function<Vec3(const Vec3&)>;
+
+/// G (x − origin): shear, strain or rotation.
+/// @param origin where the field is zero [m]
+/// @param gradient G, row i the gradient of component i [1/s for a velocity]
+VectorField linear_field(const Vec3& origin, const Eigen::Matrix3d& gradient);
+
+/// A solid rotation: rate × axis × (x − origin).
+/// @param origin a point of the axis [m]
+/// @param axis its direction, of any length > 0
+/// @param rate [rad/s for a velocity]
+VectorField rotation_field(const Vec3& origin, const Vec3& axis, double rate);
+
+/// The vortex of Taylor and Green that fills a rectangle with the edges u and v (F.78); beyond it lie
+/// vortices of the opposite sense.
+/// @param corner a corner of the rectangle [m]
+/// @param edge_u the edge u from there [m], longer than 0
+/// @param edge_v the edge v [m], longer than 0 and perpendicular to u
+/// @param amplitude of the component along u, which is largest in the middle of the edges u
+VectorField taylor_green_field(const Vec3& corner, const Vec3& edge_u, const Vec3& edge_v, double amplitude);
+
+/// A standing wave of small amplitude on water of constant depth (F.79).
+struct StandingWave {
+  /// A point of the bottom under a crest [m].
+  Vec3 origin = Vec3::Zero();
+  /// The direction in which the wave changes, of any length > 0.
+  Vec3 along = Vec3(1, 0, 0);
+  /// The direction from the bottom to the water, across `along`, of any length > 0.
+  Vec3 up = Vec3(0, 1, 0);
+  /// The length of the wave [m], > 0; twice that of a tank for its first mode.
+  double wavelength = 1;
+  /// The depth of the water [m], > 0.
+  double depth = 1;
+  /// The vertical component at a crest.
+  double amplitude = 0;
+};
+
+/// The velocity of such a wave (amplitude in m/s), or the displacement that gives still water its shape (in
+/// m).
+VectorField standing_wave_field(const StandingWave& wave);
+
+/// How the particles of a volume start. The fields are evaluated once for each particle when the emitter is
+/// added, and are not kept.
+struct InitialState {
+  /// Is added to the emitter's velocity [m/s]; empty = 0. It is evaluated where the particle starts.
+  VectorField velocity;
+  /// Carries the particle along this field for a unit of time, from its point of the lattice [m]; empty: not
+  /// at all. A field with divergence compresses the lattice, and such water bursts.
+  VectorField displacement;
+  /// Moves each coordinate by a random number between ± `shake` spacings, 0 … 0.25: for repeats of one run.
+  double shake = 0;
+  /// The seed of these numbers.
+  std::uint64_t seed = 1;
+};
 
 /// A round nozzle. Particles start on a square lattice around the axis, as many as the flow needs (80 for
 /// radius = 5 dx). Layers follow each other at a distance of one spacing or more that makes the mass flow ρ0
@@ -22,6 +80,10 @@ struct DiscEmitter {
   double start = 0;
   /// No layer starts after this time [s].
   double stop = std::numeric_limits<double>::infinity();
+  /// Moves each coordinate of a start by a random number between ± `shake` spacings, 0 … 0.25.
+  double shake = 0;
+  /// The seed of these numbers.
+  std::uint64_t seed = 1;
 };
 
 /// Fills a box with the lattice once. Points closer than 2 δ to a surface are left out and counted.
@@ -32,6 +94,8 @@ struct BoxEmitter {
   Vec3 velocity = Vec3::Zero();
   /// When the box is filled [s].
   double start = 0;
+  /// What differs from particle to particle.
+  InitialState initial = {};
 };
 
 /// Fills the inside of a closed triangle mesh, by its winding number, with the lattice once. Points closer
@@ -45,6 +109,8 @@ struct MeshEmitter {
   Vec3 velocity = Vec3::Zero();
   /// When the mesh is filled [s].
   double start = 0;
+  /// What differs from particle to particle.
+  InitialState initial = {};
 };
 
 /// Drops at random places of a parallelogram. A drop is a ball of lattice points.

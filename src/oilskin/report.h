@@ -133,8 +133,8 @@ struct ContactReport {
 struct FluidReport {
   /// Iterations of the pressure solver.
   int iterations = 0;
-  /// DFSPH: iterations of its divergence solver.
-  int divergence_iterations = 0;
+  /// PCISPH, DFSPH: iterations of the position correction.
+  int shift_iterations = 0;
   /// The mean of the positive part, relative, over particles whose error exceeds −tolerance.
   double density_error_mean = 0;
   /// The largest relative error.

@@ -49,6 +49,9 @@ Status FluidSettings::validate() const {
   if (boundary == BoundaryModel::mirrored && solver == PressureSolver::mcg03)
     return refuse_value("fluid.boundary", "mirrored",
                         "contact_only with solver mcg03, or use pcisph or dfsph");
+  if (boundary == BoundaryModel::mirrored && support_ratio > 2.5)
+    return refuse_value("fluid.support_ratio", support_ratio,
+                        "1.5 … 2.5 with fluid.boundary mirrored, which has one layer of images");
   return {};
 }
 

@@ -33,14 +33,14 @@ struct FluidSettings {
   double spacing = 0.005;
   /// The rest density ρ0 [kg/m³], 1e-6 … 1e9.
   double rest_density = 1000;
-  /// Support radius over spacing, H/dx, 1.5 … 4. The relaxation ω of PCISPH decreases as it grows.
+  /// Support radius over spacing, H/dx, 1.5 … 4, with mirrored walls 1.5 … 2.5. PCISPH's ω falls as it grows.
   double support_ratio = 2;
   /// The pressure solver.
   PressureSolver solver = PressureSolver::pcisph;
-  /// PCISPH, DFSPH: the mean positive density error, relative, at which the iterations end, ≥ 0.
+  /// PCISPH, DFSPH: the mean density error, relative, that the position correction leaves, ≥ 0.
   double tolerance = 1e-3;
-  /// DFSPH: the mean compression beyond ρ0 per step, relative, at which the divergence iterations end, ≥ 0.
-  double divergence_tolerance = 1e-3;
+  /// PCISPH, DFSPH: the mean compression per step, relative, at which the pressure iterations end, ≥ 0.
+  double divergence_tolerance = 1e-4;
   /// PCISPH, DFSPH: ≥ 1.
   int min_iterations = 3;
   /// PCISPH, DFSPH: ≥ min_iterations. A step that reaches it is counted.

@@ -65,7 +65,7 @@ struct SurfaceMotion {
 
   // --- output of the world for the host's next gather()
   /// The mass of water that a free node carries under its load [kg], ≥ 0 (C.29); empty = none. A host whose
-  /// constraints stop a loaded node within a step, whatever its load, may answer with `added_mass`: then the
+  /// constraints stop a loaded node within a step, whatever its load, may set `added_mass`: then the
   /// load moves the node no farther than such constraints can bring it back. To ignore it changes nothing.
   std::vector<double> carried_mass;
 

@@ -12,7 +12,8 @@ namespace {
 /// t_m of (C.30) [s]: that of the load memory of boundary terms (B.26), for the same reason.
 constexpr double memory_time = 0.05;
 
-/// Of a layer of particles: the most that a node carries (C.29). Measured in docs/decisions/0019.
+/// Of a layer of particles: the most that a node carries (C.29). Measured in
+/// docs/decisions/0019-mass-carried-by-light-cloth.md.
 constexpr double largest_share = 0.25;
 
 /// A third of the areas of the triangles at each node [m²].

@@ -55,8 +55,8 @@ void visit(Archive& archive, SurfaceSettings& settings) {
 }
 
 void visit(Archive& archive, SurfaceMotion& motion) {
-  auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, x_t0, x_t1, velocity,
-         velocity_t0, inverse_mass, holdable, added_mass, impulse, moved, carried_mass] = motion;
+  auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, x_t0, x_t1,
+         velocity, velocity_t0, inverse_mass, holdable, added_mass, impulse, moved, carried_mass] = motion;
   if (archive.reading()) velocity_t0.clear();  // gather() fills it
   archive.values(id, triangles, storage, thickness, delta);
   visit(archive, slip);

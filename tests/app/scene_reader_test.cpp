@@ -11,6 +11,8 @@
 
 #include "checks/acceptance.h"
 #include "checks/check_table.h"
+#include "scene/initial_fields.h"
+#include "scene/tank.h"
 
 namespace oilskin::demo {
 namespace {
@@ -25,6 +27,18 @@ std::string message_of(const std::string& json) {
   return "";
 }
 
+FilledBox box_of_every_field() {
+  FilledBox box;
+  box.box = {Vec3::Zero(), Vec3::Ones()};
+  for (const FieldKind kind :
+       {FieldKind::linear, FieldKind::rotation, FieldKind::taylor_green, FieldKind::standing_wave})
+    box.initial.flow.emplace_back().kind = kind;
+  box.initial.flow[0].gradient = {Vec3(0, 1, 2), Vec3(3, 4, 5), Vec3(6, 7, 8)};
+  box.initial.displacement = {box.initial.flow.back()};
+  box.initial.shake = 0.1;
+  return box;
+}
+
 /// A scene that uses every shape and every optional part, so that writing it names every key.
 Scene everything() {
   Scene scene;
@@ -35,7 +49,7 @@ Scene everything() {
   rain.stop = 2;
   PlacedMeshEmitter mesh_emitter;
   mesh_emitter.mesh.file = "vee.obj";
-  scene.emitters = {disc, BoxEmitter{{Vec3::Zero(), Vec3::Ones()}, Vec3::Zero(), 0}, mesh_emitter, rain};
+  scene.emitters = {disc, box_of_every_field(), mesh_emitter, rain};
   Cloth grid, mesh;
   PinBox pin;
   pin.within = {Vec3::Constant(-1), Vec3::Constant(1)};
@@ -51,12 +65,13 @@ Scene everything() {
   mesh.pins.kind = PinKind::nodes;
   mesh.pins.nodes = {0, 1};
   scene.cloth = {grid, mesh};
-  Body box, sphere, plane, body;
+  Body box, sphere, plane, body, tank;
+  tank.shape = TankShape{{Vec3::Zero(), Vec3::Ones()}, Vec3(0, 1, 0), {0, 0, 0, 1}};
   sphere.shape = SphereShape();
   plane.shape = PlaneShape();
   body.shape = *mesh.mesh;
   box.motion.stop = 3;
-  scene.bodies = {box, sphere, plane, body};
+  scene.bodies = {box, sphere, plane, body, tank};
   scene.acceptance = Json::parse(R"({
     "min_emitted": 1, "min_over_rim": 1, "vertical_momentum": 0.03, "sag_below_dry": 0.02, "max_stretch": 2,
     "slip_ratio": {}, "pin_reaction": {}, "dry_shadow": {}, "pool_level": {}, "pool_calm": {},
@@ -169,6 +184,69 @@ TEST(SceneReader, checks_that_could_never_be_looked_at_are_refused) {
             "gravity: is zero; a pool or a dam break needs a weight");
   EXPECT_EQ(message_of(R"({"acceptance": {"dam_break": {"along": [1, 1, 0]}}})"),
             "acceptance.dam_break.along: must be square to gravity");
+}
+
+std::string message_of_box(const std::string& keys) {
+  return message_of(R"({"emitters": [{"shape": "box", "min": [0, 0, 0], "max": [1, 1, 1], )" + keys + "}]}");
+}
+
+TEST(SceneReader, fields_are_checked) {
+  EXPECT_EQ(message_of_box(R"("flow": [{"field": "rotation", "rate": 3}], "shake": 0.25)"), "");
+  EXPECT_EQ(message_of_box(R"("flow": [{}])"),
+            "emitters.0.flow.0.field: is missing: linear, rotation, taylor_green or standing_wave");
+  EXPECT_EQ(message_of_box(R"("flow": [{"field": "linear", "gradient": [[1, 2, 3], [1, 2, 3]]}])"),
+            "emitters.0.flow.0.gradient: must be a list of three rows of three numbers");
+  EXPECT_EQ(message_of_box(R"("flow": [{"field": "linear", "gradient": [[1, 2, 3], [1, 2], [0, 0, 0]]}])"),
+            "emitters.0.flow.0.gradient.1: is [1,2], must be a list of 3 numbers");
+  EXPECT_EQ(
+      message_of_box(R"("flow": [{"field": "linear", "rate": 1, "gradient": [[1,2,3],[1,2,3],[1,2,3]]}])"),
+      "emitters.0.flow.0.rate: this key is not known; the nearest known one is \"field\"");
+  EXPECT_EQ(message_of_box(R"("displacement": [{"field": "standing_wave", "up": [1, 1, 0]}])"),
+            "emitters.0.displacement.0.up: must be across \"along\"");
+  EXPECT_EQ(message_of_box(R"("flow": [{"field": "taylor_green", "edge_v": [1, 1, 0]}])"),
+            "emitters.0.flow.0.edge_v: must be across edge_u");
+  EXPECT_EQ(message_of_box(R"("shake": 0.3)"), "emitters.0.shake: is 0.3, must be from 0 to 0.25");
+}
+
+TEST(SceneReader, fields_give_places_and_velocities) {
+  InitialFields fields = box_of_every_field().initial;
+  fields.flow.resize(2);
+  fields.flow[1].rate = 2;
+  fields.flow[1].origin = Vec3(0, 5, 1);
+  const InitialState state = initial_state(fields, 7);
+  const Vec3 x(1, 2, 3);
+  EXPECT_EQ(state.velocity(x), Vec3(8, 26, 44) + 2 * Vec3(0, 1, 0).cross(Vec3(1, -3, 2)));
+  EXPECT_EQ(state.displacement(x), Vec3::Zero()) << "no amplitude";
+  EXPECT_EQ(state.seed, 7u);
+  EXPECT_FALSE(initial_state(InitialFields{}, 1).velocity) << "no field: all particles have one velocity";
+}
+
+TEST(SceneReader, a_tank_is_one_sheet_that_faces_inwards) {
+  EXPECT_EQ(message_of(R"({"bodies": [{"shape": "tank", "min": [0, 0, 0], "max": [1, 0, 1]}]})"),
+            "bodies.0.max: must exceed min in every coordinate");
+  EXPECT_EQ(
+      message_of(R"({"bodies": [{"shape": "tank", "min": [0, 0, 0], "max": [1, 2, 1], "open": [0, 1, 1]}]})"),
+      "bodies.0.open: must be along x, y or z, or [0, 0, 0] for a closed box");
+  for (const Vec3& open : {Vec3(0, 0, 0), Vec3(0, 3, 0), Vec3(-1, 0, 0), Vec3(0, 0, 0.1)}) {
+    TankShape tank{{Vec3(-1, 2, 3), Vec3(3, 5, 4)}, open, {0, 0, 0, 1}};
+    const Mesh mesh = tank_mesh(tank);
+    EXPECT_EQ(mesh.triangles.size(), open.isZero() ? 12u : 10u);
+    const Vec3 middle(1, 3.5, 3.5);
+    double area = 0, volume = 0;  // of the pyramids from the middle to the faces
+    for (const Triangle& t : mesh.triangles) {
+      const Vec3 a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
+      const Vec3 normal = (b - a).cross(c - a);
+      EXPECT_GT(normal.dot(middle - a), 0);
+      EXPECT_GT(normal.normalized().dot(open), -0.05) << "no face on the open side";
+      area += 0.5 * normal.norm();
+      volume += normal.dot(middle - a) / 6;
+    }
+    const Vec3 size = tank.inside.max - tank.inside.min;
+    const double open_share = open.isZero() ? 0 : 1.0 / 6;
+    EXPECT_NEAR(volume, size.prod() * (1 - open_share), 1e-12);
+    const double lid = open.y() != 0 ? 4 * 1 : open.x() != 0 ? 3 * 1 : open.z() != 0 ? 4 * 3 : 0;
+    EXPECT_NEAR(area, 2 * (4 * 3 + 3 * 1 + 4 * 1) - lid, 1e-12);
+  }
 }
 
 TEST(SceneReader, a_cut_needs_a_slab_and_a_known_colour) {

@@ -120,6 +120,12 @@ TEST(Settings, validate_names_field_value_and_range) {
   expect_refused<FluidSettings>([](auto& s) { s.spacing = 0; }, "fluid.spacing is 0; it must be");
   expect_refused<FluidSettings>([&](auto& s) { s.rest_density = nan; }, "fluid.rest_density is nan");
   expect_refused<FluidSettings>([](auto& s) { s.support_ratio = 1; }, "1.5 … 4");
+  expect_refused<FluidSettings>(
+      [](auto& s) {
+        s.support_ratio = 3;
+        s.boundary = BoundaryModel::mirrored;
+      },
+      "1.5 … 2.5 with fluid.boundary mirrored");
   expect_refused<FluidSettings>([](auto& s) { s.max_iterations = 2; }, "≥ fluid.min_iterations");
   expect_refused<FluidSettings>([](auto& s) { s.viscosity = -1; }, "fluid.viscosity is -1");
   expect_refused<SurfaceSettings>([](auto& s) { s.thickness = -0.001; }, "thickness is -0.001");

@@ -93,6 +93,20 @@ TEST(MeshTopology, a_sheet_has_a_border_and_a_closed_body_has_none) {
   for (std::uint32_t t = 0; t < 4; ++t) EXPECT_FALSE(closed.is_at_border(t));
 }
 
+TEST(MeshTopology, neighbours_and_parts_follow_edges_of_two_triangles) {
+  Triangles two = grid(3, 2);
+  for (const Triangle& t : grid(2, 2)) two.push_back({t[0] + 6, t[1] + 6, t[2] + 6});
+  std::swap(two[1][1], two[1][2]);  // turned over
+  const MeshTopology topology(two, 10);
+  EXPECT_EQ(topology.neighbour(0, 2), 1u) << "over the diagonal";
+  EXPECT_EQ(topology.neighbour(0, 0), MeshTopology::none) << "the border";
+  EXPECT_EQ(topology.neighbour(0, 1), 3u);
+  EXPECT_TRUE(topology.is_oriented_like(0, 1));
+  EXPECT_FALSE(topology.is_oriented_like(0, 2));
+  for (std::uint32_t t = 0; t < 4; ++t) EXPECT_EQ(topology.part(t), 0u);
+  for (std::uint32_t t = 4; t < 6; ++t) EXPECT_EQ(topology.part(t), 4u);
+}
+
 TEST(MeshTopology, duplicates_of_either_winding_leave_the_border_where_it_is) {
   Triangles tetrahedron{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
   tetrahedron.push_back({1, 2, 0});

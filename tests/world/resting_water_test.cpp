@@ -89,8 +89,9 @@ double mean_height(const World& w) {
 /// Means over time of a column of water at rest in a box.
 struct ColumnMeans {
   static constexpr int layers = 20;
+  double margin = 2;  // particles nearer to the walls than this do not count for pressures [dx]
   test::Averager floor_force, side_force, height, square_speed;  // [N], [N], [m], [m²/s²]
-  test::Averager pressure[layers], hydrostatic[layers];  // of particles 2 dx and more off the walls [Pa]
+  test::Averager pressure[layers], hydrostatic[layers];          // [Pa]
 
   void add(const BoxedWater& box, double width, double depth, double dt) {
     const World& w = box.w;
@@ -102,13 +103,61 @@ struct ColumnMeans {
     for (std::size_t i = 0; i < w.particle_count(); ++i) {
       const Vec3& x = w.positions()[i];
       const int layer = static_cast<int>(x.y() / dx);
-      if (layer >= layers || std::min({x.x(), x.z(), width - x.x(), width - x.z()}) < 2 * dx) continue;
+      if (layer >= layers || std::min({x.x(), x.z(), width - x.x(), width - x.z()}) < margin * dx) continue;
       pressure[layer].add(w.pressures()[i], dt);
       hydrostatic[layer].add(1000 * g * (depth - x.y()), dt);
     }
   }
+  /// Root mean square over the layers below `depth`, over the pressure at the floor.
+  double pressure_error(int layers_below, double depth) const {
+    double sum = 0;
+    for (int k = 0; k < layers_below; ++k) sum += std::pow(pressure[k].mean() - hydrostatic[k].mean(), 2);
+    return std::sqrt(sum / layers_below) / (1000 * g * depth);
+  }
   double over_hydrostatic(int layer) const { return pressure[layer].mean() / hydrostatic[layer].mean(); }
 };
+
+/// Means of 0.2 s in a square vessel with n × layers × n particles.
+ColumnMeans rest_in_vessel(int n, int layers, const FluidSettings& fluid, double& depth) {
+  const double dx = fluid.spacing, width = n * dx;
+  BoxedWater box(n, layers, 2 * layers * dx, fluid);
+  World& w = box.w;
+  depth = static_cast<double>(w.particle_count()) * w.particle_mass() / (1000 * width * width);
+  ColumnMeans means;
+  means.margin = 0;
+  while (w.time() < 0.5) {
+    EXPECT_TRUE(w.step(1e-3).status.ok());
+    if (w.time() > 0.3) means.add(box, width, depth, 1e-3);
+  }
+  return means;
+}
+
+TEST(NarrowVessel, has_the_pressure_of_its_depth) {
+  for (const auto& [n, dx] : {std::pair{2, 0.004}, {4, 0.01}}) {
+    FluidSettings fluid = accurate();
+    fluid.spacing = dx;
+    double depth = 0;
+    const ColumnMeans means = rest_in_vessel(n, 10, fluid, depth);
+    double mean = 0;
+    for (int layer = 0; layer < 6; ++layer) mean += means.over_hydrostatic(layer) / 6;
+    const std::string name = std::to_string(n) + " particles across";
+    EXPECT_NEAR(mean, 1, 0.05) << name << ": without the images of neighbours 1.3 and 1.1";
+    EXPECT_NEAR(means.height.mean() / depth, 1, 0.02) << name;
+    test::record("pressure over hydrostatic, " + name, mean);
+  }
+}
+
+TEST(SupportRadius, does_not_change_the_pressure) {
+  for (const double ratio : {1.55, 2.35}) {
+    FluidSettings fluid = accurate();
+    fluid.support_ratio = ratio;
+    double depth = 0;
+    const ColumnMeans means = rest_in_vessel(6, 9, fluid, depth);
+    EXPECT_LT(means.pressure_error(9, depth), 0.06) << "H/dx " << ratio;
+    EXPECT_NEAR(means.height.mean() / depth, 1, 0.015) << "H/dx " << ratio;
+    test::record("pressure error over that at the floor", means.pressure_error(9, depth));
+  }
+}
 
 class Column : public ::testing::TestWithParam<PressureSolver> {};
 

@@ -9,6 +9,7 @@
 #include "hosts/mock_simulation.h"
 #include "oilskin/bullet.h"
 #include "scene/fields.h"
+#include "scene/tank.h"
 
 namespace oilskin::demo {
 namespace {
@@ -68,7 +69,8 @@ BulletBody make_shape(const Body& body) {
     const Vec3 n = plane->normal.normalized();
     made.shape = std::make_unique<btStaticPlaneShape>(to_bullet(n), btScalar(n.dot(plane->point)));
   } else {
-    const Mesh& mesh = std::get<PlacedMesh>(body.shape).mesh;
+    const auto* const tank = std::get_if<TankShape>(&body.shape);
+    const Mesh mesh = tank ? tank_mesh(*tank) : std::get<PlacedMesh>(body.shape).mesh;
     made.mesh = std::make_unique<btTriangleMesh>(true, false);
     for (const Triangle& t : mesh.triangles)
       made.mesh->addTriangle(to_bullet(mesh.vertices[t[0]]), to_bullet(mesh.vertices[t[1]]),

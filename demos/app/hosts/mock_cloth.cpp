@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "scene/tank.h"
+
 namespace oilskin::demo {
 
 MockCloth::MockCloth(const Cloth& settings, ClothModel model)
@@ -142,6 +144,7 @@ Mesh tessellate(const Body& body, const Box& kill_box) {
   if (const auto* box = std::get_if<BoxShape>(&body.shape)) return box_mesh(*box);
   if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) return sphere_mesh(*sphere);
   if (const auto* plane = std::get_if<PlaneShape>(&body.shape)) return plane_mesh(*plane, kill_box);
+  if (const auto* tank = std::get_if<TankShape>(&body.shape)) return tank_mesh(*tank);
   return std::get<PlacedMesh>(body.shape).mesh;
 }
 

@@ -1,6 +1,7 @@
 #include "hosts/simulation.h"
 
 #include "scene/fields.h"
+#include "scene/initial_fields.h"
 
 namespace oilskin::demo {
 namespace {
@@ -9,14 +10,20 @@ struct AddEmitter {
   World& world;
   std::uint64_t seed;
 
-  Status operator()(const DiscEmitter& e) const { return world.add_emitter(e); }
-  Status operator()(const BoxEmitter& e) const { return world.add_emitter(e); }
+  Status operator()(DiscEmitter e) const {
+    e.seed = seed;
+    return world.add_emitter(e);
+  }
+  Status operator()(const FilledBox& e) const {
+    return world.add_emitter(BoxEmitter{e.box, e.velocity, e.start, initial_state(e.initial, seed)});
+  }
   Status operator()(const PlacedMeshEmitter& e) const {
     MeshEmitter emitter;
     emitter.vertices = e.mesh.mesh.vertices;
     emitter.triangles = e.mesh.mesh.triangles;
     emitter.velocity = e.velocity;
     emitter.start = e.start;
+    emitter.initial = initial_state(e.initial, seed);
     return world.add_emitter(emitter);
   }
   Status operator()(RainEmitter e) const {

@@ -80,7 +80,7 @@ double colour_end(const Scene& scene) {
   for (const Emitter& e : scene.emitters) {
     if (const auto* disc = std::get_if<DiscEmitter>(&e)) fastest = std::max(fastest, disc->speed);
     if (const auto* rain = std::get_if<RainEmitter>(&e)) fastest = std::max(fastest, rain->velocity.norm());
-    if (const auto* box = std::get_if<BoxEmitter>(&e)) fastest = std::max(fastest, box->velocity.norm());
+    if (const auto* box = std::get_if<FilledBox>(&e)) fastest = std::max(fastest, box->velocity.norm());
   }
   return 1.25 * fastest;
 }

@@ -86,19 +86,55 @@ struct BoxShape {
   std::array<double, 4> rotate = {0, 0, 0, 1};
 };
 
+/// A box without its face towards `open`, as one sheet of triangles whose normals point inwards.
+struct TankShape {
+  Box inside;                                   ///< [m]
+  Vec3 open = Vec3(0, 1, 0);                    ///< along an axis; zero: a closed box
+  std::array<double, 4> rotate = {0, 0, 0, 1};  ///< about the middle of the box
+};
+
 struct Body {
-  std::variant<BoxShape, SphereShape, PlaneShape, PlacedMesh> shape;
+  std::variant<BoxShape, SphereShape, PlaneShape, PlacedMesh, TankShape> shape;
   Motion motion;
   SurfaceSettings surface;
+};
+
+enum class FieldKind { linear, rotation, taylor_green, standing_wave };
+
+/// One of the vector fields of oilskin/emitter.h.
+struct FieldTerm {
+  FieldKind kind = FieldKind::linear;
+  Vec3 origin = Vec3::Zero();                           ///< [m]
+  std::vector<Vec3> gradient;                           ///< linear: three rows
+  Vec3 axis = Vec3(0, 1, 0);                            ///< rotation
+  double rate = 0;                                      ///< rotation [rad/s]
+  Vec3 edge_u = Vec3(1, 0, 0), edge_v = Vec3(0, 1, 0);  ///< taylor_green [m]
+  StandingWave wave;                                    ///< standing_wave, without its origin and amplitude
+  double amplitude = 0;                                 ///< taylor_green, standing_wave
+};
+
+/// How the particles of a volume start, beyond the velocity that they share.
+struct InitialFields {
+  std::vector<FieldTerm> flow;          ///< [m/s]
+  std::vector<FieldTerm> displacement;  ///< [m]
+  double shake = 0;                     ///< [spacings]
+};
+
+struct FilledBox {
+  Box box;  ///< [m]
+  Vec3 velocity = Vec3::Zero();
+  double start = 0;
+  InitialFields initial;
 };
 
 struct PlacedMeshEmitter {
   PlacedMesh mesh;
   Vec3 velocity = Vec3::Zero();
   double start = 0;
+  InitialFields initial;
 };
 
-using Emitter = std::variant<DiscEmitter, BoxEmitter, PlacedMeshEmitter, RainEmitter>;
+using Emitter = std::variant<DiscEmitter, FilledBox, PlacedMeshEmitter, RainEmitter>;
 
 /// The water's surface as triangles, for every frame (oilskin/reconstruction.h).
 struct WaterMeshSettings {

@@ -1,5 +1,6 @@
 #include "scene/scene_format.h"
 
+#include "scene/emitter_format.h"
 #include "scene/mesh_options.h"
 
 namespace oilskin::demo {
@@ -46,14 +47,6 @@ void describe(Fields& f, SurfaceSettings& s) {
   f.boolean("smooth", s.smooth);
   f.mask("collision_group", s.collision_group);
   f.mask("collision_mask", s.collision_mask);
-}
-
-void describe(Fields& f, PlacedMesh& m) {
-  f.text("mesh", m.file);
-  if (f.reading() && m.file.empty()) f.fail("mesh", "must name a mesh file (.obj)");
-  f.vec3("translate", m.translate);
-  f.quaternion("rotate", m.rotate);
-  f.number("scale", m.scale, positive());
 }
 
 void describe(Fields& f, Motion& m) {
@@ -149,7 +142,18 @@ void describe(Fields& f, Cloth& c) {
   describe(f, c.surface);
 }
 
-enum class BodyShape { box, sphere, plane, mesh };
+enum class BodyShape { box, sphere, plane, mesh, tank };
+
+void describe(Fields& f, TankShape& t) {
+  f.vec3("min", t.inside.min);
+  f.vec3("max", t.inside.max);
+  if (f.reading() && !(t.inside.min.array() < t.inside.max.array()).all())
+    f.fail("max", "must exceed min in every coordinate");
+  f.vec3("open", t.open);
+  if (f.reading() && (t.open.array() != 0).count() > 1)
+    f.fail("open", "must be along x, y or z, or [0, 0, 0] for a closed box");
+  f.quaternion("rotate", t.rotate);
+}
 
 void describe_shape(Fields& f, Body& b) {
   auto shape = static_cast<BodyShape>(b.shape.index());
@@ -157,8 +161,9 @@ void describe_shape(Fields& f, Body& b) {
            {{"box", BodyShape::box},
             {"sphere", BodyShape::sphere},
             {"plane", BodyShape::plane},
-            {"mesh", BodyShape::mesh}});
-  if (f.reading() && !f.has("shape")) f.fail("shape", "is missing: box, sphere, plane or mesh");
+            {"mesh", BodyShape::mesh},
+            {"tank", BodyShape::tank}});
+  if (f.reading() && !f.has("shape")) f.fail("shape", "is missing: box, sphere, plane, mesh or tank");
   switch (shape) {
     case BodyShape::box: {
       if (f.reading()) b.shape = BoxShape();
@@ -187,6 +192,10 @@ void describe_shape(Fields& f, Body& b) {
       if (f.reading()) b.shape = PlacedMesh();
       describe(f, std::get<PlacedMesh>(b.shape));
       break;
+    case BodyShape::tank:
+      if (f.reading()) b.shape = TankShape();
+      describe(f, std::get<TankShape>(b.shape));
+      break;
   }
 }
 
@@ -196,65 +205,12 @@ void describe(Fields& f, Body& b) {
   describe(f, b.surface);
 }
 
-void describe(Fields& f, DiscEmitter& e) {
-  f.vec3("center", e.center);
-  f.direction("direction", e.direction);
-  f.number("radius", e.radius, positive());
-  f.number("speed", e.speed, positive());
-  f.number("start", e.start, not_negative());
-  f.number("stop", e.stop, not_negative());
-}
-
-void describe(Fields& f, BoxEmitter& e) {
-  f.vec3("min", e.box.min);
-  f.vec3("max", e.box.max);
-  f.check_box(e.box);
-  f.vec3("velocity", e.velocity);
-  f.number("start", e.start, not_negative());
-}
-
-void describe(Fields& f, PlacedMeshEmitter& e) {
-  describe(f, e.mesh);
-  f.vec3("velocity", e.velocity);
-  f.number("start", e.start, not_negative());
-}
-
-void describe(Fields& f, RainEmitter& e) {
-  f.vec3("corner", e.corner);
-  f.direction("edge_u", e.edge_u);
-  f.direction("edge_v", e.edge_v);
-  f.number("drops_per_second", e.drops_per_second, positive());
-  f.number("drop_radius", e.drop_radius, not_negative());
-  f.vec3("velocity", e.velocity);
-  f.number("start", e.start, not_negative());
-  f.number("stop", e.stop, not_negative());
-}
-
 /// Keys of the format that this version has nothing behind. Ignoring them would pass for simulating them.
 void refuse_later_features(Fields& f) {
   f.object("effects", [](Fields& g) {
     for (const char* effect : {"wetting", "surface_tension", "adhesion"})
       if (g.raw(effect) != nullptr) g.fail(effect, "is not simulated by this version; leave it out");
   });
-}
-
-enum class EmitterShape { disc, box, mesh, rain };
-
-void describe_emitter(Fields& f, Emitter& e) {
-  auto shape = static_cast<EmitterShape>(e.index());
-  f.choice("shape", shape,
-           {{"disc", EmitterShape::disc},
-            {"box", EmitterShape::box},
-            {"mesh", EmitterShape::mesh},
-            {"rain", EmitterShape::rain}});
-  if (f.reading()) {
-    if (!f.has("shape")) f.fail("shape", "is missing: disc, box, mesh or rain");
-    if (shape == EmitterShape::disc) e = DiscEmitter();
-    if (shape == EmitterShape::box) e = BoxEmitter();
-    if (shape == EmitterShape::mesh) e = PlacedMeshEmitter();
-    if (shape == EmitterShape::rain) e = RainEmitter();
-  }
-  std::visit([&](auto& emitter) { describe(f, emitter); }, e);
 }
 
 void describe(Fields& f, ContactSettings& s) {

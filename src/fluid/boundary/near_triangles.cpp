@@ -11,8 +11,10 @@ namespace {
 
 constexpr std::size_t triangle_chunk = 64;
 
+/// `is_asked(i)`: for which particles?
+template <class IsAsked>
 void collect(const BoundaryInput& input, std::uint32_t surface, std::uint32_t triangle, double plane_reach,
-             std::vector<NearTriangle>& found) {
+             const IsAsked& is_asked, std::vector<NearTriangle>& found) {
   const SurfaceMotion& motion = *input.surfaces[surface];
   const Triangle& node = motion.triangles[triangle];
   const Vec3 &a = motion.x_t0[node[0]], &b = motion.x_t0[node[1]], &c = motion.x_t0[node[2]];
@@ -23,7 +25,7 @@ void collect(const BoundaryInput& input, std::uint32_t surface, std::uint32_t tr
   const double inverse_norm = cross.norm() > 0 ? 1 / cross.norm() : 0;
   input.neighbours.for_runs_in(box, [&](std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t i = begin; i < end; ++i) {
-      if (!box.contains(input.x[i])) continue;
+      if (!is_asked(i) || !box.contains(input.x[i])) continue;
       const double z = cross.dot(input.x[i] - a) * inverse_norm;
       if (std::abs(z) >= plane_reach) continue;
       const ClosestPoint closest = closest_point(input.x[i], a, b, c);
@@ -49,7 +51,8 @@ NearTriangles sort_by_particle(std::size_t particles, const std::vector<std::vec
 }  // namespace
 
 // The loop runs over triangles, as most particles are near none.
-NearTriangles find_near_triangles(const BoundaryInput& input, double plane_reach, const Workers& workers) {
+NearTriangles find_near_triangles(const BoundaryInput& input, double plane_reach,
+                                  const std::vector<std::uint8_t>& marks, const Workers& workers) {
   OILSKIN_ASSERT(input.topologies.size() == input.surfaces.size());
   std::vector<std::vector<NearTriangle>> found;
   for (std::uint32_t s = 0; s < input.surfaces.size(); ++s) {
@@ -59,7 +62,10 @@ NearTriangles find_near_triangles(const BoundaryInput& input, double plane_reach
     found.resize(first + (triangles + triangle_chunk - 1) / triangle_chunk);
     workers.for_chunks(triangles, triangle_chunk, [&](std::size_t b, std::size_t e, std::size_t chunk) {
       for (auto t = static_cast<std::uint32_t>(b); t < e; ++t)
-        if (!topology.is_duplicate(t)) collect(input, s, t, plane_reach, found[first + chunk]);
+        if (!topology.is_duplicate(t))
+          collect(
+              input, s, t, plane_reach, [&](std::uint32_t i) { return marks.empty() || marks[i] != 0; },
+              found[first + chunk]);
     });
   }
   return sort_by_particle(input.x.size(), found);

@@ -40,7 +40,9 @@ struct NearTriangles {
   }
 };
 
-/// Leaves out duplicate triangles, and those whose plane is `plane_reach` [m] or farther from the particle.
-NearTriangles find_near_triangles(const BoundaryInput& input, double plane_reach, const Workers& workers);
+/// The triangles whose plane is nearer than `plane_reach` [m], of the particles with a mark (of all if there
+/// are no marks). Leaves out duplicate triangles.
+NearTriangles find_near_triangles(const BoundaryInput& input, double plane_reach,
+                                  const std::vector<std::uint8_t>& marks, const Workers& workers);
 
 }  // namespace oilskin::fluid

@@ -51,6 +51,9 @@ struct Wall {
   std::array<float, 2> weight{};  ///< barycentric, of corners 0 and 1 of the closest point
   Eigen::Vector3f gamma = Eigen::Vector3f::Zero();
   float lambda = 0;
+  float distance = 1;                                ///< ζ_T
+  float covered = 0;                                 ///< S_T
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< n_T
   float depth = 0;  ///< d_T (B.15): how much deeper than the particle the wall lies [H]; 0 for free nodes
 
   /// b_c of a corner.
@@ -58,6 +61,12 @@ struct Wall {
     const double a = static_cast<double>(weight[0]), b = static_cast<double>(weight[1]);
     return corner == 0 ? a : corner == 1 ? b : 1 - a - b;
   }
+};
+
+/// A plane that stands for the walls of a particle in about one direction.
+struct ImagePlane {
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< to the particle
+  float distance = 0, share = 0;                     ///< ζ, S
 };
 
 class WallGeometry {
@@ -71,17 +80,26 @@ class WallGeometry {
 
   const std::vector<WallPoint>& points() const { return points_; }
   const std::vector<Wall>& walls() const { return walls_; }  ///< in the order of points
+  Span<const ImagePlane> images_of(std::size_t point) const {
+    return {images_.data() + images_begin_[point], images_begin_[point + 1] - images_begin_[point]};
+  }
   /// Index into points(), or none. One per particle of the last find().
   const std::vector<std::uint32_t>& point_of() const { return point_of_; }
 
  private:
   void number_points(const NearTriangles& near, std::size_t particles);
-  void join(const std::vector<std::vector<Wall>>& walls_of_chunk);
+  std::vector<std::vector<Wall>> find_unhidden(const BoundaryInput& input, const Workers& workers);
+  std::vector<std::vector<Wall>> find_partly_hidden(const BoundaryInput& input, const Workers& workers);
+  void join(const std::vector<std::vector<Wall>>& unhidden, const std::vector<std::vector<Wall>>& hidden);
+  void collect_images();
 
   const MirrorImage image_;
   std::vector<WallPoint> points_;
   std::vector<Wall> walls_;
   std::vector<std::uint32_t> point_of_;
+  std::vector<ImagePlane> images_;           // in the order of points
+  std::vector<std::uint32_t> images_begin_;  // per point, and one more
+  std::vector<std::uint32_t> partly_;        // points that may see walls in part, ascending
 };
 
 }  // namespace oilskin::fluid

@@ -44,31 +44,43 @@ float edge_integral(float z, float mass_at_z, float d, float a, float b) {
 
 }  // namespace
 
-WallView view_of_wall(const std::array<Eigen::Vector3f, 3>& x) {
-  WallView view;
+WallPlane::WallPlane(const std::array<Eigen::Vector3f, 3>& x) {
   const Eigen::Vector3f cross = (x[1] - x[0]).cross(x[2] - x[0]);
   const float area2 = cross.norm();
   const float longest =
       std::max({(x[1] - x[0]).squaredNorm(), (x[2] - x[0]).squaredNorm(), (x[2] - x[1]).squaredNorm()});
-  if (!(area2 > 1e-6f * longest)) return view;
-  const Eigen::Vector3f normal = cross / area2;
-  const float offset = normal.dot(x[0]), z = std::abs(offset);
-  if (!(z < 1) || z == 0) return view;
-  const float mass_at_z = half_space_mass(z);
+  if (!(area2 > 1e-6f * longest)) return;
+  normal = cross / area2;
+  offset = normal.dot(x[0]);
+}
+
+float shadow_of(const WallPlane& plane, Span<const Eigen::Vector3f> polygon) {
+  const float z = plane.distance(), mass_at_z = half_space_mass(z);
   float sum = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Eigen::Vector3f &u = x[k], &v = x[(k + 1) % 3];
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Eigen::Vector3f &u = polygon[k], &v = polygon[k + 1 < polygon.size() ? k + 1 : 0];
     const Eigen::Vector3f along = (v - u).normalized();
-    const float d = -u.dot(normal.cross(along));  // > 0: the foot lies on the inner side of the edge
+    const float d = -u.dot(plane.normal.cross(along));  // > 0: the foot lies on the inner side of the edge
     if (d == 0) continue;
     const float edge = edge_integral(z, mass_at_z, std::abs(d), u.dot(along), v.dot(along));
     sum += d > 0 ? edge : -edge;
   }
-  OILSKIN_ASSERT(mass_at_z > 0);
-  view.distance = z;
-  view.share = std::clamp(sum / (static_cast<float>(2 * pi) * mass_at_z), 0.0f, 1.0f);
-  view.normal = offset > 0 ? Eigen::Vector3f(-normal) : normal;
+  return sum;
+}
+
+WallView view_with_shadow(const WallPlane& plane, float shadow) {
+  WallView view;
+  const float mass = static_cast<float>(2 * pi) * half_space_mass(plane.distance());
+  OILSKIN_ASSERT(plane.acts() && mass > 0);
+  view.distance = plane.distance();
+  view.share = std::clamp(shadow / mass, 0.0f, 1.0f);
+  view.normal = plane.to_particle();
   return view;
+}
+
+WallView view_of_wall(const std::array<Eigen::Vector3f, 3>& corners) {
+  const WallPlane plane(corners);
+  return plane.acts() ? view_with_shadow(plane, shadow_of(plane, {corners.data(), 3})) : WallView();
 }
 
 }  // namespace oilskin::fluid

@@ -29,6 +29,18 @@ T plane_integral_slope(T z) {
   return T(16) * z * (T(2) * u * u * u - T(8) * v * v * v);
 }
 
+/// The plane of a triangle near a particle at the origin.
+struct WallPlane {
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< by the order of the corners; 0 without area
+  float offset = 0;                                  ///< normal · corner
+
+  explicit WallPlane(const std::array<Eigen::Vector3f, 3>& corners);
+  /// False for a triangle without area, one whose plane contains the particle, and one out of reach.
+  bool acts() const { return offset != 0 && distance() < 1; }
+  float distance() const { return std::abs(offset); }
+  Eigen::Vector3f to_particle() const { return offset > 0 ? Eigen::Vector3f(-normal) : normal; }
+};
+
 /// A triangle near a particle at the origin.
 struct WallView {
   float distance = 1;                                ///< of the triangle's plane
@@ -36,13 +48,18 @@ struct WallView {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< of the plane, towards the particle
 };
 
-/// Corners relative to the particle. S_T = Λ_T/Λ(ζ) (B.7): the kernel mass in the triangle's shadow over that
-/// behind its plane, so that the shares of the tiles of a plane add up to 1, for any orientation and also for
-/// open meshes. In polar coordinates (r, ϕ) about the particle's foot in the plane the radial integral is
+/// 2π Λ of a polygon in a plane that acts(), with corners in the order of the plane's normal: the kernel mass
+/// in its shadow. In polar coordinates (r, ϕ) about the particle's foot in the plane the radial integral is
 /// known, and one integral along each edge remains (B.9),
 ///   Λ_T = 1/(2π) Σ_edges ∫ [Λ(ζ) − ζ Λ(r)/r] dϕ.
-/// A sum over small triangles needs hundreds of them for the same accuracy. 0 for a triangle without area,
-/// and for one whose plane contains the particle.
+/// A sum over small triangles needs hundreds of them for the same accuracy.
+float shadow_of(const WallPlane& plane, Span<const Eigen::Vector3f> polygon);
+
+/// Corners relative to the particle. S_T = Λ_T/Λ(ζ) (B.7): the kernel mass in the triangle's shadow over that
+/// behind its plane, so that the shares of the tiles of a plane add up to 1, for any orientation and also for
+/// open meshes. 0 for a triangle without area, and for one whose plane contains the particle.
 WallView view_of_wall(const std::array<Eigen::Vector3f, 3>& corners);
+/// The same for a mass 2π Λ_T that is known.
+WallView view_with_shadow(const WallPlane& plane, float shadow);
 
 }  // namespace oilskin::fluid

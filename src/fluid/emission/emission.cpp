@@ -7,6 +7,7 @@
 #include "core/refuse.h"
 #include "fluid/emission/nozzle.h"
 #include "fluid/emission/random.h"
+#include "fluid/emission/source.h"
 #include "fluid/kernels.h"
 
 namespace oilskin::fluid {
@@ -36,57 +37,6 @@ Status first_of(std::initializer_list<Status> all) {
 
 /// Largest number of particles of a volume, against volumes that do not fit into memory.
 constexpr double max_points = 1e9;
-
-/// Shortest time between layers or drops [s], so that their times are distinct numbers.
-constexpr double min_period = 1e-9;
-
-/// Particles that start together, or layer by layer at times that are a function of a counter: times do not
-/// drift, and emission does not depend on dt (F.38), (F.40).
-struct Source {
-  enum class Kind { nozzle, volume, rain } kind = Kind::volume;
-  std::vector<Vec3> sites;  // nozzle: of a layer; volume: all points; rain: of a drop, relative to its centre
-  Vec3 velocity = Vec3::Zero();
-  double start = 0, stop = 0;
-  double period = 0;  // between layers or drops [s]
-  RainEmitter rain;
-
-  // State
-  bool begun = false;
-  std::uint64_t next = 0;             // layer or drop
-  std::vector<std::uint8_t> waiting;  // nozzle: per site
-
-  double time_of(std::uint64_t k) const {
-    // A drop starts at a random time within its period, so that several emitters are not synchronous.
-    const double phase = kind == Kind::rain ? random_unit(rain.seed, 3 * k + 2) : 0;
-    return start + (static_cast<double>(k) + phase) * period;
-  }
-};
-
-void visit(Archive& archive, RainEmitter& emitter) {
-  auto& [corner, edge_u, edge_v, drops_per_second, drop_radius, velocity, start, stop, seed] = emitter;
-  archive.values(corner, edge_u, edge_v, drops_per_second, drop_radius, velocity, start, stop, seed);
-}
-
-void visit(Archive& archive, Source& source) {
-  auto& [kind, sites, velocity, start, stop, period, rain, begun, next, waiting] = source;
-  archive.values(kind, sites, velocity, start, stop, period);
-  visit(archive, rain);
-  archive.values(begun, next, waiting);
-}
-
-/// Checks what add() guarantees, and that the counter matches `time`: a source that is behind would emit all
-/// missing layers at once.
-bool is_in_range(const Source& s, double time) {
-  if (!s.velocity.allFinite() || !std::isfinite(s.start) || std::isnan(s.stop)) return false;
-  if (!std::all_of(s.sites.begin(), s.sites.end(), [](const Vec3& x) { return x.allFinite(); })) return false;
-  if (s.kind == Source::Kind::volume) return s.waiting.empty();
-  if (s.kind != Source::Kind::nozzle && s.kind != Source::Kind::rain) return false;
-  if (s.waiting.size() != (s.kind == Source::Kind::nozzle ? s.sites.size() : 0)) return false;
-  if (!s.rain.corner.allFinite() || !s.rain.edge_u.allFinite() || !s.rain.edge_v.allFinite()) return false;
-  if (!(s.start >= 0 && s.stop > s.start && s.period >= min_period && std::isfinite(s.period))) return false;
-  const double due = (std::min(time, s.stop) - s.start) / s.period;
-  return due < 0x1p53 && (!s.begun || static_cast<double>(s.next) >= due - 2);
-}
 
 std::vector<Vec3> ball_sites(double radius, double spacing) {
   const double limit = radius / spacing * (1 + 1e-9);
@@ -132,7 +82,7 @@ struct Emission::Impl {
   std::vector<Origin> origins;
 
   void emit(std::size_t source, std::size_t site, const Vec3& position, double remaining) {
-    starts.push_back({position, sources[source].velocity, remaining});
+    starts.push_back({position, sources[source].velocity_of(site), remaining});
     origins.push_back({static_cast<std::uint32_t>(source), static_cast<std::uint32_t>(site)});
   }
   void emit_waiting(std::size_t source, double dt);
@@ -156,7 +106,8 @@ Status Emission::add(const DiscEmitter& e) {
                        check_vector("disc emitter: direction", e.direction),
                        check_positive("disc emitter: radius", e.radius, "a finite length > 0 m"),
                        check_positive("disc emitter: speed", e.speed, "finite and > 0 m/s"),
-                       check_times("disc emitter: start", e.start, "disc emitter: stop", e.stop)});
+                       check_times("disc emitter: start", e.start, "disc emitter: stop", e.stop),
+                       check_shake("disc emitter: shake", e.shake)});
   if (!s.ok()) return s;
   if (!(e.direction.stableNorm() > 0))
     return refuse_value("disc emitter: direction", e.direction.transpose(), "longer than 0");
@@ -164,7 +115,9 @@ Status Emission::add(const DiscEmitter& e) {
     return refuse_value("disc emitter: radius", e.radius, "half a spacing to 10000 spacings of the fluid");
   Source source;
   source.kind = Source::Kind::nozzle;
-  source.velocity = e.speed * e.direction.stableNormalized();
+  source.set_velocity(e.speed * e.direction.stableNormalized());
+  source.shake = e.shake * dx;
+  source.seed = e.seed;
   source.start = e.start;
   source.stop = e.stop;
   // A layer of `needed` sites per spacing has the mass flow ρ0 π r² v. With more of them layers are farther
@@ -195,10 +148,10 @@ Status Emission::add(const BoxEmitter& e) {
     return refuse_value("box emitter: number of particles", cells.prod(), "at most 1e9");
   Source source;
   source.sites = box_sites(e.box, cells, impl_->spacing);
-  source.velocity = e.velocity;
   source.start = e.start;
-  impl_->sources.push_back(std::move(source));
-  return {};
+  s = place("box emitter", e.velocity, e.initial, impl_->spacing, source);
+  if (s.ok()) impl_->sources.push_back(std::move(source));
+  return s;
 }
 
 Status Emission::add(const MeshEmitter& e) {
@@ -214,10 +167,10 @@ Status Emission::add(const MeshEmitter& e) {
         "smaller "
         "spacing");
   }
-  source.velocity = e.velocity;
   source.start = e.start;
-  impl_->sources.push_back(std::move(source));
-  return {};
+  s = place("mesh emitter", e.velocity, e.initial, impl_->spacing, source);
+  if (s.ok()) impl_->sources.push_back(std::move(source));
+  return s;
 }
 
 Status Emission::add(const RainEmitter& e) {
@@ -232,7 +185,7 @@ Status Emission::add(const RainEmitter& e) {
   Source source;
   source.kind = Source::Kind::rain;
   source.sites = ball_sites(e.drop_radius, impl_->spacing);
-  source.velocity = e.velocity;
+  source.set_velocity(e.velocity);
   source.start = e.start;
   source.stop = e.stop;
   source.period = 1 / e.drops_per_second;
@@ -262,7 +215,7 @@ double Emission::fastest_due(double time, double dt) const {
   for (const Source& s : impl_->sources) {
     const bool over = s.kind == Source::Kind::volume ? s.begun : time >= s.stop;
     const bool waits = std::find(s.waiting.begin(), s.waiting.end(), 1) != s.waiting.end();
-    if (waits || (!over && s.start < time + dt)) fastest = std::max(fastest, s.velocity.norm());
+    if (waits || (!over && s.start < time + dt)) fastest = std::max(fastest, s.fastest);
   }
   return fastest;
 }
@@ -271,7 +224,7 @@ void Emission::Impl::emit_waiting(std::size_t source, double dt) {
   const std::vector<std::uint8_t>& waiting = sources[source].waiting;
   OILSKIN_ASSERT(waiting.empty() || waiting.size() == sources[source].sites.size());
   for (std::size_t k = 0; k < waiting.size(); ++k)
-    if (waiting[k]) emit(source, k, sources[source].sites[k], dt);
+    if (waiting[k]) emit(source, k, sources[source].place_of(k), dt);
 }
 
 void Emission::Impl::emit_series(std::size_t index, double time, double dt) {
@@ -284,16 +237,11 @@ void Emission::Impl::emit_series(std::size_t index, double time, double dt) {
   }
   for (double t = s.time_of(s.next); t < time + dt && t < s.stop; t = s.time_of(++s.next)) {
     const double remaining = std::min(dt, time + dt - t);
-    Vec3 center = Vec3::Zero();
-    if (s.kind == Source::Kind::rain) {
-      center = s.rain.corner + random_unit(s.rain.seed, 3 * s.next) * s.rain.edge_u +
-               random_unit(s.rain.seed, 3 * s.next + 1) * s.rain.edge_v;
-    }
     // A start that waited leaves at `time`. One of the same site within half a period after it would overlap
     // it.
     const bool behind = t - time < 0.5 * s.period;
     for (std::size_t k = 0; k < s.sites.size(); ++k)
-      if (!(behind && !s.waiting.empty() && s.waiting[k])) emit(index, k, center + s.sites[k], remaining);
+      if (!(behind && !s.waiting.empty() && s.waiting[k])) emit(index, k, s.place_of(k), remaining);
   }
   std::fill(s.waiting.begin(), s.waiting.end(), std::uint8_t{0});
 }
@@ -339,7 +287,10 @@ void Emission::roll_back() noexcept {
 
 void Emission::commit() noexcept {
   for (Source& s : impl_->sources)
-    if (s.kind == Source::Kind::volume && s.begun) std::vector<Vec3>().swap(s.sites);
+    if (s.kind == Source::Kind::volume && s.begun) {
+      std::vector<Vec3>().swap(s.sites);
+      std::vector<Vec3>().swap(s.velocities);
+    }
 }
 
 void Emission::visit(Archive& archive, double time) {

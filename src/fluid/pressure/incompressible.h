@@ -41,6 +41,7 @@ struct IncompressibleFluid {
   float self_density;     // D w(0)
   double stiffness;       // τ: change of φ per relative density error (F.17)
   double max_relaxation;  // ω (F.22)
+  double virial;          // pressure of settled water over φ of (F.15)
   float wall_scale;       // 1/D: displacement by a wall in units of H per φ γ (F.16)
 
   IncompressibleSums sums(double dt) const;
@@ -49,7 +50,11 @@ struct IncompressibleFluid {
   double warm_start(const StepState& state) const;
 };
 
-/// ē_i (F.18): the density errors that the step aims at, 0 except for over-compressed particles.
-void set_targets(const StepState& state, double spacing, std::vector<float>& target);
+/// A particle whose density falls short of ρ0 by more is at a free surface or at a gap: its neighbours may
+/// approach by velocity. Smaller deficits are disorder, which the position correction takes back.
+constexpr float gap_density = 0.03f;
+
+/// ē_i (F.55): the density errors up to which the velocities of a step may compress.
+void set_targets(const StepState& state, std::vector<float>& target);
 
 }  // namespace oilskin::fluid

@@ -11,8 +11,8 @@ namespace oilskin::fluid {
 
 namespace {
 
-struct Mcg03Model : DensityModel<Poly6> {
-  using Gradient = Spiky;
+struct Mcg03Model : DensityModel<CubicSpline> {
+  using Gradient = CubicSpline;
   float viscous;  // ν dt V c/H² of the viscosity kernel
 
   Mcg03Model(double volume, double support_radius, double smoothed_fraction, double viscosity_dt)
@@ -32,7 +32,7 @@ class Mcg03 : public PressureModel {
   explicit Mcg03(const FluidSettings& s)
       : settings_(s),
         support_radius_(s.support_ratio * s.spacing),
-        volume_(std::pow(s.spacing, 3) / lattice_density<Poly6>(s.support_ratio)) {}
+        volume_(std::pow(s.spacing, 3) / lattice_density<CubicSpline>(s.support_ratio)) {}
 
   double particle_volume() const override { return volume_; }
 
@@ -56,7 +56,8 @@ class Mcg03 : public PressureModel {
 void Mcg03::pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) {
   OILSKIN_ASSERT(pressure.size() >= state.size() && state.relative_density.size() == state.size());
   const double rest_density = settings_.rest_density, mass = volume_ * rest_density;
-  const double scale = state.dt * mass * Spiky::norm / std::pow(support_radius_, 4);  // of w'/q Δ in m ∇W dt
+  const double scale =
+      state.dt * mass * CubicSpline::norm / std::pow(support_radius_, 4);  // of w'/q Δ in m ∇W dt
   // Sound must not travel farther than 0.4 H in a step, or the explicit integration adds energy: the fluid
   // becomes softer instead.
   const double fastest_sound = 0.4 * support_radius_ / state.dt;

@@ -23,6 +23,14 @@ struct Errors {
     largest = std::max(largest, error);
     ++counted;
   }
+  /// `residual` ≥ 0 is what the stop rule judges.
+  void add_residual(double error, double residual) {
+    if (residual == 0 && error <= 0) return;
+    sum += std::max(error, 0.0);
+    above_target += residual;
+    largest = std::max(largest, error);
+    ++counted;
+  }
   void operator+=(const Errors& o) {
     sum += o.sum;
     above_target += o.above_target;
@@ -94,8 +102,9 @@ class PressureLoop {
   Errors errors_;
   bool converged_ = false, diverged_ = false;
   bool fewer_would_do_ = false;
-  double last_mean_ = 0;  // of the previous iteration
-  int growing_ = 0;       // consecutive iterations with a growing error
+  double last_mean_ = 0;   // of the previous iteration
+  double first_mean_ = 0;  // of the first
+  int growing_ = 0;        // consecutive iterations with a growing error
 };
 
 void write(const PressureLoop& loop, FluidReport& report);

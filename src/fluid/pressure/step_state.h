@@ -26,9 +26,13 @@ struct StepState {
   /// Per chunk and pair: w'(q)/q of the pressure's kernel at the start.
   std::vector<std::vector<float>> slope;
 
+  /// Σ w'/q Δ, and in w Σ |w'|² (pcisph, dfsph).
+  std::vector<Record> gradient;
+
   // Output
   std::vector<float> relative_density;  ///< ρ/ρ0 at the start
   std::vector<Vec3> dv;                 ///< change of velocity, gravity included [m/s]
+  std::vector<Vec3> shift;              ///< displacement that corrects the density, of positions alone [m]
 
   std::size_t size() const { return neighbours.size(); }
   const std::vector<Record>& position() const { return neighbours.records(); }

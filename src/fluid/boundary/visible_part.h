@@ -1,0 +1,44 @@
+/// Which part of each triangle near a particle the particle sees, and the share (B.7) of that part.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "fluid/boundary/wall_integral.h"
+
+namespace oilskin::fluid {
+
+/// The triangles around a particle at the origin, lengths in units of H. A triangle hides what lies beyond
+/// its plane within the pyramid from the particle through its edges (B.31). The visible parts of all
+/// triangles have no direction in common, so that nothing counts twice: the side of a box below its top, a
+/// floor that goes on behind a wall, layers behind a layer.
+class VisibleParts {
+ public:
+  void clear() { triangles_.clear(); }
+  /// Of triangles that lie on each other the one that is added first is seen.
+  void add(const std::array<Eigen::Vector3f, 3>& corners);
+  float distance(std::size_t k) const { return triangles_[k].plane.distance(); }
+  /// Plane of the k-th triangle, and the share of its visible part.
+  WallView view(std::size_t k);
+
+ private:
+  struct Occluder {
+    WallPlane plane;
+    std::array<Eigen::Vector3f, 3> corners;
+    std::array<Eigen::Vector3f, 3> side;  ///< unit normals of the pyramid's faces, inwards
+  };
+  struct Piece {
+    std::size_t begin, end;  ///< in points_
+  };
+
+  static bool may_hide(const Occluder& occluder, const Occluder& other, bool is_earlier);
+  void subtract(const Occluder& occluder);
+  Piece split(Piece piece, const Eigen::Vector3f& normal, float offset);
+
+  std::vector<Occluder> triangles_;
+  // Of view(): what is left of the triangle
+  std::vector<Eigen::Vector3f> points_, below_;
+  std::vector<Piece> pieces_, remaining_;
+};
+
+}  // namespace oilskin::fluid

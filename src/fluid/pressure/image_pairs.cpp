@@ -1,0 +1,73 @@
+#include "fluid/pressure/image_pairs.h"
+
+#include <cmath>
+
+#include "core/assert.h"
+#include "fluid/kernels.h"
+
+namespace oilskin::fluid {
+
+namespace {
+
+constexpr std::size_t point_chunk = 64;
+
+/// Σ_T S_T w'(q')/q' over the walls of a particle, q' being its distance from the image of the particle at −Δ
+/// (B.32).
+float image_slope(Span<const ImagePlane> planes, const Eigen::Vector3f& delta, float q2) {
+  float sum = 0;
+  for (const ImagePlane& plane : planes) {
+    const float other = plane.distance - plane.normal.dot(delta);
+    const float square = q2 + 4 * plane.distance * other;
+    if (other > 0 && square < 1) sum += plane.share * CubicSpline::dw_over_q(std::sqrt(square));
+  }
+  return sum;
+}
+
+/// add(i, k, f, Δ) for each pair of particles at walls, k counting the neighbours of i. Both orders of a pair
+/// have the same f, bit for bit.
+template <class Add>
+void for_image_pairs(StepState& state, const Add& add) {
+  const Boundary& boundary = state.boundary;
+  if (boundary.empty()) return;
+  OILSKIN_ASSERT(state.slope.size() * Neighbours::chunk_size >= state.size());
+  const std::vector<Record>& x = state.position();
+  state.workers.for_each(boundary.points().size(), point_chunk, [&](std::size_t p) {
+    const std::uint32_t i = boundary.points()[p].particle;
+    const Span<const ImagePlane> own = boundary.images_of(p);
+    const std::uint32_t* list = state.neighbours.list(i);
+    for (std::uint32_t k = 0; k < state.neighbours.count(i); ++k) {
+      const std::uint32_t j = list[k], other = boundary.point_of(j);
+      if (other == Boundary::none) continue;
+      const Eigen::Vector3f delta(x[i].x - x[j].x, x[i].y - x[j].y, x[i].z - x[j].z);
+      const float q2 = delta.x() * delta.x() + delta.y() * delta.y() + delta.z() * delta.z();
+      if (!(q2 < 1)) continue;
+      const float slope =
+          0.5f * (image_slope(own, delta, q2) + image_slope(boundary.images_of(other), -delta, q2));
+      if (slope != 0) add(i, k, slope, delta);
+    }
+  });
+}
+
+void add_to_gradient(StepState& state, std::uint32_t i, std::uint32_t k, float slope,
+                     const Eigen::Vector3f& delta) {
+  float* at = state.slope[i / Neighbours::chunk_size].data() + 3 * state.neighbours.pair_begin(i) +
+              12 * (k / 4) + k % 4;
+  for (int c = 0; c < 3; ++c) at[4 * c] += slope * delta[c];
+}
+
+}  // namespace
+
+void add_image_gradients(StepState& state) {
+  for_image_pairs(state, [&](std::uint32_t i, std::uint32_t k, float slope, const Eigen::Vector3f& delta) {
+    add_to_gradient(state, i, k, slope, delta);
+  });
+}
+
+void add_image_gradients(StepState& state, GradientCorrection& correction, float scale) {
+  for_image_pairs(state, [&](std::uint32_t i, std::uint32_t k, float slope, const Eigen::Vector3f& delta) {
+    add_to_gradient(state, i, k, slope, delta);
+    correction.add(i, slope, delta, scale);
+  });
+}
+
+}  // namespace oilskin::fluid

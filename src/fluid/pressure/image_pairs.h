@@ -1,0 +1,20 @@
+/// The pressure gradient along walls that the images of a particle's neighbours add (docs/theory/boundary.md,
+/// section 5).
+///
+/// Walls push along their normals, so that a particle at a wall lacks the part of the pressure gradient along
+/// the wall that comes from beyond it: 15 % at one wall, 31 % in a slot of one spacing, and the pressures
+/// were higher by as much. In a mirror the image of j acts on i along the wall with the opposite of what the
+/// image of i does to j, so it is a pair term of i and j.
+#pragma once
+
+#include "fluid/pressure/gradient_correction.h"
+#include "fluid/pressure/step_state.h"
+
+namespace oilskin::fluid {
+
+/// Adds f_ij Δ_ij (B.32) to the stored gradients of the pairs at walls, three per pair in blocks of four pairs.
+void add_image_gradients(StepState& state);
+/// Adds also f_ij Δ_ij ⊗ Δ_ij to the moments from which gradients are corrected; `scale` is D.
+void add_image_gradients(StepState& state, GradientCorrection& correction, float scale);
+
+}  // namespace oilskin::fluid
