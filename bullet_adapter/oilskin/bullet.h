@@ -114,7 +114,7 @@ class btFluidCoupling : public btActionInterface {
   /// weldNodes: nodes at bit-equal positions (an unwelded mesh) are one node with their common mass for
   /// contact. Every coupling moves them to their centre of mass with their common velocity, because Bullet
   /// lets them separate, and water would pass between them. Off for sheets that are to separate there.
-  Status addCloth(btSoftBody* cloth, const SurfaceSettings& settings, bool mayHoldPins = true,
+  Status addCloth(btSoftBody* cloth, const SurfaceSettings& settings = {}, bool mayHoldPins = true,
                   bool weldNodes = true);
   /// Detaches a cloth. One that is not attached is ignored.
   void removeCloth(btSoftBody* cloth);
@@ -125,7 +125,7 @@ class btFluidCoupling : public btActionInterface {
   /// are read at every step.
   Status addCollisionObject(btCollisionObject* object, btScalar thickness, const SlipSettings& slip = {});
   /// The same with all settings.
-  Status addCollisionObject(btCollisionObject* object, const SurfaceSettings& settings);
+  Status addCollisionObject(btCollisionObject* object, const SurfaceSettings& settings = {});
   /// Detaches an object. One that is not attached is ignored.
   void removeCollisionObject(btCollisionObject* object);
 
@@ -191,7 +191,7 @@ class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
     return m_coupling.addCloth(cloth, thickness, slip);
   }
   /// btFluidCoupling::addCloth().
-  Status addCloth(btSoftBody* cloth, const SurfaceSettings& settings, bool mayHoldPins = true,
+  Status addCloth(btSoftBody* cloth, const SurfaceSettings& settings = {}, bool mayHoldPins = true,
                   bool weldNodes = true) {
     return m_coupling.addCloth(cloth, settings, mayHoldPins, weldNodes);
   }
@@ -202,7 +202,7 @@ class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
     return m_coupling.addCollisionObject(object, thickness, slip);
   }
   /// btFluidCoupling::addCollisionObject().
-  Status addCollisionObject(btCollisionObject* object, const SurfaceSettings& settings) {
+  Status addCollisionObject(btCollisionObject* object, const SurfaceSettings& settings = {}) {
     return m_coupling.addCollisionObject(object, settings);
   }
   /// btFluidCoupling::removeCollisionObject().

@@ -120,11 +120,31 @@ void find_hidden_neighbours(std::uint32_t i, Span<const TriangleRef> triangles, 
       is_hidden[k] = i < j ? test.blocks(x[i], x[j], own, other) : test.blocks(x[j], x[i], other, own);
     }
   }
-  for (std::uint32_t k = 0; k < count; ++k) {
-    if (!is_hidden[k]) continue;
-    hidden.push_back({i, list[k]});
-    hidden.push_back({list[k], i});
+  for (std::uint32_t k = 0; k < count; ++k)
+    if (is_hidden[k]) hidden.push_back(std::minmax(i, list[k]));
+}
+
+void sort_unique(std::vector<Pair>& pairs) {
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+}
+
+/// Pairs i < j of all chunks → (i, j) and (j, i), sorted. Water that is compressed between sheets has
+/// hundreds of hidden pairs a particle, so each is kept once for as long as possible.
+std::vector<Pair> both_orders(std::vector<std::vector<Pair>>& parts) {
+  std::vector<Pair> pairs;
+  for (std::vector<Pair>& part : parts) {
+    pairs.insert(pairs.end(), part.begin(), part.end());
+    std::vector<Pair>().swap(part);
   }
+  sort_unique(pairs);
+  const std::size_t count = pairs.size();
+  pairs.reserve(2 * count);
+  for (std::size_t k = 0; k < count; ++k) pairs.push_back({pairs[k].second, pairs[k].first});
+  const auto middle = pairs.begin() + static_cast<std::ptrdiff_t>(count);
+  std::sort(middle, pairs.end());
+  std::inplace_merge(pairs.begin(), middle, pairs.end());
+  return pairs;
 }
 
 }  // namespace
@@ -146,12 +166,9 @@ std::uint64_t remove_hidden_neighbours(Span<const Vec3> x, Span<SurfaceMotion* c
   workers.for_chunks(near.particle.size(), particle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
     for (std::size_t k = b; k < e; ++k)
       find_hidden_neighbours(near.particle[k], near.of(k), x, surfaces, neighbours, hidden[c]);
+    sort_unique(hidden[c]);
   });
-  std::vector<Pair> pairs;
-  for (const auto& part : hidden) pairs.insert(pairs.end(), part.begin(), part.end());
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  OILSKIN_ASSERT(pairs.size() % 2 == 0);  // (i, j) and (j, i)
+  const std::vector<Pair> pairs = both_orders(hidden);
   neighbours.remove(pairs, workers);
   return pairs.size() / 2;
 }

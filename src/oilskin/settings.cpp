@@ -55,8 +55,13 @@ Status FluidSettings::validate() const {
   return {};
 }
 
+double default_thickness(double spacing) {
+  return 0.2 * spacing;
+}
+
 Status SurfaceSettings::validate() const {
-  if (!positive(thickness)) return refuse_value("thickness", thickness, "a finite length > 0 m");
+  if (thickness && !positive(*thickness))
+    return refuse_value("thickness", *thickness, "a finite length > 0 m");
   const auto check = [](const SlipSettings& s, const char* friction, const char* slip_length) -> Status {
     if (!is_one_of(s.model, SlipModel::viscous_wall))
       return refuse_value("slip.model", static_cast<int>(s.model), "a SlipModel");

@@ -60,7 +60,7 @@ struct FluidSettings {
   bool occlusion = true;
   /// Mirrored is for water that rests or flows on sheets. The fluid takes three times as long. A jet leaves a
   /// rigid sheet with 1 to 3 % of its speed; on light cloth the layer that the jet strikes is too dense.
-  BoundaryModel boundary = BoundaryModel::contact_only;
+  BoundaryModel boundary = BoundaryModel::mirrored;
   /// The largest displacement within a fluid sub-step, in spacings, > 0.
   double cfl = 0.4;
   /// The largest number of fluid sub-steps of a step, 1 … 1000; each is an interval with its own certificate.
@@ -102,11 +102,14 @@ struct SlipSettings {
   double slip_length = 0;
 };
 
+/// The thickness h of a surface whose settings name none, dx/5 [m].
+double default_thickness(double spacing);
+
 /// Settings of one attached surface.
 struct SurfaceSettings {
   /// The thickness h [m], > 0: the distance that contact keeps. Below 4 δ it is refused (δ:
-  /// minimum_separation()).
-  double thickness = 0.001;
+  /// minimum_separation()). Absent: default_thickness() of the fluid's spacing.
+  std::optional<double> thickness;
   /// The slip law of the front: the side that the triangles' normals point to (right-hand rule).
   SlipSettings slip;
   /// The slip law of the back; absent = as `slip`.

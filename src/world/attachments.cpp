@@ -66,18 +66,18 @@ Status check_state(const SurfaceMotion& m) {
 }
 
 Status set_delta(SurfaceMotion& m, const SurfaceSettings& settings, double r) {
-  m.thickness = settings.thickness;
+  OILSKIN_ASSERT(settings.thickness);
+  m.thickness = *settings.thickness;
   m.slip = settings.slip;
   m.slip_back = settings.slip_back;
   m.smooth = settings.smooth;
-  m.delta = minimum_separation(settings.thickness, r, m.storage);
-  if (settings.thickness >= 4 * m.delta) return {};
+  m.delta = minimum_separation(m.thickness, r, m.storage);
+  if (m.thickness >= 4 * m.delta) return {};
   const double per_metre = 4 * minimum_separation(0, 1, m.storage);
-  return refuse("thickness is ", settings.thickness, " m, below 4 δ = ", 4 * m.delta,
-                " m; with a kill box that reaches ", r, " m and ",
-                m.storage == Storage::float32 ? "single" : "double", "-precision positions it must be ≥ ",
-                per_metre * r, " m, or the kill box must reach no farther than ",
-                settings.thickness / per_metre, " m");
+  return refuse(
+      "thickness is ", m.thickness, " m, below 4 δ = ", 4 * m.delta, " m; with a kill box that reaches ", r,
+      " m and ", m.storage == Storage::float32 ? "single" : "double", "-precision positions it must be ≥ ",
+      per_metre * r, " m, or the kill box must reach no farther than ", m.thickness / per_metre, " m");
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ bool can_collide(const FluidSettings& fluid, const SurfaceSettings& surface) {
 Status Attachments::attach(SurfaceHost& host, const SurfaceSettings& settings, const WorldSettings& world,
                            std::uint64_t* handle) {
   // The smallest thickness depends on the host's storage: of a thickness of zero set_delta() says it.
-  if (Status s = settings.validate(); !s.ok() && settings.thickness != 0) return s;
+  if (Status s = settings.validate(); !s.ok() && settings.thickness != 0.0) return s;
   auto a = std::make_unique<Attachment>();
   a->host = &host;
   a->settings = settings;

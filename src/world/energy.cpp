@@ -21,6 +21,11 @@ Vec3 speed(const SurfaceMotion& m, std::size_t node, double dt) {
   return dt > 0 ? Vec3((m.x_t1[node] - m.x_t0[node]) / dt) : Vec3::Zero();
 }
 
+/// Of a node that is not prescribed [kg], without the water that its host lets it carry.
+double own_mass(const SurfaceMotion& m, std::size_t node) {
+  return 1 / m.inverse_mass[node] - (m.added_mass.empty() ? 0 : m.added_mass[node]);
+}
+
 }  // namespace
 
 /// The middle of the interval (F.66), as if particle i had moved for all of it; x is its end.
@@ -102,14 +107,14 @@ void EnergyBalance::end_surface(const SurfaceMotion& now, double dt, const Surfa
   for (std::size_t j = 0; j < before.x_t1.size(); ++j) {
     if (before.inverse_mass[j] == 0) continue;
     const Vec3 u = speed(before, j, dt_before);
-    nodes_before_.add(1 / before.inverse_mass[j], u, before.x_t1[j] - 0.5 * dt_before * u);
+    nodes_before_.add(own_mass(before, j), u, before.x_t1[j] - 0.5 * dt_before * u);
     if (before.impulse.size() != before.x_t1.size()) continue;
     if (is_same) late_ += 0.5 * before.impulse[j].dot(speed(now, j, dt) - u);
   }
   for (std::size_t j = 0; j < now.x_t1.size(); ++j) {
     if (now.inverse_mass[j] == 0) continue;
     const Vec3 u = speed(now, j, dt);
-    nodes_.add(1 / now.inverse_mass[j], u, now.x_t1[j] - 0.5 * dt * u);
+    nodes_.add(own_mass(now, j), u, now.x_t1[j] - 0.5 * dt * u);
   }
 }
 

@@ -25,9 +25,10 @@ Load load_on(const SurfaceMotion& m) {
   Vec3 impulse = Vec3::Zero();
   for (std::size_t j = 0; j < m.impulse.size(); ++j) {
     if (m.inverse_mass[j] == 0) continue;
-    load.mass += 1 / m.inverse_mass[j];
+    const double own = 1 / m.inverse_mass[j] - (m.added_mass.empty() ? 0 : m.added_mass[j]);
+    load.mass += own;
     if (m.impulse[j].isZero(0)) continue;
-    load.touched_mass += 1 / m.inverse_mass[j];
+    load.touched_mass += own;
     impulse += m.impulse[j];
   }
   load.impulse = impulse.norm();

@@ -48,7 +48,9 @@ void visit(Archive& archive, std::optional<SlipSettings>& settings) {
 
 void visit(Archive& archive, SurfaceSettings& settings) {
   auto& [thickness, slip, slip_back, smooth, collision_group, collision_mask] = settings;
-  archive.value(thickness);
+  double value = thickness.value_or(0);  // an attached surface has one
+  archive.value(value);
+  thickness = value;
   visit(archive, slip);
   visit(archive, slip_back);
   archive.values(smooth, collision_group, collision_mask);

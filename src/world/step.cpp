@@ -320,7 +320,6 @@ void World::Impl::commit(IntervalContext& interval) {
 /// Whether the particle remains.
 bool World::Impl::commit_particle(IntervalContext& interval, std::size_t i) {
   fluid::Particles& particles = state.particles;
-  StepReport& report = interval.step.report;
   world::EnergyBalance& energy = interval.step.energy;
   const Vec3 start = particles.position[i];
   particles.position[i] = interval.x_t1[i];
@@ -335,8 +334,8 @@ bool World::Impl::commit_particle(IntervalContext& interval, std::size_t i) {
     return true;
   }
   energy.leave(particles, i, interval.dt);
-  ++report.removed;
-  if (energy.is_too_fast(particles, i)) ++report.removed_too_fast;
+  ++interval.step.report.removed;
+  if (energy.is_too_fast(particles, i)) ++interval.step.report.removed_too_fast;
   return false;
 }
 

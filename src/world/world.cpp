@@ -66,8 +66,10 @@ Status World::set_contact_settings(const ContactSettings& settings) {
 
 Status World::attach(SurfaceHost& host, const SurfaceSettings& settings, SurfaceId* id) {
   if (!impl_->status.ok()) return impl_->status;
+  SurfaceSettings complete = settings;
+  if (!complete.thickness) complete.thickness = default_thickness(impl_->fluid_settings.spacing);
   std::uint64_t handle = 0;
-  Status s = impl_->attachments.attach(host, settings, impl_->settings, &handle);
+  Status s = impl_->attachments.attach(host, complete, impl_->settings, &handle);
   if (s.ok() && id) id->value = handle;
   return s;
 }

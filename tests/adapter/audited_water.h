@@ -57,6 +57,7 @@ class AuditedWater : public btFluid, private IntervalObserver {
   static FluidSettings coarse() {
     FluidSettings fluid;
     fluid.spacing = 0.02;
+    fluid.boundary = BoundaryModel::contact_only;
     return fluid;
   }
   static WorldSettings boxed(double r) {

@@ -32,6 +32,7 @@ inline FluidSettings coarse_fluid(PressureSolver solver = PressureSolver::pcisph
   FluidSettings fluid;
   fluid.spacing = 0.02;
   fluid.solver = solver;
+  fluid.boundary = BoundaryModel::contact_only;
   return fluid;
 }
 

@@ -38,6 +38,7 @@ FluidSettings fluid_of(const Drop& drop) {
   FluidSettings fluid;
   fluid.spacing = drop.spacing;
   fluid.solver = drop.solver;
+  fluid.boundary = BoundaryModel::contact_only;
   return fluid;
 }
 

@@ -30,6 +30,7 @@ int run(int n, int threads, int steps, PressureSolver solver) {
   fluid.viscosity = 0.01;
   fluid.xsph_rate = 0;
   fluid.solver = solver;
+  fluid.boundary = BoundaryModel::contact_only;
   fluid.min_iterations = dfsph ? 2 : 3;
   fluid.max_iterations = 100;
   WorldSettings settings;

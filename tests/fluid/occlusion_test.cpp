@@ -175,6 +175,7 @@ TEST(Occlusion, keeps_momentum_and_bits) {
     const MeshTopology* topologies[] = {&topology};
     FluidSettings settings;
     settings.xsph_rate = 50;
+    settings.boundary = BoundaryModel::contact_only;
     settings.viscosity = 1e-4;
     FluidSolver solver(settings, std::make_shared<Workers>(threads));
     Particles particles;

@@ -112,6 +112,7 @@ struct Tank {
 inline FluidSettings water(double spacing = 0.005) {
   FluidSettings s;
   s.spacing = spacing;
+  s.boundary = BoundaryModel::contact_only;
   return s;
 }
 

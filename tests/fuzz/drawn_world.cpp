@@ -48,7 +48,8 @@ FluidSettings DrawnWorld::draw_fluid() {
   s.xsph_rate = one_of(random_, {0.0, 10.0, 1000.0});
   s.contact_aware = chance(random_, 0.8);
   s.occlusion = chance(random_, 0.7);
-  if (s.solver != PressureSolver::mcg03 && chance(random_, 0.4)) s.boundary = BoundaryModel::mirrored;
+  const bool mirrored = s.solver != PressureSolver::mcg03 && chance(random_, 0.4);
+  s.boundary = mirrored ? BoundaryModel::mirrored : BoundaryModel::contact_only;
   if (s.boundary == BoundaryModel::mirrored) s.support_ratio = std::min(s.support_ratio, 2.5);
   s.cfl = one_of(random_, {0.4, 0.4, 5.0});
   s.max_substeps = chance(random_, 0.3) ? 2 + static_cast<int>(random_.below(6)) : 1;

@@ -23,6 +23,7 @@ struct ClothSetup {
   Vec3 cloth_gravity = Vec3::Zero();
 
   ClothSetup() {
+    fluid.boundary = BoundaryModel::contact_only;
     world.kill_box = {Vec3::Constant(-2), Vec3::Constant(2)};
     shape.nu = shape.nv = 9;
     shape.origin = Vec3(-0.1, 0, -0.1);

@@ -161,16 +161,14 @@ TEST(HardEverywhere, cloth_that_is_taken_away_wet_leaves_its_water_to_fall) {
       setup.fluid = solver_of(solver, true);
       setup.layers = 2;
       setup.pinned = pinned;
-      const auto put = [](ClothScene<float>& s) {
-        fill(s.world(), lattice(7, 4, 7, Vec3(-3 * dx, 0.5 * dx, -3 * dx)));
-      };
       const auto take_away = [](ClothScene<float>& s, int k) {
         if (k != 30 && k != 45) return;
         s.world().detach(s.ids[k == 30 ? 0 : 1]);
       };
       const Found found = run_checked(
           [&](int threads) {
-            auto scene = std::make_unique<ClothScene<float>>(setup, threads, put, take_away);
+            auto scene = std::make_unique<ClothScene<float>>(setup, threads, nullptr, take_away);
+            fill(scene->world(), lattice(7, 4, 7, Vec3(-3 * dx, 0.5 * dx, -3 * dx)));
             particles = scene->world().particle_count();
             return scene;
           },

@@ -63,7 +63,7 @@ inline WorldSettings world_of(double half, const Vec3& gravity = Vec3(0, -g, 0),
 inline FluidSettings solver_of(PressureSolver solver, bool mirrored = false) {
   FluidSettings s;
   s.solver = solver;
-  if (mirrored) s.boundary = BoundaryModel::mirrored;
+  s.boundary = mirrored ? BoundaryModel::mirrored : BoundaryModel::contact_only;
   return s;
 }
 

@@ -27,6 +27,7 @@ Rest column_at_rest(int layers, double thickness, double begin, double end, Pres
                     double dt) {
   FluidSettings fluid;
   fluid.solver = solver;
+  fluid.boundary = BoundaryModel::contact_only;
   fluid.stiffness = 20;
   WorldSettings settings;
   settings.kill_box = {Vec3::Constant(-1), Vec3::Constant(1)};

@@ -2,6 +2,7 @@
 // taken, none of what comes in along it.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "support/record.h"
@@ -158,6 +159,51 @@ INSTANTIATE_TEST_SUITE_P(boundary, JetForce,
                          [](const auto& made) {
                            return made.param == BoundaryModel::mirrored ? "mirrored" : "contact_only";
                          });
+
+/// Force on a plate whose border is in the open, over the momentum of the jet.
+double force_on_plate(const test::StaticMesh& mesh) {
+  constexpr double dt = 5e-4, begin = 0.1, end = 0.24;
+  WorldSettings settings;
+  settings.gravity = Vec3::Zero();
+  settings.kill_box = {Vec3(-0.12, -0.04, -0.12), Vec3(0.12, 0.09, 0.12)};
+  World w(settings, fluid(PressureSolver::pcisph, BoundaryModel::mirrored));
+  test::StaticMesh plate = mesh;
+  SurfaceId id;
+  EXPECT_TRUE(w.attach(plate, test::sheet_settings(), &id).ok());
+  DiscEmitter nozzle;
+  nozzle.center = Vec3(0, above, 0);
+  nozzle.direction = Vec3(0, -1, 0);
+  nozzle.radius = radius;
+  nozzle.speed = speed;
+  EXPECT_TRUE(w.add_emitter(nozzle).ok());
+  double impulse = 0, mass = 0;
+  while (w.time() < end - 0.5 * dt) {
+    const StepReport& r = w.step(dt);
+    EXPECT_TRUE(r.status.ok());
+    if (w.time() < begin) continue;
+    impulse -= r.contact.impulse_on_prescribed.y();
+    mass += r.mass_emitted;
+  }
+  return impulse / (mass * speed);
+}
+
+TEST(JetForceOf, a_box_is_that_on_a_sheet_of_its_size) {
+  constexpr double side = 0.07;  // half of it [m]
+  test::StaticMesh sheet, box;
+  sheet.add_rectangle(Vec3(-side, 0, -side), Vec3(0, 0, 2 * side), Vec3(2 * side, 0, 0));
+  for (int k = 0; k < 8; ++k)  // one mesh of 8 nodes, as Bullet's boxes are
+    box.nodes.push_back(Vec3(k & 1 ? side : -side, k & 2 ? 0 : -0.02, k & 4 ? side : -side));
+  for (const auto& [a, b, c, d] : std::vector<std::array<std::uint32_t, 4>>{
+           {0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}}) {
+    box.triangles.push_back({a, b, c});
+    box.triangles.push_back({a, c, d});
+  }
+  const double on_box = force_on_plate(box), on_sheet = force_on_plate(sheet);
+  EXPECT_NEAR(on_box, on_sheet, 0.01) << "0.05 with sides that count above the top";
+  EXPECT_NEAR(on_box, 1, 0.03);
+  test::record("force on a box", on_box);
+  test::record("force on a sheet", on_sheet);
+}
 
 TEST(JetForceOf, an_inclined_jet_on_a_rough_sheet_is_not_normal_to_it) {
   Case c;

@@ -16,6 +16,7 @@ FluidSettings thick(double viscosity, int max_substeps, PressureSolver solver = 
   f.viscosity = viscosity;
   f.max_substeps = max_substeps;
   f.solver = solver;
+  f.boundary = BoundaryModel::contact_only;
   return f;
 }
 
@@ -67,7 +68,8 @@ void expect_no_energy(const FluidSettings& fluid, double dt, double jitter, Rand
   World w(box(1), fluid);
   std::vector<Vec3> x, v;
   for (int i = 0; i < 512; ++i) {
-    x.push_back(0.005 * Vec3(i % 8, i / 8 % 8, i / 64) + random.in_cube(jitter * 0.005));
+    const int column = i % 8, row = i / 8 % 8, layer = i / 64;
+    x.push_back(0.005 * Vec3(column, row, layer) + random.in_cube(jitter * 0.005));
     v.push_back(random.in_cube(0.1));
   }
   ASSERT_TRUE(w.add_particles(x, v, nullptr).ok());

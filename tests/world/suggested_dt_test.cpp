@@ -64,6 +64,7 @@ TEST(SuggestedDt, is_the_smallest_of_its_limits) {
   EXPECT_NEAR(suggested(honey, Vec3::Zero(), 0), 2 * 0.035 * 0.01 * 0.01, 1e-15);
   FluidSettings gas;
   gas.solver = PressureSolver::mcg03;
+  gas.boundary = BoundaryModel::contact_only;
   EXPECT_NEAR(suggested(gas, Vec3(0, 0.1, 0), 0), 0.4 * 0.01 / 2.1, 1e-15);
   gas.max_substeps = 2;
   EXPECT_NEAR(suggested(gas, Vec3(0, 0.1, 0), 0), 2 * 0.4 * 0.01 / 2.1, 1e-15);

@@ -247,6 +247,7 @@ TEST(World, emitters_and_cloths_where_nothing_lives_are_refused) {
 TEST(World, each_side_of_a_surface_has_its_own_slip_settings) {
   FluidSettings fluid;
   fluid.viscosity = fluid.xsph_rate = 0;
+  fluid.boundary = BoundaryModel::contact_only;
   World w(box(1, Vec3::Zero()), fluid);
   test::StaticMesh sheet;
   sheet.add_rectangle(Vec3(-0.1, 0, -0.1), Vec3(0, 0, 0.2), Vec3(0.2, 0, 0));  // the front looks up

@@ -185,7 +185,7 @@ class BulletSimulation : public Simulation {
   void add_body(std::size_t i) {
     const Body& settings = scene_.bodies[i];
     BulletBody made = make_shape(settings);
-    made.shape->setMargin(btScalar(std::min(cloth_margin, settings.surface.thickness)));
+    made.shape->setMargin(btScalar(std::min(cloth_margin, *settings.surface.thickness)));
     btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, made.shape.get());
     info.m_startWorldTransform = btTransform(made.turned, to_bullet(made.origin));
     made.body = std::make_unique<btRigidBody>(info);

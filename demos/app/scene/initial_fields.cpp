@@ -27,6 +27,7 @@ VectorField make(const FieldTerm& t) {
 VectorField sum_of(const std::vector<FieldTerm>& terms) {
   if (terms.empty()) return {};
   std::vector<VectorField> fields;
+  fields.reserve(terms.size());
   for (const FieldTerm& t : terms) fields.push_back(make(t));
   return [fields](const Vec3& x) {
     Vec3 sum = Vec3::Zero();

@@ -23,6 +23,8 @@ void describe(Fields& f, FluidSettings& s) {
   f.number("xsph_rate", s.xsph_rate, not_negative());
   f.boolean("contact_aware", s.contact_aware);
   f.boolean("occlusion", s.occlusion);
+  // The state equation has no boundary terms.
+  if (f.reading() && s.solver == PressureSolver::mcg03) s.boundary = BoundaryModel::contact_only;
   f.choice("boundary", s.boundary,
            {{"contact_only", BoundaryModel::contact_only}, {"mirrored", BoundaryModel::mirrored}});
   f.number("cfl", s.cfl, positive());
@@ -41,7 +43,7 @@ void describe(Fields& f, SlipSettings& s) {
 }
 
 void describe(Fields& f, SurfaceSettings& s) {
-  f.number("thickness", s.thickness, positive());
+  f.optional_number("thickness", s.thickness, positive());
   f.object("slip", [&](Fields& g) { describe(g, s.slip); });
   f.optional_object("slip_back", s.slip_back, [](Fields& g, SlipSettings& back) { describe(g, back); });
   f.boolean("smooth", s.smooth);
@@ -282,6 +284,15 @@ void describe(Fields& f, WaterMeshSettings& s) {
   f.number("min_blob", s.min_blob, not_negative());
 }
 
+/// The report names the thickness of each surface.
+void set_thicknesses(Scene& s) {
+  const double thickness = default_thickness(s.fluid.spacing);
+  for (Cloth& c : s.cloth)
+    if (!c.surface.thickness) c.surface.thickness = thickness;
+  for (Body& b : s.bodies)
+    if (!b.surface.thickness) b.surface.thickness = thickness;
+}
+
 void describe(Fields& f, Scene& s) {
   f.text("name", s.name);
   f.text("description", s.description);
@@ -298,6 +309,7 @@ void describe(Fields& f, Scene& s) {
   f.list("emitters", s.emitters, [](Fields& g, Emitter& e) { describe_emitter(g, e); });
   f.list("cloth", s.cloth, [](Fields& g, Cloth& c) { describe(g, c); });
   f.list("bodies", s.bodies, [](Fields& g, Body& b) { describe(g, b); });
+  if (f.reading()) set_thicknesses(s);
   f.object("contact", [&](Fields& g) { describe(g, s.contact); });
   f.box("kill_box", s.world.kill_box);
   if (f.reading()) refuse_later_features(f);

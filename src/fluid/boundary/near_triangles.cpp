@@ -34,41 +34,41 @@ void collect(const BoundaryInput& input, std::uint32_t surface, std::uint32_t tr
   });
 }
 
-/// Counting sort by particle, stable.
-NearTriangles sort_by_particle(std::size_t particles, const std::vector<std::vector<NearTriangle>>& found) {
-  NearTriangles near;
-  near.begin.assign(particles + 1, 0);
-  for (const auto& part : found)
-    for (const NearTriangle& n : part) ++near.begin[n.particle + 1];
-  std::partial_sum(near.begin.begin(), near.begin.end(), near.begin.begin());
-  near.list.resize(near.begin.back());
-  std::vector<std::uint32_t> at(near.begin.begin(), near.begin.end() - 1);
-  for (const auto& part : found)
-    for (const NearTriangle& n : part) near.list[at[n.particle]++] = n;
-  return near;
-}
-
 }  // namespace
 
 // The loop runs over triangles, as most particles are near none.
-NearTriangles find_near_triangles(const BoundaryInput& input, double plane_reach,
-                                  const std::vector<std::uint8_t>& marks, const Workers& workers) {
+void NearTriangles::find(const BoundaryInput& input, double plane_reach,
+                         const std::vector<std::uint8_t>& marks, const Workers& workers) {
   OILSKIN_ASSERT(input.topologies.size() == input.surfaces.size());
-  std::vector<std::vector<NearTriangle>> found;
+  const auto is_asked = [&](std::uint32_t i) { return marks.empty() || marks[i] != 0; };
+  std::size_t first = 0;
   for (std::uint32_t s = 0; s < input.surfaces.size(); ++s) {
     const MeshTopology& topology = *input.topologies[s];
-    const std::size_t triangles = input.surfaces[s]->triangles.size(), first = found.size();
+    const std::size_t triangles = input.surfaces[s]->triangles.size();
     OILSKIN_ASSERT(topology.triangle_count() == triangles);
-    found.resize(first + (triangles + triangle_chunk - 1) / triangle_chunk);
+    const std::size_t end = first + (triangles + triangle_chunk - 1) / triangle_chunk;
+    if (found_.size() < end) found_.resize(end);
     workers.for_chunks(triangles, triangle_chunk, [&](std::size_t b, std::size_t e, std::size_t chunk) {
+      std::vector<NearTriangle>& found = found_[first + chunk];
+      found.clear();
       for (auto t = static_cast<std::uint32_t>(b); t < e; ++t)
-        if (!topology.is_duplicate(t))
-          collect(
-              input, s, t, plane_reach, [&](std::uint32_t i) { return marks.empty() || marks[i] != 0; },
-              found[first + chunk]);
+        if (!topology.is_duplicate(t)) collect(input, s, t, plane_reach, is_asked, found);
     });
+    first = end;
   }
-  return sort_by_particle(input.x.size(), found);
+  sort_by_particle(input.x.size(), first);
+}
+
+/// Counting sort by particle, stable.
+void NearTriangles::sort_by_particle(std::size_t particles, std::size_t chunks) {
+  begin_.assign(particles + 1, 0);
+  for (std::size_t c = 0; c < chunks; ++c)
+    for (const NearTriangle& n : found_[c]) ++begin_[n.particle + 1];
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  if (list_.size() < begin_.back()) list_.resize(begin_.back() + begin_.back() / 4);
+  next_.assign(begin_.begin(), begin_.end() - 1);
+  for (std::size_t c = 0; c < chunks; ++c)
+    for (const NearTriangle& n : found_[c]) list_[next_[n.particle]++] = n;
 }
 
 }  // namespace oilskin::fluid

@@ -30,19 +30,25 @@ struct NearTriangle {
   ClosestPoint closest;
 };
 
-/// Lists by particle; each in the order of surfaces and triangles.
-struct NearTriangles {
-  std::vector<std::uint32_t> begin;  ///< per particle, and one more
-  std::vector<NearTriangle> list;
+/// Lists by particle; each in the order of surfaces and triangles. The memory is kept from search to search.
+class NearTriangles {
+ public:
+  /// The triangles whose plane is nearer than `plane_reach` [m], of the particles with a mark (of all if
+  /// there are no marks). Leaves out duplicate triangles.
+  void find(const BoundaryInput& input, double plane_reach, const std::vector<std::uint8_t>& marks,
+            const Workers& workers);
 
   Span<const NearTriangle> of(std::size_t particle) const {
-    return {list.data() + begin[particle], begin[particle + 1] - begin[particle]};
+    return {list_.data() + begin_[particle], begin_[particle + 1] - begin_[particle]};
   }
-};
 
-/// The triangles whose plane is nearer than `plane_reach` [m], of the particles with a mark (of all if there
-/// are no marks). Leaves out duplicate triangles.
-NearTriangles find_near_triangles(const BoundaryInput& input, double plane_reach,
-                                  const std::vector<std::uint8_t>& marks, const Workers& workers);
+ private:
+  void sort_by_particle(std::size_t particles, std::size_t chunks);
+
+  std::vector<std::uint32_t> begin_;  // per particle, and one more
+  std::vector<NearTriangle> list_;    // may be longer than begin_ says
+  std::vector<std::vector<NearTriangle>> found_;
+  std::vector<std::uint32_t> next_;
+};
 
 }  // namespace oilskin::fluid

@@ -35,13 +35,13 @@ PointWalls::PointWalls(const BoundaryInput& input, const MirrorImage& image, Spa
   point_.reset_sums();
 }
 
-bool PointWalls::find_unhidden() {
+bool PointWalls::find_unhidden(VisibleParts& parts) {
   if (nearest_.closest.distance > 0 && is_plane()) {
     add_plane();
   } else {
     if (may_be_hidden()) return false;
     add_triangles();
-    if (point_.lambda > max_plane_ratio * image_.lambda(nearest_distance(), 1)) {
+    if (point_.lambda > max_plane_ratio * image_.lambda(nearest_distance(), 1) && any_hides(parts)) {
       walls_.resize(point_.begin);
       return false;
     }
@@ -75,6 +75,13 @@ bool PointWalls::is_plane() const {
     if (std::abs(n.closest.offset.dot(normal) - c.distance) > tolerance) return false;
   }
   return true;
+}
+
+/// Of the triangles whose plane is within reach: a roll of cloth hides its outer layers.
+bool PointWalls::any_hides(VisibleParts& parts) const {
+  parts.clear();
+  for (const NearTriangle& n : near_) parts.add(corners(n));
+  return parts.any_may_hide();
 }
 
 /// Sheets apart from each other may hide each other; a connected sheet hides itself behind an edge at which

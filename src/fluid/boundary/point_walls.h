@@ -14,12 +14,13 @@ class PointWalls {
 
   /// `near` are the triangles whose plane is within reach. False, and no walls, if the particle may see one
   /// of them in part only.
-  bool find_unhidden();
+  bool find_unhidden(VisibleParts& parts);
   /// `near` are all triangles within H.
   void find_visible(VisibleParts& parts);
 
  private:
   bool is_plane() const;
+  bool any_hides(VisibleParts& parts) const;
   bool may_be_hidden() const;
   bool may_be_hidden(const NearTriangle& near) const;
   double side(const NearTriangle& near, std::uint32_t triangle) const;

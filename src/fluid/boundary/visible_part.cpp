@@ -41,6 +41,13 @@ bool VisibleParts::may_hide(const Occluder& occluder, const Occluder& other, boo
   });
 }
 
+bool VisibleParts::any_may_hide() const {
+  for (std::size_t a = 0; a < triangles_.size(); ++a)
+    for (std::size_t b = 0; b < triangles_.size(); ++b)
+      if (a != b && may_hide(triangles_[a], triangles_[b], a < b)) return true;
+  return false;
+}
+
 /// Cuts a convex piece by the plane normal · x = offset. What lies below goes to remaining_; returns the
 /// rest.
 VisibleParts::Piece VisibleParts::split(Piece piece, const Eigen::Vector3f& normal, float offset) {

@@ -18,6 +18,8 @@ class VisibleParts {
   /// Of triangles that lie on each other the one that is added first is seen.
   void add(const std::array<Eigen::Vector3f, 3>& corners);
   float distance(std::size_t k) const { return triangles_[k].plane.distance(); }
+  /// A quick test. False only if each triangle is seen as a whole.
+  bool any_may_hide() const;
   /// Plane of the k-th triangle, and the share of its visible part.
   WallView view(std::size_t k);
 

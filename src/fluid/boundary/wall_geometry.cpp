@@ -34,14 +34,15 @@ void WallGeometry::find(const BoundaryInput& input, const Workers& workers) {
 
 std::vector<std::vector<Wall>> WallGeometry::find_unhidden(const BoundaryInput& input,
                                                            const Workers& workers) {
-  const NearTriangles near = find_near_triangles(input, image_.reach(input.support_radius), {}, workers);
-  number_points(near, input.x.size());
+  near_.find(input, image_.reach(input.support_radius), {}, workers);
+  number_points(input.x.size());
   std::vector<std::vector<Wall>> walls(chunks_of(points_.size()));
   std::vector<std::uint8_t> is_partly(points_.size());
   workers.for_chunks(points_.size(), point_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
+    VisibleParts parts;
     for (std::size_t k = b; k < e; ++k) {
-      PointWalls point(input, image_, near.of(points_[k].particle), points_[k], walls[c]);
-      is_partly[k] = !point.find_unhidden();
+      PointWalls point(input, image_, near_.of(points_[k].particle), points_[k], walls[c]);
+      is_partly[k] = !point.find_unhidden(parts);
     }
   });
   partly_.clear();
@@ -56,21 +57,21 @@ std::vector<std::vector<Wall>> WallGeometry::find_partly_hidden(const BoundaryIn
   if (partly_.empty()) return walls;
   std::vector<std::uint8_t> marks(input.x.size());
   for (std::uint32_t k : partly_) marks[points_[k].particle] = 1;
-  const NearTriangles near = find_near_triangles(input, input.support_radius, marks, workers);
+  near_.find(input, input.support_radius, marks, workers);
   workers.for_chunks(partly_.size(), point_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
     VisibleParts parts;
     for (std::size_t k = b; k < e; ++k) {
       WallPoint& point = points_[partly_[k]];
-      PointWalls(input, image_, near.of(point.particle), point, walls[c]).find_visible(parts);
+      PointWalls(input, image_, near_.of(point.particle), point, walls[c]).find_visible(parts);
     }
   });
   return walls;
 }
 
-void WallGeometry::number_points(const NearTriangles& near, std::size_t particles) {
+void WallGeometry::number_points(std::size_t particles) {
   point_of_.assign(particles, none);
   for (std::uint32_t i = 0; i < particles; ++i) {
-    if (near.of(i).empty()) continue;
+    if (near_.of(i).empty()) continue;
     point_of_[i] = static_cast<std::uint32_t>(points_.size());
     points_.emplace_back();
     points_.back().particle = i;

@@ -87,13 +87,14 @@ class WallGeometry {
   const std::vector<std::uint32_t>& point_of() const { return point_of_; }
 
  private:
-  void number_points(const NearTriangles& near, std::size_t particles);
+  void number_points(std::size_t particles);
   std::vector<std::vector<Wall>> find_unhidden(const BoundaryInput& input, const Workers& workers);
   std::vector<std::vector<Wall>> find_partly_hidden(const BoundaryInput& input, const Workers& workers);
   void join(const std::vector<std::vector<Wall>>& unhidden, const std::vector<std::vector<Wall>>& hidden);
   void collect_images();
 
   const MirrorImage image_;
+  NearTriangles near_;
   std::vector<WallPoint> points_;
   std::vector<Wall> walls_;
   std::vector<std::uint32_t> point_of_;
