@@ -12,6 +12,9 @@ namespace {
 /// Walls of one side of a surface whose normals deviate by less than 60° are one wall.
 constexpr double same_wall_cosine = 0.5;
 
+/// The part of an old spare load that an interval with less load leaves (B.45).
+constexpr double spare_left = 0.8;
+
 bool is_dry(const Context& context, std::uint32_t surface, bool back) {
   const SlipModel model = context.surfaces[surface]->slip_on(back).model;
   return model == SlipModel::coulomb || model == SlipModel::sticking;
@@ -170,10 +173,10 @@ void keep_spare_load(const Context& context, const std::vector<ContactConstraint
     const Contact& c = k.contact;
     const SlipSettings& slip = context.surfaces[c.surface]->slip_on(c.back);
     if (!is_dry(context, c.surface, c.back)) continue;
-    double left = k.load();
+    double left = k.load() > 0 ? k.load() : k.spare_load;  // sticking: while it is within reach of the wall
     if (slip.model == SlipModel::coulomb) {
       const double used = slip.friction > 0 ? k.tangential_impulse.norm() / slip.friction : 0;
-      left = std::clamp(k.friction_load() - used, 0.0, std::max(k.load(), 0.5 * k.spare_load));
+      left = std::clamp(k.friction_load() - used, 0.0, std::max(k.load(), spare_left * k.spare_load));
     }
     Vec3& spare = context.spare_load[c.particle];
     if (left > spare.norm()) spare = left * c.normal;
