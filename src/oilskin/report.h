@@ -73,8 +73,9 @@ enum StepFlag : std::uint32_t {
   flag_sound_too_fast = 1u << 12,
 };
 
-/// EnergyReport::risen over its scale above which flag_energy_made is set. Impacts that are resolved make
-/// less than 0.01; what the discretization of a start from a lattice makes is below 0.02.
+/// EnergyReport::risen over its scale above which flag_energy_made is set. Scenes that are
+/// resolved stay below a sixth of it: dam break 0.0032, two bodies of water at a sheet 0.0025, hammock
+/// 0.0007.
 constexpr double energy_made_limit = 0.02;
 
 /// The names of the bits that are set, each with its remedy.
