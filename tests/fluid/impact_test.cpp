@@ -3,22 +3,22 @@
 
 #include <map>
 
-#include "../support/static_mesh.h"
 #include "oilskin/world.h"
+#include "support/static_mesh.h"
 
 namespace oilskin {
 namespace {
 
 struct Impact {
   PressureSolver solver;
-  double dt, spacing, room;  // [s], [m], room beside the block in spacings
+  double dt, spacing, gap;  // [s], [m], free width beside the block in spacings
 };
 
 /// A block of 8 particles per edge falls by 0.1 m into a tank with an open top.
 class Fall {
  public:
   explicit Fall(const Impact& impact) : dt_(impact.dt), world_(WorldSettings(), fluid(impact)) {
-    const double dx = impact.spacing, edge = 8 * dx, w = edge + impact.room * dx;
+    const double dx = impact.spacing, edge = 8 * dx, w = edge + impact.gap * dx;
     walls_.add_rectangle({0, 0, 0}, {w, 0, 0}, {0, 0, w});
     for (const double x : {0.0, w}) walls_.add_rectangle({x, 0, 0}, {0, 1, 0}, {0, 0, w});
     for (const double z : {0.0, w}) walls_.add_rectangle({0, 0, z}, {w, 0, 0}, {0, 1, 0});
@@ -78,7 +78,7 @@ TEST(Impact, makes_no_energy) {
        {Impact{pcisph, 1e-3, 0.005, 0}, Impact{dfsph, 1e-3, 0.005, 0}, Impact{dfsph, 4e-3, 0.005, 0},
         Impact{pcisph, 2e-3, 0.006, 1}, Impact{dfsph, 2e-3, 0.004, 2}})
     EXPECT_LE(Fall(impact).energy_made(), 0.01)
-        << impact.dt << " s, " << impact.spacing << " m, room " << impact.room;
+        << impact.dt << " s, " << impact.spacing << " m, gap " << impact.gap;
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ class PcisphSplit : public PressureModel {
   explicit PcisphSplit(const FluidSettings& settings)
       : fluid_(settings),
         loop_(fluid_.max_relaxation, settings.max_iterations),
-        walls_(fluid_, false),
+        walls_(fluid_),
         shift_(fluid_) {}
 
   double particle_volume() const override { return fluid_.settled_volume; }

@@ -52,8 +52,7 @@ void WallResponse::constrain_at(const StepState& state, std::uint32_t k, float p
   keep_side(contacts, dt_over_h, displacement);
   const float approach = static_cast<float>(dt_over_h) * state.boundary.normal_flux()[k] -
                          point.gamma.dot(displacement.cast<float>());
-  const float density = point.lambda + approach;
-  density_[k] = limits_density_ ? std::clamp(density, 0.0f, 1.0f) : density;
+  density_[k] = point.lambda + approach;
 }
 
 const std::vector<float>& WallResponse::solve(StepState& state) {

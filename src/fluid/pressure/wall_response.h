@@ -20,10 +20,7 @@ struct Pressures {
 
 class WallResponse {
  public:
-  /// `limits_density`: λ* is kept in 0 … 1. Without, the density is the transpose of the push, and a linear
-  /// loop converges where walls push particles out of reach.
-  explicit WallResponse(const IncompressibleFluid& fluid, bool limits_density = true)
-      : fluid_(fluid), limits_density_(limits_density) {}
+  explicit WallResponse(const IncompressibleFluid& fluid) : fluid_(fluid) {}
 
   void begin_step(const StepState& state);
 
@@ -65,7 +62,6 @@ class WallResponse {
   double rebound_limit(const StepState& state, std::size_t point, const WallLoad<double>& load) const;
 
   const IncompressibleFluid& fluid_;
-  const bool limits_density_;
   float phi_per_depth_ = 0;  // φ_g of (B.16): hydrostatic, per H of depth
   // Per point of the boundary
   std::vector<float> theta_;    // [m/s] (B.11)
