@@ -24,13 +24,14 @@ bool is_identity(const std::vector<std::uint32_t>& order) {
 }
 
 std::unique_ptr<PressureModel> make_model(const FluidSettings& s) {
+  const bool has_walls = s.boundary == BoundaryModel::mirrored;
   switch (s.solver) {
     case PressureSolver::mcg03:
       return make_mcg03(s);
     case PressureSolver::pcisph:
-      return make_pcisph(s);
+      return has_walls ? make_pcisph_split(s) : make_pcisph(s);
     case PressureSolver::dfsph:
-      return make_dfsph(s);
+      return has_walls ? make_dfsph_split(s) : make_dfsph(s);
   }
   return nullptr;
 }

@@ -39,8 +39,9 @@ struct FluidSettings {
   PressureSolver solver = PressureSolver::pcisph;
   /// PCISPH, DFSPH: the mean density error, relative, that the position correction leaves, ≥ 0.
   double tolerance = 1e-3;
-  /// PCISPH, DFSPH: the mean compression per step, relative, at which the pressure iterations end, ≥ 0.
-  double divergence_tolerance = 1e-4;
+  /// The mean compression per step, relative, ≥ 0. With boundary terms the pressure iterations end at a tenth
+  /// of it; with contact alone DFSPH's divergence iterations end at it.
+  double divergence_tolerance = 1e-3;
   /// PCISPH, DFSPH: ≥ 1.
   int min_iterations = 3;
   /// PCISPH, DFSPH: ≥ min_iterations. A step that reaches it is counted.

@@ -85,8 +85,7 @@ int run(int n, int threads, int steps, PressureSolver solver) {
       wall * ms, (seconds.neighbours + seconds.pressure + seconds.other_fluid) * ms, seconds.neighbours * ms,
       seconds.pressure * ms, seconds.other_fluid * ms, contact * ms);
   std::printf("  %.2f iterations per step, %.2f of divergence; density error mean %.4f %%, max %.2f %%\n",
-              iterations / counted, shift_iterations / counted, 100 * error_sum / counted,
-              100 * error_max);
+              iterations / counted, shift_iterations / counted, 100 * error_sum / counted, 100 * error_max);
   std::printf("  %.3g particle·steps/s\n", static_cast<double>(world.particle_count()) * counted / wall);
   return 0;
 }

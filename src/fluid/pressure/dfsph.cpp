@@ -1,17 +1,16 @@
 /// Divergence-free SPH [Bender2015] with the cubic spline.
 ///
-/// One pass over the pairs at the start of a step gives densities, gradients, viscosity and the factors α;
-/// the loop then uses stored gradients. It finds the pressures that keep the velocities of the step from
-/// compressing the fluid; the pair forces are applied once, in double. What error the density has is
-/// corrected by positions alone (density_shift.h).
+/// One pass over the pairs at the start of a step gives densities, gradients, viscosity, the factors α and
+/// the rates of compression; the loops then use stored gradients. Both solvers write one set of pressures:
+/// the divergence solver finds those that keep the start velocities from compressing the fluid beyond ρ0, the
+/// density solver raises them until the density at the end of the step is ρ0. The pair forces are applied
+/// once, in double. Viscosity acts on the velocities before the divergence solver, which saves a pass; the
+/// order of the two makes a difference of second order in dt.
 #include <limits>
 
 #include "core/assert.h"
 #include "fluid/pressure/contact_bounds.h"
-#include "fluid/pressure/density_shift.h"
-#include "fluid/pressure/gradient_correction.h"
-#include "fluid/pressure/image_pairs.h"
-#include "fluid/pressure/momentum.h"
+#include "fluid/pressure/pressure_loop.h"
 #include "fluid/pressure/pressure_model.h"
 #include "fluid/pressure/wall_response.h"
 
@@ -19,24 +18,35 @@ namespace oilskin::fluid {
 
 namespace {
 
-/// Sums over pairs from which α and the correction of the gradient follow.
+/// A particle with fewer neighbours is spray: its density does not measure compression [Bender2015,
+/// Sec. 3.3].
+constexpr float min_neighbours = 20;
+
+/// Lower bound of 1/α relative to that of the lattice (F.30). Smaller values belong to isolated particles and
+/// to particles that nearly coincide: no pressure separates the latter, and without the bound theirs reaches
+/// 1e12 Pa and accelerates everything near them.
+constexpr float min_response = 0.1f;
+
+/// β of the ultraspherical polynomials (F.34).
+constexpr float polynomial_order = 2.5;
+
+/// Sums over pairs from which a particle's α and rate of compression follow.
 struct Rates {
-  GradientRates gradient;
-  SecondMoments moments;
+  F4 gx, gy, gz, squares, compression;
 
   void add(const Pairs& pairs, F4 slope, F4 dv_dot_delta) {
-    gradient.add(pairs, slope, dv_dot_delta);
-    moments.add(pairs, slope);
+    gx += slope * pairs.dx;
+    gy += slope * pairs.dy;
+    gz += slope * pairs.dz;
+    squares += slope * slope * pairs.q2;
+    compression += slope * dv_dot_delta;
   }
 };
 
 class Dfsph : public PressureModel {
  public:
   explicit Dfsph(const FluidSettings& settings)
-      : fluid_(settings),
-        loop_(fluid_.max_relaxation, settings.max_iterations),
-        walls_(fluid_),
-        shift_(fluid_) {}
+      : fluid_(settings), loop_(fluid_.max_relaxation, settings.max_iterations), walls_(fluid_) {}
 
   double particle_volume() const override { return fluid_.settled_volume; }
   void explicit_terms(StepState& state) override;
@@ -55,31 +65,46 @@ class Dfsph : public PressureModel {
 
  private:
   struct Sums;
+  enum class Solver { divergence, density };
 
-  void begin_step(const StepState& state, const std::vector<double>& pressure);
+  void begin_step(const StepState& state);
+  float response(const StepState& state, std::size_t i) const;
   void set_steps(const StepState& state);
-  void iterate(StepState& state);
+  bool has_neighbours(const StepState& state, std::size_t i) const;
+  void solve_divergence(StepState& state, FluidReport& report);
+  void set_start_motion(const StepState& state);
+  void solve_density(StepState& state, const std::vector<double>& pressure, FluidReport& report);
   void finish(StepState& state, std::vector<double>& pressure);
 
   void restart_momentum(const StepState& state);
-  Errors correct(StepState& state);
+  void iterate(StepState& state, Solver solver, const LoopGoal& goal);
+  float divergence_error(const StepState& state, std::size_t i, float rate, Errors& errors) const;
+  float density_error(const StepState& state, std::size_t i, Errors& errors) const;
+  template <class ErrorOf>
+  Errors correct(StepState& state, const ErrorOf& error_of);
   void displace(StepState& state);
+  template <class Sum>
+  Vec3 pair_displacement(const StepState& state, std::size_t i) const;
   float compression(const StepState& state, std::size_t i) const;
+  static const float* gradients(const StepState& state, std::size_t i) {
+    return state.slope[i / Neighbours::chunk_size].data() + 3 * state.neighbours.pair_begin(i);
+  }
 
   const IncompressibleFluid fluid_;
-  PressureLoop loop_;
+  PressureLoop loop_;  // of both solvers: they share ω
   WallResponse walls_;
-  IterationController controller_;
-  GradientCorrection correction_;
-  DensityShift shift_;
+  IterationController controller_;  // of the density solver
 
   // Of the particles, at the start
-  std::vector<float> step_;    // τ_i: change of φ per relative compression, without ω
-  std::vector<Vec3> drift_;    // displacement without pressure [H]
-  std::vector<float> target_;  // ē_i
+  std::vector<Record> gradient_;   // Σ w'/q Δ, and w: Σ |w'|²
+  std::vector<float> start_rate_;  // relative compression of the step by the start velocities
+  std::vector<float> step_;        // τ_i: change of φ per relative compression, without ω
+  std::vector<Vec3> drift_;        // displacement without pressure [H]
+  std::vector<float> target_;      // ē_i
 
-  // Of the loop; phi_ and displacement_ with one more for the padding
+  // Of the loops; phi_ and displacement_ with one more for the padding
   std::vector<float> phi_, previous_phi_;
+  std::vector<float> min_phi_;        // of the divergence solver: a lower bound for the density solver
   std::vector<Record> displacement_;  // [H]
   int corrections_ = 0;               // since the momentum was restarted
 };
@@ -87,80 +112,148 @@ class Dfsph : public PressureModel {
 struct Dfsph::Sums : IncompressibleSums {
   using Rates = fluid::Rates;
   static constexpr std::size_t per_pair = 3;
-  GradientCorrection& correction;
-  std::vector<Record>& gradient;
+  Dfsph& out;
+  float rate_scale;
 
-  Sums(const IncompressibleSums& sums, GradientCorrection& c, std::vector<Record>& g)
-      : IncompressibleSums(sums), correction(c), gradient(g) {}
+  Sums(const IncompressibleSums& sums, Dfsph& model, double dt)
+      : IncompressibleSums(sums),
+        out(model),
+        rate_scale(density_scale * static_cast<float>(dt / model.fluid_.support_radius)) {}
 
-  static void store_pair(float* at, const Pairs& pairs, F4 slope) { store_gradients(at, pairs, slope); }
+  static void store_pair(float* at, const Pairs& pairs, F4 slope) {
+    store(at, slope * pairs.dx);
+    store(at + 4, slope * pairs.dy);
+    store(at + 8, slope * pairs.dz);
+  }
   void keep(const fluid::Rates& r, std::size_t i) const {
-    gradient[i] = r.gradient.sum();
-    correction.keep(i, r.moments, density_scale);
+    out.gradient_[i] = {total(r.gx), total(r.gy), total(r.gz), total(r.squares)};
+    out.start_rate_[i] = rate_scale * total(r.compression);
   }
 };
 
 void Dfsph::explicit_terms(StepState& state) {
-  state.gradient.resize(state.size());
-  correction_.resize(state.size());
-  run_explicit_sums(state, Sums(fluid_.sums(state.dt), correction_, state.gradient), true);
+  gradient_.resize(state.size());
+  start_rate_.resize(state.size());
+  run_explicit_sums(state, Sums(fluid_.sums(state.dt), *this, state.dt), true);
   add_wall_density(state);
-  add_image_gradients(state, correction_, fluid_.density_scale);
 }
 
 void Dfsph::pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) {
-  OILSKIN_ASSERT(pressure.size() >= state.size() && state.gradient.size() == state.size());
-  begin_step(state, pressure);
+  OILSKIN_ASSERT(pressure.size() >= state.size() && gradient_.size() == state.size());
+  begin_step(state);
   set_steps(state);
-  iterate(state);
-  write(loop_, report);
+  solve_divergence(state, report);
+  solve_density(state, pressure, report);
   finish(state, pressure);
-  shift_.find(state, report);
 }
 
-void Dfsph::begin_step(const StepState& state, const std::vector<double>& pressure) {
+void Dfsph::begin_step(const StepState& state) {
   const std::size_t n = state.size();
   loop_.begin_step();
   walls_.begin_step(state);
-  correction_.build(state);
-  set_targets(state, target_);
+  set_targets(state, fluid_.settings.spacing, target_);
   drift_.resize(n);
   step_.resize(n);
   previous_phi_.resize(n);
-  phi_.resize(n + 1);
-  phi_[n] = 0;
+  min_phi_.assign(n, 0);
+  phi_.assign(n + 1, 0);
   displacement_.resize(n + 1);
   displacement_[n] = Record{0, 0, 0, 0};
-  const double dt_over_h = state.dt / fluid_.support_radius, warm_start = fluid_.warm_start(state);
+}
+
+/// 1/α (F.28), [Bender2015] Eq. 8 in our units: by how much the density of particle i falls per φ_i. The
+/// image of a particle behind a wall has its pressure.
+float Dfsph::response(const StepState& state, std::size_t i) const {
+  const Record& g = gradient_[i];
+  const Eigen::Vector3f pull = fluid_.density_scale * Eigen::Vector3f(g.x, g.y, g.z);
+  const float of_neighbours = fluid_.density_scale * g.w;
+  const std::uint32_t k = WallResponse::point_of(state, i);
+  if (k == Boundary::none) return of_neighbours + fluid_.wall_scale * pull.squaredNorm();
+  const Eigen::Vector3f& gamma = state.boundary.points()[k].gamma;
+  return of_neighbours + fluid_.wall_scale * (pull - gamma).squaredNorm();
+}
+
+/// τ_i (F.30). Neighbours correct the same compression at the same time, so a step is half of α, as PCISPH's
+/// τ is; where the fluid is compressed there are more of them.
+void Dfsph::set_steps(const StepState& state) {
+  const float minimum = min_response / static_cast<float>(2 * fluid_.stiffness);
   state.for_each([&](std::size_t i) {
-    const Record& v = state.velocity[i];
-    drift_[i] = dt_over_h * (Vec3(v.x, v.y, v.z) + state.dv[i]);
-    phi_[i] = static_cast<float>(warm_start * pressure[i]);
+    const float compressed = std::max(1.0f, state.relative_density[i]);
+    OILSKIN_ASSERT(compressed < std::numeric_limits<float>::infinity());
+    step_[i] = 0.5f / (std::max(response(state, i), minimum * compressed) * compressed);
   });
 }
 
-/// τ_i (F.30), with the corrected gradients.
-void Dfsph::set_steps(const StepState& state) {
-  state.for_each([&](std::size_t i) {
-    OILSKIN_ASSERT(state.relative_density[i] < std::numeric_limits<float>::infinity());
-    const Record& g = state.gradient[i];
-    const float k = correction_.largest(i);
-    const Eigen::Vector3f pull = correction_.at(i) * Eigen::Vector3f(g.x, g.y, g.z);
-    const float response =
-        density_response(fluid_, state, i, fluid_.density_scale * pull, fluid_.density_scale * k * k * g.w);
-    step_[i] = density_step(fluid_, state.relative_density[i], response);
+bool Dfsph::has_neighbours(const StepState& state, std::size_t i) const {
+  const std::uint32_t k = WallResponse::point_of(state, i);
+  const float behind_walls = k == Boundary::none ? 0 : state.boundary.points()[k].lambda;
+  return static_cast<float>(state.neighbours.count(i)) >= (1 - behind_walls) * min_neighbours;
+}
+
+/// The start velocities compress the fluid by no more than the tolerance in the step: Dρ/Dt = Σ m (v_i −
+/// v_j)·∇W (F.31), [Bender2015] Alg. 2. In most steps they do not, as the first pass over the pairs shows.
+void Dfsph::solve_divergence(StepState& state, FluidReport& report) {
+  set_start_motion(state);
+  restart_momentum(state);
+  const Errors at_start = correct(state, [&](std::size_t i, Errors& errors) {
+    return divergence_error(state, i, start_rate_[i], errors);
   });
+  const double tolerance = fluid_.settings.divergence_tolerance;
+  if (!(at_start.mean(at_start.sum) > tolerance)) return;
+  iterate(state, Solver::divergence, {tolerance, 1, {}});
+  report.shift_iterations = loop_.iterations();
+  report.diverged = loop_.diverged();
+  std::copy(phi_.begin(), phi_.end() - 1, min_phi_.begin());
+}
+
+/// The displacement by the start velocities, and the walls' part of their compression.
+void Dfsph::set_start_motion(const StepState& state) {
+  const float dt_over_h = static_cast<float>(state.dt / fluid_.support_radius);
+  state.for_each([&](std::size_t i) {
+    const Record& v = state.velocity[i];
+    const Eigen::Vector3f d = dt_over_h * Eigen::Vector3f(v.x, v.y, v.z);
+    drift_[i] = d.cast<double>();
+    const std::uint32_t k = WallResponse::point_of(state, i);
+    if (k != Boundary::none)
+      start_rate_[i] += dt_over_h * state.boundary.normal_flux()[k] - state.boundary.points()[k].gamma.dot(d);
+  });
+}
+
+/// Unlike the published solver this one lets a fluid close its gaps up to ρ0: else falling water stops half a
+/// support radius above what it falls on, and a light sheet that swings back is hit before it touches.
+float Dfsph::divergence_error(const StepState& state, std::size_t i, float rate, Errors& errors) const {
+  if (!has_neighbours(state, i)) return 0;
+  const float error = rate + std::min(0.0f, state.relative_density[i] - 1);
+  errors.add(static_cast<double>(error), 0, std::numeric_limits<double>::infinity());
+  return error;
+}
+
+/// ρ* = ρ + dt Dρ/Dt = ρ0 where compressed (F.32), [Bender2015] Alg. 3.
+void Dfsph::solve_density(StepState& state, const std::vector<double>& pressure, FluidReport& report) {
+  const double dt_over_h = state.dt / fluid_.support_radius, warm_start = fluid_.warm_start(state);
+  state.for_each([&](std::size_t i) {
+    drift_[i] += dt_over_h * state.dv[i];
+    phi_[i] = std::max(min_phi_[i], static_cast<float>(warm_start * pressure[i]));
+  });
+  restart_momentum(state);
+  iterate(state, Solver::density, {fluid_.settings.tolerance, fluid_.settings.min_iterations, controller_});
+  write(loop_, report);
+  controller_ = loop_.next_controller();
+}
+
+float Dfsph::density_error(const StepState& state, std::size_t i, Errors& errors) const {
+  const float error = state.relative_density[i] - 1 + compression(state, i);
+  errors.add(static_cast<double>(error), static_cast<double>(target_[i]), fluid_.settings.tolerance);
+  return error - target_[i];
 }
 
 void Dfsph::finish(StepState& state, std::vector<double>& pressure) {
   const double to_velocity = fluid_.support_radius / state.dt, scale = fluid_.phi_per_pascal(state.dt);
-  correction_.set_pressures(state, phi_);
   state.for_each([&](std::size_t i) {
-    state.dv[i] += to_velocity * correction_.displacement<Sum4>(state, i);
+    state.dv[i] += to_velocity * pair_displacement<Sum4>(state, i);
     pressure[i] = static_cast<double>(phi_[i]) / scale;
   });
   walls_.apply(state, phi_);
-  controller_ = loop_.next_controller();
 }
 
 void Dfsph::restart_momentum(const StepState& state) {
@@ -168,40 +261,46 @@ void Dfsph::restart_momentum(const StepState& state) {
   state.for_each([&](std::size_t i) { previous_phi_[i] = phi_[i]; });
 }
 
-void Dfsph::iterate(StepState& state) {
-  restart_momentum(state);
-  loop_.start({fluid_.settings.divergence_tolerance, fluid_.settings.min_iterations, controller_});
+void Dfsph::iterate(StepState& state, Solver solver, const LoopGoal& goal) {
+  loop_.start(goal);
   PressureLoop::Verdict verdict;
   do {
     displace(state);
-    verdict = loop_.judge(correct(state));
-    if (!verdict.finite) std::fill(phi_.begin(), phi_.end(), 0.0f);
+    verdict = loop_.judge(correct(state, [&](std::size_t i, Errors& errors) {
+      return solver == Solver::density ? density_error(state, i, errors)
+                                       : divergence_error(state, i, compression(state, i), errors);
+    }));
+    if (!verdict.finite) std::copy(min_phi_.begin(), min_phi_.end(), phi_.begin());
     if (verdict.restart) restart_momentum(state);
   } while (!verdict.stop);
 }
 
-/// φ ← max(0, φ + ω τ error) with a momentum (F.34). The clamp belongs inside the loop, or free surfaces
-/// contract. A pressure that expands the fluid is an error as well as one that lets it be compressed: it
-/// makes energy.
-Errors Dfsph::correct(StepState& state) {
-  const Momentum momentum(corrections_++);
-  const float relaxation = static_cast<float>(loop_.relaxation());
+/// φ ← max(φ_min, φ + ω τ error) with a momentum (F.34), the ν-methods of [Hanke1991]: the residual after k
+/// corrections is the k-th ultraspherical polynomial in place of the k-th power of Jacobi's iteration matrix,
+/// and a column of N layers takes in the order of N corrections instead of N². From the second correction on
+/// the residual of no mode is below −1/6. With a warm start of one half, solves that overshoot by more than
+/// 0.2 make the pressure oscillate from step to step. The clamp belongs inside the loop, or free surfaces
+/// contract. error_of(i, errors) returns the error that the pressure of i should remove, and adds it to
+/// `errors`.
+template <class ErrorOf>
+Errors Dfsph::correct(StepState& state, const ErrorOf& error_of) {
+  const float k = static_cast<float>(corrections_++), a = polynomial_order;
+  const float weight = 2 * (k + a) / (k + 2 * a), momentum = weight - 1;
+  const float relaxation = weight * static_cast<float>(loop_.relaxation());
   const auto add = [&](std::size_t i, float correction) {
-    const float old = phi_[i];
-    phi_[i] = std::max(0.0f, momentum.next(old, previous_phi_[i], relaxation * correction));
-    previous_phi_[i] = old;
+    const float change = relaxation * correction + momentum * (phi_[i] - previous_phi_[i]);
+    previous_phi_[i] = phi_[i];
+    phi_[i] = std::max(min_phi_[i], phi_[i] + change);
   };
   const Errors result = state.ordered_sum(Errors{}, [&](std::size_t begin, std::size_t end) {
     Errors errors;
     for (std::size_t i = begin; i < end; ++i) {
-      const float error = state.relative_density[i] - 1 - target_[i] + compression(state, i);
-      errors.add_residual(static_cast<double>(error),
-                          static_cast<double>(phi_[i] > 0 ? std::abs(error) : std::max(error, 0.0f)));
+      const float error = error_of(i, errors);
       const std::uint32_t point = WallResponse::point_of(state, i);
       if (point == Boundary::none)
         add(i, step_[i] * error);
       else
-        walls_.collect(point, phi_[i] > 0 || error > 0 ? step_[i] : 0, error);
+        walls_.collect(point, phi_[i] > min_phi_[i] || error > 0 ? step_[i] : 0, error);
     }
     return errors;
   });
@@ -214,20 +313,44 @@ Errors Dfsph::correct(StepState& state) {
 /// Displacements under the current pressures.
 void Dfsph::displace(StepState& state) {
   walls_.predict_walls(state, phi_);
-  correction_.set_pressures(state, phi_);
   state.for_chunks([&](std::size_t begin, std::size_t end) {
     ContactCursor contacts(state.contacts, begin);
     for (std::size_t i = begin; i < end; ++i) {
-      Vec3 d = drift_[i] + correction_.displacement<F4>(state, i);
+      Vec3 d = drift_[i] + pair_displacement<F4>(state, i);
       walls_.constrain(state, i, phi_[i], contacts.of(i), d);
-      displacement_[i] = to_record(d);
+      displacement_[i] = {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2]), 0};
     }
   });
 }
 
-/// div_i (F.56): dt Dρ/Dt/ρ0 at the current displacements.
+/// −Σ_j (φ_i + φ_j) w'/q Δ. `Sum` is F4 inside iterations and Sum4 (double) for what is applied.
+template <class Sum>
+Vec3 Dfsph::pair_displacement(const StepState& state, std::size_t i) const {
+  const std::uint32_t* j = state.neighbours.list(i);
+  const float* gradient = gradients(state, i);
+  const F4 own(phi_[i]);
+  Sum sx, sy, sz;
+  for (std::uint32_t b = state.neighbours.blocks(i); b > 0; --b, j += 4, gradient += 12) {
+    const F4 both = own + gather(phi_.data(), j);
+    sx += both * load(gradient);
+    sy += both * load(gradient + 4);
+    sz += both * load(gradient + 8);
+  }
+  return -total(sx, sy, sz);
+}
+
+/// div_i (F.29): dt Dρ/Dt/ρ0 at the current displacements.
 float Dfsph::compression(const StepState& state, std::size_t i) const {
-  const float of_fluid = fluid_.density_scale * correction_.compression(state, displacement_, i);
+  const std::uint32_t* j = state.neighbours.list(i);
+  const float* gradient = gradients(state, i);
+  const Record& u = displacement_[i];
+  F4 sum;
+  for (std::uint32_t b = state.neighbours.blocks(i); b > 0; --b, j += 4, gradient += 12) {
+    const Record4 v(displacement_.data(), j);
+    sum += (F4(u.x) - v.x) * load(gradient) + (F4(u.y) - v.y) * load(gradient + 4) +
+           (F4(u.z) - v.z) * load(gradient + 8);
+  }
+  const float of_fluid = fluid_.density_scale * total(sum);
   const std::uint32_t k = WallResponse::point_of(state, i);
   if (k == Boundary::none) return of_fluid;
   return of_fluid + walls_.density(k) - state.boundary.points()[k].lambda;

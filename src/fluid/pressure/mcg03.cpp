@@ -1,4 +1,5 @@
-/// [Mueller2003]: poly6 density, spiky pressure gradient, viscosity Laplacian, state equation.
+/// [Mueller2003] with one kernel for density and pressure gradient, which have one energy then: cubic spline,
+/// viscosity Laplacian, state equation.
 #include <cmath>
 
 #include "core/assert.h"

@@ -24,6 +24,9 @@ struct Momentum {
   }
 };
 
+/// Of `divergence_tolerance`, for the loops whose error per step adds up from step to step.
+constexpr double velocity_tolerance = 0.1;
+
 /// |γ|² of one plane half a spacing away at H = 2 dx.
 constexpr float plane_gamma2 = 4;
 

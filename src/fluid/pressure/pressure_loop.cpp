@@ -85,8 +85,7 @@ bool PressureLoop::diverges(double mean) {
   const bool far_above = mean > 10 * goal_.tolerance + 1e-3;
   growing_ = far_above && last_mean_ > 0 && mean > last_mean_ ? growing_ + 1 : 0;
   last_mean_ = mean;
-  if (iterations_ == 1) first_mean_ = mean;
-  return growing_ >= 3 && mean > 2 * first_mean_;
+  return growing_ >= 3;
 }
 
 void write(const PressureLoop& loop, FluidReport& report) {
