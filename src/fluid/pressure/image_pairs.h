@@ -12,7 +12,8 @@
 
 namespace oilskin::fluid {
 
-/// Adds f_ij Δ_ij (B.32) to the stored gradients of the pairs at walls, three per pair in blocks of four pairs.
+/// Adds f_ij Δ_ij (B.32) to the stored gradients of the pairs at walls, three per pair in blocks of four
+/// pairs.
 void add_image_gradients(StepState& state);
 /// Adds also f_ij Δ_ij ⊗ Δ_ij to the moments from which gradients are corrected; `scale` is D.
 void add_image_gradients(StepState& state, GradientCorrection& correction, float scale);
