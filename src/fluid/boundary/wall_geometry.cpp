@@ -23,7 +23,7 @@ void WallGeometry::clear() {
   walls_.clear();
 }
 
-/// Most points see the whole of each triangle near them, which a test of the neighbours in the mesh tells.
+/// Most points see the whole of each triangle near them, which a test of the neighbours in the mesh shows.
 /// For the others all triangles within H are searched, as those whose plane is out of reach hide, too.
 void WallGeometry::find(const BoundaryInput& input, const Workers& workers) {
   clear();
