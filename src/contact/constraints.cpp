@@ -49,7 +49,7 @@ void stop(Context& context, ContactConstraint& constraint, bool moves_particle) 
   apply_impulse(context, constraint.contact, change * constraint.contact.normal, moves_particle);
 }
 
-// Keeps the speed of what approaches because a smooth sheet turns (C.37): a pair has the same effective mass
+// Keeps the speed of what approaches because a smooth sheet turns (C.35): a pair has the same effective mass
 // in all directions, so the kinetic energy that the stop takes is given back along the sheet. It comes before
 // the stop, as it needs the approach.
 void turn(Context& context, const ContactConstraint& constraint, bool moves_particle) {

@@ -34,6 +34,13 @@ inline double longest_viscous_interval(const FluidSettings& s) {
   return std::max(0.5 * d / s.viscosity, d / (s.viscosity + 0.5 * d * s.xsph_rate));
 }
 
+/// The longest interval [s] in which water at rest with boundary terms carries its own weight (F.64), g =
+/// |gravity| [m/s²]; infinity with contact alone, which holds it.
+inline double longest_resting_interval(const FluidSettings& s, double g) {
+  if (s.boundary != BoundaryModel::mirrored || !(g > 0)) return std::numeric_limits<double>::infinity();
+  return 0.18 * std::sqrt(s.spacing / g);
+}
+
 /// The longest interval [s] of the state equation at the speed v [m/s] of the fluid; infinity for other
 /// solvers (F.46).
 inline double longest_sound_interval(const FluidSettings& s, double v) {

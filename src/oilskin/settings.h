@@ -61,7 +61,7 @@ struct FluidSettings {
   bool occlusion = true;
   /// Mirrored is for water that rests or flows on sheets. The fluid takes three times as long. A jet leaves a
   /// rigid sheet with 1 to 3 % of its speed; on light cloth the layer that the jet strikes is too dense.
-  BoundaryModel boundary = BoundaryModel::mirrored;
+  BoundaryModel boundary = BoundaryModel::contact_only;
   /// The largest displacement within a fluid sub-step, in spacings, > 0.
   double cfl = 0.4;
   /// The largest number of fluid sub-steps of a step, 1 … 1000; each is an interval with its own certificate.

@@ -144,8 +144,10 @@ void World::Impl::choose_substeps(StepContext& step) const {
   const world::Speeds found = speeds(surfaces, dt, dt);
   double& needed = step.report.substeps_needed;
   needed = state.particles.size() > 0 || found.fluid > 0 ? stable_parts(found, dt) : 1;
+  const double at_rest = state.particles.size() > 0 ? world::parts_needed(dt, resting_interval()) : 1;
   count = world::substep_count(found, dt, distance, maximum);
-  count = std::max(count, static_cast<int>(std::min(needed, static_cast<double>(maximum))));
+  count =
+      std::max(count, static_cast<int>(std::min(std::max(needed, at_rest), static_cast<double>(maximum))));
   if (needed > count) report_instability(step);
   OILSKIN_ASSERT(count >= 1 && count <= maximum);
   step.paths.begin(surfaces, count, dt / count);

@@ -36,6 +36,10 @@ double World::Impl::stable_parts(const world::Speeds& found, double dt) const {
       dt, std::min(fluid::longest_viscous_interval(f), fluid::longest_sound_interval(f, found.fluid)));
 }
 
+double World::Impl::resting_interval() const {
+  return fluid::longest_resting_interval(fluid_settings, settings.gravity.norm());
+}
+
 /// The limits (F.45) and (F.46). They hold for an interval: sub-steps relax them.
 double World::Impl::longest_dt(double largest) const {
   std::vector<SurfaceMotion*> moved;
@@ -49,6 +53,7 @@ double World::Impl::longest_dt(double largest) const {
     dt = std::min(dt, parts * 0.25 * std::sqrt(support / state.max_acceleration));
   dt = std::min(dt, parts * fluid::longest_viscous_interval(f));
   dt = std::min(dt, parts * fluid::longest_sound_interval(f, found.fluid));
+  dt = std::min(dt, parts * resting_interval());
   OILSKIN_ASSERT(dt > 0);
   return dt;
 }

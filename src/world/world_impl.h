@@ -84,6 +84,7 @@ struct World::Impl {
   // How long it may be (time_step.cpp)
   world::Speeds speeds(Span<SurfaceMotion* const> moved, double moved_for, double dt) const;
   double stable_parts(const world::Speeds& found, double dt) const;
+  double resting_interval() const;  ///< longest interval of water at rest [s]
   double longest_dt(double largest) const;
 };
 
