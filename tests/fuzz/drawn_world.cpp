@@ -196,7 +196,7 @@ void DrawnWorld::describe() {
     const SheetPlan& p = sheet.host->plan();
     s << ' ' << name_of(p.mesh) << ' ' << name_of(p.motion) << ' ' << p.displacement << " edges "
       << (p.storage == Storage::float32 ? "float" : "double") << " pins " << p.pins << " h/dx "
-      << sheet.settings.thickness / dx_ << ';';
+      << *sheet.settings.thickness / dx_ << ';';
   }
   verdict_.what = s.str();
 }
