@@ -12,9 +12,9 @@ struct ContactConstraint {
   bool normal_active = true;    ///< stop and repulsion act
   bool friction_active = true;  ///< friction acts even without a normal impulse (first layer at rest)
   double wall_area = 0;         ///< area of the wall that the particle represents [m²] (C.19)
-  double viscous_share = 0;     ///< sticking with boundary terms: (B.37), 0 = sticks, 1 = viscous wall
-  double wall_impulse = 0;      ///< J_w ≥ 0 of (B.34): what wall pressure gave to the particle [N s]
-  double spare_load = 0;        ///< J_r ≥ 0 of (B.35): left from the last interval [N s]
+  double viscous_share = 0;     ///< sticking with boundary terms: (B.36), 0 = sticks, 1 = viscous wall
+  double wall_impulse = 0;      ///< J_w ≥ 0 of (B.33): what wall pressure gave to the particle [N s]
+  double spare_load = 0;        ///< J_r ≥ 0 of (B.34): left from the last interval [N s]
   double turn = 0;              ///< approach by the turn of a smooth sheet (C.33) [m/s]
   double max_turn = 0;          ///< tangent of the largest turn of one (C.34)
 

@@ -3,10 +3,10 @@
 
 #include "contact/predicates.h"
 #include "contact/surface_geometry.h"
-#include "contact/wall_impulse.h"
 #include "core/assert.h"
 #include "core/parallel.h"
 #include "core/stage_timer.h"
+#include "fluid/boundary/wall_impulse.h"
 #include "oilskin/contact.h"
 
 namespace oilskin::contact {
@@ -21,7 +21,7 @@ struct Context {
   Span<SurfaceGeometry* const> geometry;  // one per surface
   Span<const Vec3> start_velocity;        // of the particles, before this interval's forces; empty = unknown
   Span<const WallImpulse> wall_impulses;  // ordered by particle
-  Span<Vec3> spare_load;                  // per particle: in and out, with boundary terms (B.36)
+  Span<Vec3> spare_load;                  // per particle: in and out, with boundary terms (B.35)
   bool boundary_terms = false;            // walls act on the particles by pressure, too
 
   // State. A stamp is the epoch in which an end position last changed; a pair is tested again if a stamp of

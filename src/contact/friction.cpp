@@ -77,7 +77,7 @@ double wall_drag(const Context& context, const ContactConstraint& constraint, do
   return context.dt * p.viscosity * p.rest_density * constraint.wall_area / (z + slip_length);
 }
 
-/// (B.37): y⁺² of the particle, squared over that of the edge of the viscous sublayer.
+/// (B.36): y⁺² of the particle, squared over that of the edge of the viscous sublayer.
 double viscous_share(const Context& context, const ContactConstraint& constraint) {
   constexpr double sublayer = 25;  // y⁺ = 5
   const ParticleMotion& p = *context.particles;

@@ -17,7 +17,7 @@ struct SurfaceSide {
 SurfaceSide side_of(const MeshTopology& topology, Span<const Triangle> triangles, Span<const Vec3> x,
                     std::uint32_t triangle, std::uint8_t feature, const Vec3& normal);
 
-/// Sets ContactConstraint::wall_area (C.19) and viscous_share (B.37). Constraints are ordered by particle.
+/// Sets ContactConstraint::wall_area (C.19) and viscous_share (B.36). Constraints are ordered by particle.
 void distribute_wall_area(const Context& context, std::vector<ContactConstraint>& constraints);
 
 /// The accumulated tangential impulse of the surface's law for the current tangential velocity v_t (C.16),

@@ -12,7 +12,7 @@ namespace {
 /// Walls of one side of a surface whose normals deviate by less than 60° are one wall.
 constexpr double same_wall_cosine = 0.5;
 
-/// The part of an old spare load that an interval with less load leaves (B.36).
+/// The part of an old spare load that an interval with less load leaves (B.35).
 constexpr double spare_left = 0.8;
 
 bool is_dry(const Context& context, std::uint32_t surface, bool back) {

@@ -24,14 +24,18 @@ bool is_identity(const std::vector<std::uint32_t>& order) {
 }
 
 std::unique_ptr<PressureModel> make_model(const FluidSettings& s) {
-  const bool has_walls = s.boundary == BoundaryModel::mirrored;
+#ifdef OILSKIN_SPLIT_PRESSURE
+  const bool is_split = s.boundary == BoundaryModel::mirrored;
+#else
+  const bool is_split = false;
+#endif
   switch (s.solver) {
     case PressureSolver::mcg03:
       return make_mcg03(s);
     case PressureSolver::pcisph:
-      return has_walls ? make_pcisph_split(s) : make_pcisph(s);
+      return is_split ? make_pcisph_split(s) : make_pcisph(s);
     case PressureSolver::dfsph:
-      return has_walls ? make_dfsph_split(s) : make_dfsph(s);
+      return is_split ? make_dfsph_split(s) : make_dfsph(s);
   }
   return nullptr;
 }

@@ -3,10 +3,10 @@
 
 #include <memory>
 
-#include "contact/wall_impulse.h"
 #include "core/archive.h"
 #include "core/mesh_topology.h"
 #include "core/parallel.h"
+#include "fluid/boundary/wall_impulse.h"
 #include "fluid/particles.h"
 #include "fluid/pressure/prediction_contact.h"
 #include "oilskin/report.h"

@@ -14,7 +14,7 @@ struct Particles {
   std::vector<Vec3> motion;      ///< displacement over time of the last interval [m/s]
   std::vector<double> density;   ///< [kg/m³]
   std::vector<double> pressure;  ///< [Pa] of the last step: warm start of the next
-  std::vector<Vec3> spare_load;  ///< of the last interval's load, what friction may still use (B.36) [N s]
+  std::vector<Vec3> spare_load;  ///< of the last interval's load, what friction may still use (B.35) [N s]
 
   std::size_t size() const { return id.size(); }
   void push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density);

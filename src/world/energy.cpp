@@ -142,7 +142,8 @@ const EnergyReport& EnergyBalance::finish(std::size_t count, double dt, double s
   state_.gravity_work -= water.potential(gravity_) - start_.potential(gravity_) -
                          entered_.potential(gravity_) + left_.potential(gravity_) +
                          nodes_.potential(gravity_) - nodes_before_.potential(gravity_);
-  update_scale(static_cast<double>(count) * mass_ * gravity_.norm() * spacing);
+  const double mass = static_cast<double>(count) * mass_, slow = spacing / window;
+  update_scale(mass * std::max(gravity_.norm() * spacing, 0.5 * slow * slow));
   update_window(dt);
   state_.gravity = gravity_;
   state_.nodes = nodes_;
@@ -150,12 +151,12 @@ const EnergyReport& EnergyBalance::finish(std::size_t count, double dt, double s
 }
 
 /// (F.71)
-void EnergyBalance::update_scale(double lift) {
+void EnergyBalance::update_scale(double least) {
   EnergyReport& r = state_.report;
   r.released_potential = std::max(r.released_potential, state_.gravity_work);
   for (const double work : {r.work_prescribed, r.work_host, r.work_outside})
     state_.max_work = std::max(state_.max_work, work);
-  r.scale = std::max({r.scale, r.entered_kinetic, r.released_potential, state_.max_work, lift});
+  r.scale = std::max({r.scale, r.entered_kinetic, r.released_potential, state_.max_work, least});
 }
 
 /// A particle that runs onto a light node stops for the rest of a step, before the node gives way: a dip of

@@ -75,7 +75,7 @@ class EnergyBalance {
 
  private:
   Vec3 middle(const fluid::Particles& particles, std::size_t i, const Vec3& x, double dt) const;
-  void update_scale(double lift);
+  void update_scale(double least);
   void update_window(double dt);
 
   EnergyState& state_;

@@ -227,6 +227,7 @@ void World::Impl::visit_state(Archive& archive) {
   auto& [particles, next_particle_id, step_count, interval_count, time, last_dt, max_acceleration, energy] =
       state;
   archive.values(next_particle_id, step_count, interval_count, time, last_dt, max_acceleration);
+  archive.require(max_acceleration >= 0, "the largest acceleration");
   archive.require(time >= 0 && std::isfinite(time) && last_dt >= 0 && std::isfinite(last_dt), "the time");
   energy.visit(archive);
   particles.visit(archive);

@@ -224,7 +224,7 @@ void write_scene_file(const Drawn& drawn) {
 
 TEST(EnergyWorlds, energy_never_rises_by_itself) {
   const std::uint64_t first = from_environment("OILSKIN_WORLDS_FIRST", 1);
-  const std::uint64_t count = from_environment("OILSKIN_WORLDS_COUNT", 32);
+  const std::uint64_t count = from_environment("OILSKIN_WORLDS_COUNT", 30);
   const bool table = from_environment("OILSKIN_WORLDS_TABLE", 0) != 0;
   if (table) std::cout << "  seed    made %   risen %   total %     dry %\n";
   const bool all = from_environment("OILSKIN_WORLDS_ALL", 0) != 0;

@@ -48,7 +48,7 @@ const std::map<std::string, std::set<std::string>> app_may_see = {
     {"scene", {}},
     {"geometry", {}},
     {"hosts", {"scene"}},
-    {"output", {"scene"}},
+    {"output", {"scene", "hosts"}},
     {"checks", {"scene", "geometry", "hosts", "output"}},
     {"render", {"scene", "geometry", "output"}},
     {"run", {"scene", "hosts", "output", "checks", "render"}},

@@ -307,6 +307,7 @@ void describe(Fields& f, Scene& s) {
   f.vec3("gravity", s.world.gravity);
   f.object("fluid", [&](Fields& g) { describe(g, s.fluid); });
   f.list("emitters", s.emitters, [](Fields& g, Emitter& e) { describe_emitter(g, e); });
+  if (!f.reading()) set_thicknesses(s);
   f.list("cloth", s.cloth, [](Fields& g, Cloth& c) { describe(g, c); });
   f.list("bodies", s.bodies, [](Fields& g, Body& b) { describe(g, b); });
   if (f.reading()) set_thicknesses(s);

@@ -5,10 +5,10 @@
 /// Σ_T θ_T γ_T (B.13). The nodes of the walls get the opposite momentum (B.14).
 #pragma once
 
-#include "contact/wall_impulse.h"
 #include "fluid/boundary/load_memory.h"
 #include "fluid/boundary/wall_compliance.h"
 #include "fluid/boundary/wall_geometry.h"
+#include "fluid/boundary/wall_impulse.h"
 #include "fluid/boundary/wall_nodes.h"
 
 namespace oilskin::fluid {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/assert.h"
 
@@ -73,15 +74,42 @@ VisibleParts::Piece VisibleParts::split(Piece piece, const Eigen::Vector3f& norm
   return above;
 }
 
+/// Is all of a piece on one side of the occluder's plane, or of a face of its pyramid, where it is seen? To
+/// cut such pieces by the other faces would leave thousands of pieces in crumpled cloth.
+bool VisibleParts::misses(const Occluder& occluder, const Piece& piece) const {
+  const float away = occluder.plane.offset > 0 ? 1.0f : -1.0f;
+  const auto all = [&](const Eigen::Vector3f& normal, float offset) {
+    for (std::size_t k = piece.begin; k < piece.end; ++k)
+      if (normal.dot(points_[k]) > offset) return false;
+    return true;
+  };
+  return all(away * occluder.plane.normal, away * occluder.plane.offset - tolerance) ||
+         std::any_of(occluder.side.begin(), occluder.side.end(),
+                     [&](const Eigen::Vector3f& side) { return all(side, tolerance); });
+}
+
 void VisibleParts::subtract(const Occluder& occluder) {
   const float away = occluder.plane.offset > 0 ? 1.0f : -1.0f;
   remaining_.clear();
   for (const Piece& piece : pieces_) {
+    if (misses(occluder, piece)) {
+      remaining_.push_back(piece);
+      continue;
+    }
     Piece hidden = split(piece, away * occluder.plane.normal, away * occluder.plane.offset - tolerance);
     for (const Eigen::Vector3f& side : occluder.side)
       if (hidden.end - hidden.begin > 2) hidden = split(hidden, side, 0);
   }
   pieces_.swap(remaining_);
+}
+
+/// Near triangles hide most: after them little is left to cut.
+void VisibleParts::sort_by_distance() {
+  if (order_.size() == triangles_.size()) return;
+  order_.resize(triangles_.size());
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  std::stable_sort(order_.begin(), order_.end(),
+                   [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
 }
 
 WallView VisibleParts::view(std::size_t k) {
@@ -90,8 +118,10 @@ WallView VisibleParts::view(std::size_t k) {
   if (!own.plane.acts()) return WallView();
   points_.assign(own.corners.begin(), own.corners.end());
   pieces_.assign(1, {0, 3});
-  for (std::size_t other = 0; other < triangles_.size() && !pieces_.empty(); ++other)
-    if (other != k && may_hide(triangles_[other], own, other < k)) subtract(triangles_[other]);
+  sort_by_distance();
+  for (const std::size_t other : order_)
+    if (!pieces_.empty() && other != k && may_hide(triangles_[other], own, other < k))
+      subtract(triangles_[other]);
   float shadow = 0;
   for (const Piece& p : pieces_) shadow += shadow_of(own.plane, {points_.data() + p.begin, p.end - p.begin});
   return view_with_shadow(own.plane, shadow);

@@ -14,7 +14,10 @@ namespace oilskin::fluid {
 /// floor that goes on behind a wall, layers behind a layer.
 class VisibleParts {
  public:
-  void clear() { triangles_.clear(); }
+  void clear() {
+    triangles_.clear();
+    order_.clear();
+  }
   /// Of triangles that lie on each other the one that is added first is seen.
   void add(const std::array<Eigen::Vector3f, 3>& corners);
   float distance(std::size_t k) const { return triangles_[k].plane.distance(); }
@@ -34,10 +37,13 @@ class VisibleParts {
   };
 
   static bool may_hide(const Occluder& occluder, const Occluder& other, bool is_earlier);
+  bool misses(const Occluder& occluder, const Piece& piece) const;
   void subtract(const Occluder& occluder);
+  void sort_by_distance();
   Piece split(Piece piece, const Eigen::Vector3f& normal, float offset);
 
   std::vector<Occluder> triangles_;
+  std::vector<std::size_t> order_;  ///< by distance
   // Of view(): what is left of the triangle
   std::vector<Eigen::Vector3f> points_, below_;
   std::vector<Piece> pieces_, remaining_;

@@ -10,6 +10,7 @@
 
 #include "core/assert.h"
 #include "fluid/pressure/contact_bounds.h"
+#include "fluid/pressure/image_pairs.h"
 #include "fluid/pressure/pressure_loop.h"
 #include "fluid/pressure/pressure_model.h"
 #include "fluid/pressure/wall_response.h"
@@ -136,6 +137,7 @@ void Dfsph::explicit_terms(StepState& state) {
   start_rate_.resize(state.size());
   run_explicit_sums(state, Sums(fluid_.sums(state.dt), *this, state.dt), true);
   add_wall_density(state);
+  add_image_gradients(state, gradient_);
 }
 
 void Dfsph::pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) {

@@ -12,9 +12,11 @@
 
 namespace oilskin::fluid {
 
-/// Adds f_ij Δ_ij (B.32) to the stored gradients of the pairs at walls, three per pair in blocks of four
-/// pairs.
-void add_image_gradients(StepState& state);
+/// Adds f_ij (B.32) to the stored slopes w'/q of the pairs at walls.
+void add_image_slopes(StepState& state);
+/// Adds f_ij Δ_ij to the stored gradients of the pairs at walls, three per pair in blocks of four pairs, and
+/// what that changes of Σ w'/q Δ and Σ |w'|² to the particles' `sums`.
+void add_image_gradients(StepState& state, std::vector<Record>& sums);
 /// Adds also f_ij Δ_ij ⊗ Δ_ij to the moments from which gradients are corrected; `scale` is D.
 void add_image_gradients(StepState& state, GradientCorrection& correction, float scale);
 

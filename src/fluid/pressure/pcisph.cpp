@@ -1,6 +1,7 @@
 /// Predictive–corrective incompressible SPH [Solenthaler2009] with the cubic spline.
 #include "core/assert.h"
 #include "fluid/pressure/contact_bounds.h"
+#include "fluid/pressure/image_pairs.h"
 #include "fluid/pressure/pressure_loop.h"
 #include "fluid/pressure/pressure_model.h"
 #include "fluid/pressure/wall_response.h"
@@ -47,6 +48,7 @@ void Pcisph::explicit_terms(StepState& state) {
   const FluidSettings& s = fluid_.settings;
   run_explicit_sums(state, fluid_.sums(state.dt), s.viscosity > 0 || s.xsph_rate > 0);
   add_wall_density(state);
+  add_image_slopes(state);
 }
 
 void Pcisph::pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) {

@@ -1,6 +1,8 @@
 /// Predictive–corrective incompressible SPH [Solenthaler2009] with the cubic spline. The loop finds the
 /// pressures that keep the velocities of the step from compressing the fluid; what error the density has is
 /// corrected by positions alone (density_shift.h).
+#include <limits>
+
 #include "core/assert.h"
 #include "fluid/pressure/contact_bounds.h"
 #include "fluid/pressure/density_shift.h"
@@ -29,7 +31,7 @@ class PcisphSplit : public PressureModel {
   explicit PcisphSplit(const FluidSettings& settings)
       : fluid_(settings),
         loop_(fluid_.max_relaxation, settings.max_iterations),
-        walls_(fluid_),
+        walls_(fluid_, std::numeric_limits<float>::infinity()),
         shift_(fluid_) {}
 
   double particle_volume() const override { return fluid_.settled_volume; }
@@ -63,7 +65,7 @@ void PcisphSplit::explicit_terms(StepState& state) {
   state.gradient.resize(state.size());
   run_explicit_sums(state, Sums(fluid_.sums(state.dt), state.gradient), true);
   add_wall_density(state);
-  add_image_gradients(state);
+  add_image_gradients(state, state.gradient);
 }
 
 void PcisphSplit::pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) {

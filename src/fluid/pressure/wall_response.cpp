@@ -1,5 +1,8 @@
 #include "fluid/pressure/wall_response.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "core/assert.h"
 #include "fluid/pressure/contact_bounds.h"
 
@@ -52,7 +55,10 @@ void WallResponse::constrain_at(const StepState& state, std::uint32_t k, float p
   keep_side(contacts, dt_over_h, displacement);
   const float approach = static_cast<float>(dt_over_h) * state.boundary.normal_flux()[k] -
                          point.gamma.dot(displacement.cast<float>());
-  density_[k] = point.lambda + approach;
+  const float density = point.lambda + approach;
+  density_[k] = max_density_ < std::numeric_limits<float>::infinity()
+                    ? std::clamp(density, 0.0f, max_density_)
+                    : density;
 }
 
 const std::vector<float>& WallResponse::solve(StepState& state) {

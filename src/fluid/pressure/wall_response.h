@@ -20,7 +20,9 @@ struct Pressures {
 
 class WallResponse {
  public:
-  explicit WallResponse(const IncompressibleFluid& fluid) : fluid_(fluid) {}
+  /// `max_density` limits λ* of (B.17); infinity leaves it linear.
+  explicit WallResponse(const IncompressibleFluid& fluid, float max_density = 1)
+      : fluid_(fluid), max_density_(max_density) {}
 
   void begin_step(const StepState& state);
 
@@ -62,6 +64,7 @@ class WallResponse {
   double rebound_limit(const StepState& state, std::size_t point, const WallLoad<double>& load) const;
 
   const IncompressibleFluid& fluid_;
+  const float max_density_;
   float phi_per_depth_ = 0;  // φ_g of (B.16): hydrostatic, per H of depth
   // Per point of the boundary
   std::vector<float> theta_;    // [m/s] (B.11)
