@@ -34,7 +34,7 @@ class ContactPass {
   void set_start_velocity(Span<const Vec3> velocity) { context_.start_velocity = velocity; }
   /// Boundary terms have acted: what they gave to the particles, ordered by particle, and per particle what
   /// the last interval left for friction, which solve() replaces.
-  void set_wall_impulses(Span<const WallImpulse> impulses, Span<Vec3> spare_load) {
+  void set_wall_impulses(Span<const fluid::WallImpulse> impulses, Span<Vec3> spare_load) {
     context_.boundary_terms = true;
     context_.wall_impulses = impulses;
     context_.spare_load = spare_load;

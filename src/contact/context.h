@@ -20,9 +20,9 @@ struct Context {
   Span<SurfaceMotion* const> surfaces;
   Span<SurfaceGeometry* const> geometry;  // one per surface
   Span<const Vec3> start_velocity;        // of the particles, before this interval's forces; empty = unknown
-  Span<const WallImpulse> wall_impulses;  // ordered by particle
-  Span<Vec3> spare_load;                  // per particle: in and out, with boundary terms (B.35)
-  bool boundary_terms = false;            // walls act on the particles by pressure, too
+  Span<const fluid::WallImpulse> wall_impulses;  // ordered by particle
+  Span<Vec3> spare_load;                         // per particle: in and out, with boundary terms (B.35)
+  bool boundary_terms = false;                   // walls act on the particles by pressure, too
 
   // State. A stamp is the epoch in which an end position last changed; a pair is tested again if a stamp of
   // its points is younger than its last test.

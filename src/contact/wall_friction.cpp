@@ -7,6 +7,8 @@
 
 namespace oilskin::contact {
 
+using fluid::WallImpulse;
+
 namespace {
 
 /// Walls of one side of a surface whose normals deviate by less than 60° are one wall.

@@ -141,7 +141,7 @@ void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
   state.previous_dt = dt;
 }
 
-Span<const contact::WallImpulse> FluidSolver::wall_impulses() const {
+Span<const WallImpulse> FluidSolver::wall_impulses() const {
   return impl_->state.boundary.wall_impulses();
 }
 

@@ -55,7 +55,7 @@ class FluidSolver {
                Span<Vec3> velocity, Span<Vec3> shift, FluidReport& report, StageSeconds& seconds);
 
   /// What boundary terms gave to particles at walls with friction in the last propose(), ordered by particle.
-  Span<const contact::WallImpulse> wall_impulses() const;
+  Span<const WallImpulse> wall_impulses() const;
 
   /// For a step that may fail: checkpoint() copies what is kept from step to step, roll_back() restores it.
   void checkpoint();

@@ -51,7 +51,7 @@ void ContactReport::add(const ContactReport& o) {
 FluidReport worst_of(const FluidReport& a, const FluidReport& b) {
   FluidReport worst;
   worst.iterations = a.iterations + b.iterations;
-  worst.shift_iterations = a.shift_iterations + b.shift_iterations;
+  worst.divergence_iterations = a.divergence_iterations + b.divergence_iterations;
   worst.density_error_mean = std::max(a.density_error_mean, b.density_error_mean);
   worst.density_error_max = std::max(a.density_error_max, b.density_error_max);
   worst.converged = a.converged && b.converged;

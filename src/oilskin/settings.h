@@ -37,10 +37,9 @@ struct FluidSettings {
   double support_ratio = 2;
   /// The pressure solver.
   PressureSolver solver = PressureSolver::pcisph;
-  /// PCISPH, DFSPH: the mean density error, relative, that the position correction leaves, ≥ 0.
+  /// PCISPH, DFSPH: the mean positive density error, relative, at which the iterations end, ≥ 0.
   double tolerance = 1e-3;
-  /// The mean compression per step, relative, ≥ 0. With boundary terms the pressure iterations end at a tenth
-  /// of it; with contact alone DFSPH's divergence iterations end at it.
+  /// DFSPH: the mean compression beyond ρ0 per step, relative, at which the divergence iterations end, ≥ 0.
   double divergence_tolerance = 1e-3;
   /// PCISPH, DFSPH: ≥ 1.
   int min_iterations = 3;
@@ -65,7 +64,8 @@ struct FluidSettings {
   /// The largest displacement within a fluid sub-step, in spacings, > 0.
   double cfl = 0.4;
   /// The largest number of fluid sub-steps of a step, 1 … 1000; each is an interval with its own certificate.
-  /// Displacements (cfl), viscosity and the speed of sound (mcg03) ask for them.
+  /// Displacements (cfl), viscosity, the speed of sound (mcg03) and, with boundary terms, water at rest ask
+  /// for them.
   int max_substeps = 1;
   /// The fluid touches surfaces whose collision_mask has a bit of this group …
   std::uint32_t collision_group = 1;

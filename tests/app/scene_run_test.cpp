@@ -1,6 +1,7 @@
 // The shipped scenes: shortened in the default suite, whole in the slow one.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <iomanip>
 #include <sstream>
 
@@ -36,12 +37,20 @@ nlohmann::json short_report(const Short& run, std::vector<std::string> more) {
   return report_of(run.scene, run.duration, more);
 }
 
+/// Of the water on all surfaces [N s]. With boundary terms water may lie on walls without a contact.
+double impulse_on_surfaces(const nlohmann::json& report) {
+  double impulse = 0;
+  for (const char* nodes : {"to_free_nodes", "to_prescribed_nodes"})
+    for (const auto& component : report["momentum"][nodes]) impulse += std::abs(component.get<double>());
+  return impulse;
+}
+
 class ShortRun : public testing::TestWithParam<Short> {};
 
 TEST_P(ShortRun, keeps_the_promise_and_the_ledgers) {
   const auto report = short_report(GetParam(), {});
   EXPECT_EQ(report["contact"]["crossings_found_by_verify"], 0);
-  EXPECT_GT(report["contact"]["contacts"].get<int>(), 0) << "nothing touched anything: the run is too short";
+  EXPECT_GT(impulse_on_surfaces(report), 0) << "nothing touched anything: the run is too short";
   EXPECT_EQ(report["acceptance"].size(), 8u);
 }
 

@@ -54,7 +54,7 @@ int run(int n, int threads, int steps, PressureSolver solver) {
   if (Status status = world.add_particles(x, v); !status.ok()) return 2;
 
   StageSeconds seconds;
-  double wall = 0, iterations = 0, shift_iterations = 0, error_sum = 0, error_max = 0;
+  double wall = 0, iterations = 0, divergence_iterations = 0, error_sum = 0, error_max = 0;
   int counted = 0;
   for (int k = 0; k < steps; ++k) {
     const auto begin = std::chrono::steady_clock::now();
@@ -66,7 +66,7 @@ int run(int n, int threads, int steps, PressureSolver solver) {
     wall += elapsed;
     seconds += r.seconds;
     iterations += r.fluid.iterations;
-    shift_iterations += r.fluid.shift_iterations;
+    divergence_iterations += r.fluid.divergence_iterations;
     double sum = 0;
     for (double density : world.densities()) {
       const double e = std::max(0.0, density / fluid.rest_density - 1);
@@ -85,7 +85,8 @@ int run(int n, int threads, int steps, PressureSolver solver) {
       wall * ms, (seconds.neighbours + seconds.pressure + seconds.other_fluid) * ms, seconds.neighbours * ms,
       seconds.pressure * ms, seconds.other_fluid * ms, contact * ms);
   std::printf("  %.2f iterations per step, %.2f of divergence; density error mean %.4f %%, max %.2f %%\n",
-              iterations / counted, shift_iterations / counted, 100 * error_sum / counted, 100 * error_max);
+              iterations / counted, divergence_iterations / counted, 100 * error_sum / counted,
+              100 * error_max);
   std::printf("  %.3g particle·steps/s\n", static_cast<double>(world.particle_count()) * counted / wall);
   return 0;
 }

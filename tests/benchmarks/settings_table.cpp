@@ -82,7 +82,7 @@ class Row {
     const StepReport& r = simulation_->step(plan_.next(time.value(), suggested));
     if (!r.status.ok()) throw std::runtime_error(std::string(name_) + ": " + r.status.message);
     totals_.add(r);
-    shift_iterations_ += static_cast<std::uint64_t>(r.fluid.shift_iterations);
+    divergence_iterations_ += static_cast<std::uint64_t>(r.fluid.divergence_iterations);
     measure_density(world);
     std::uint64_t fast_now = 0;
     for (const Vec3& v : world.velocities()) fast_now += v.squaredNorm() > fast * fast;
@@ -101,7 +101,7 @@ class Row {
         name_, sum, s.neighbours, s.occlusion, s.boundary, s.pressure, s.other_fluid, contact,
         substeps / static_cast<double>(totals_.steps),
         static_cast<double>(totals_.pressure_iterations) / substeps,
-        static_cast<double>(shift_iterations_) / substeps,
+        static_cast<double>(divergence_iterations_) / substeps,
         100 * density_error_sum_ / static_cast<double>(totals_.steps), 100 * density_error_max_,
         static_cast<unsigned long long>(max_fast_),
         static_cast<unsigned long long>(totals_.contact.crossings_found_by_verify),
@@ -125,7 +125,7 @@ class Row {
   StepPlan plan_;
   std::unique_ptr<Simulation> simulation_;
   Totals totals_;
-  std::uint64_t shift_iterations_ = 0, max_fast_ = 0;
+  std::uint64_t divergence_iterations_ = 0, max_fast_ = 0;
   double density_error_sum_ = 0, density_error_max_ = 0;
 };
 

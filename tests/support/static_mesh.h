@@ -48,4 +48,17 @@ class StaticMesh : public SurfaceHost {
   void scatter(SurfaceMotion&) override {}
 };
 
+/// A sheet that slides along x at a constant speed.
+class SlidingMesh : public StaticMesh {
+ public:
+  double speed = 0;  ///< [m/s]
+
+  Gathered gather(double dt, SurfaceMotion& m) override {
+    for (Vec3& x : nodes) x.x() += dt * speed;
+    const Gathered gathered = StaticMesh::gather(dt, m);
+    m.velocity.assign(nodes.size(), Vec3(speed, 0, 0));
+    return gathered;
+  }
+};
+
 }  // namespace oilskin::test

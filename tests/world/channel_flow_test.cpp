@@ -18,19 +18,6 @@
 namespace oilskin {
 namespace {
 
-/// A sheet that slides along x at a constant speed.
-class SlidingMesh : public test::StaticMesh {
- public:
-  double speed = 0;
-
-  Gathered gather(double dt, SurfaceMotion& m) override {
-    for (Vec3& x : nodes) x.x() += dt * speed;
-    const Gathered gathered = StaticMesh::gather(dt, m);
-    m.velocity.assign(nodes.size(), Vec3(speed, 0, 0));
-    return gathered;
-  }
-};
-
 struct Channel {
   int across = 10;  // particles
   PressureSolver solver = PressureSolver::pcisph;
@@ -181,7 +168,7 @@ class ChannelFlow {
   Channel channel_;
   double dx_, dt_, force_, momentum_before_ = 0;
   World world_;
-  SlidingMesh bottom_, top_;
+  test::SlidingMesh bottom_, top_;
   test::StaticMesh sides_;
   SurfaceId sheet_[2];
 };

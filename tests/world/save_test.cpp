@@ -65,7 +65,7 @@ Ending go_on(BusyScene<Scalar>& scene, int first = saved_after, int steps = step
     e.blocked += r.blocked_starts;
     e.stalled += r.contact.stalled;
     e.held += r.contact.held;
-    e.iterations += static_cast<std::uint64_t>(r.fluid.iterations + r.fluid.shift_iterations);
+    e.iterations += static_cast<std::uint64_t>(r.fluid.iterations + r.fluid.divergence_iterations);
     e.most_substeps = std::max(e.most_substeps, r.substeps);
   }
   scene.world.set_observer(nullptr);

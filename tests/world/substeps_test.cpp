@@ -181,14 +181,14 @@ TEST(Substeps, the_host_gets_the_impulses_of_all_of_them) {
 TEST(Substeps, reports_add_up) {
   FluidReport a, b;
   a.iterations = 3, b.iterations = 4;
-  a.shift_iterations = 2, b.shift_iterations = 6;
+  a.divergence_iterations = 2, b.divergence_iterations = 6;
   a.density_error_mean = 0.2, b.density_error_mean = 0.1;
   a.density_error_max = 0.3, b.density_error_max = 0.5;
   a.converged = false;
   b.diverged = true;
   const FluidReport both = worst_of(a, b);
   EXPECT_EQ(both.iterations, 7);
-  EXPECT_EQ(both.shift_iterations, 8);
+  EXPECT_EQ(both.divergence_iterations, 8);
   EXPECT_EQ(both.density_error_mean, 0.2);
   EXPECT_EQ(both.density_error_max, 0.5);
   EXPECT_FALSE(both.converged);

@@ -33,17 +33,6 @@ struct Block {
   PressureSolver solver = PressureSolver::pcisph;
 };
 
-class Belt : public test::StaticMesh {
- public:
-  double speed = 0;
-  Gathered gather(double dt, SurfaceMotion& m) override {
-    for (Vec3& x : nodes) x.x() += dt * speed;
-    const Gathered gathered = StaticMesh::gather(dt, m);
-    m.velocity.assign(nodes.size(), Vec3(speed, 0, 0));
-    return gathered;
-  }
-};
-
 /// Water on a plane, between free-slip sides. Gravity has the angle, so the plane is y = 0.
 class OnPlane {
  public:
@@ -113,7 +102,7 @@ class OnPlane {
   }
 
   Block block_;
-  Belt floor_;
+  test::SlidingMesh floor_;
   test::StaticMesh sides_;
   World world_;
   Vec3 on_floor_ = Vec3::Zero();

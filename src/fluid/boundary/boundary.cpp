@@ -79,7 +79,7 @@ void Boundary::record_wall_impulses(const std::vector<WallLoad<double>>& load) {
   for (const Wall& wall : geometry_.walls()) {
     const double theta = load[wall.point].on(wall.depth);
     if (!has_dry_friction(*surfaces_[wall.surface])) continue;
-    contact::WallImpulse w;
+    WallImpulse w;
     w.particle = points()[wall.point].particle;
     w.surface = wall.surface;
     w.triangle = wall.triangle;

@@ -38,7 +38,7 @@ class Boundary {
   void apply_load(const std::vector<WallLoad<double>>& load, std::vector<Vec3>& dv, const Workers& workers);
 
   /// What the last apply_load() gave to particles at walls with friction, ordered by particle.
-  const std::vector<contact::WallImpulse>& wall_impulses() const { return wall_impulses_; }
+  const std::vector<WallImpulse>& wall_impulses() const { return wall_impulses_; }
 
   /// What is kept from step to step.
   LoadMemory& memory() { return memory_; }
@@ -53,7 +53,7 @@ class Boundary {
   LoadMemory memory_;
   double mass_ = 0;  // of a particle [kg]
   std::vector<SurfaceMotion*> surfaces_;
-  std::vector<contact::WallImpulse> wall_impulses_;
+  std::vector<WallImpulse> wall_impulses_;
 };
 
 }  // namespace oilskin::fluid

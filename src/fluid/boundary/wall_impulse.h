@@ -6,7 +6,7 @@
 
 #include "oilskin/types.h"
 
-namespace oilskin::contact {
+namespace oilskin::fluid {
 
 /// What one triangle gave to one particle that is near it. The nodes already have the opposite impulse.
 struct WallImpulse {
@@ -18,4 +18,4 @@ struct WallImpulse {
   double impulse = 0;               ///< along the normal, ≥ 0 [N s]
 };
 
-}  // namespace oilskin::contact
+}  // namespace oilskin::fluid

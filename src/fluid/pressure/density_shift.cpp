@@ -47,7 +47,7 @@ void DensityShift::find(StepState& state, FluidReport& report) {
       break;
     }
   }
-  report.shift_iterations = k;
+  report.divergence_iterations = k;
   report.density_error_mean = errors.mean(errors.sum);
   report.density_error_max = errors.largest;
   limit(state);

@@ -11,6 +11,8 @@
 #include "core/assert.h"
 #include "fluid/pressure/contact_bounds.h"
 #include "fluid/pressure/image_pairs.h"
+#include "fluid/pressure/momentum.h"
+#include "fluid/pressure/pair_gradients.h"
 #include "fluid/pressure/pressure_loop.h"
 #include "fluid/pressure/pressure_model.h"
 #include "fluid/pressure/wall_response.h"
@@ -23,23 +25,13 @@ namespace {
 /// Sec. 3.3].
 constexpr float min_neighbours = 20;
 
-/// Lower bound of 1/α relative to that of the lattice (F.30). Smaller values belong to isolated particles and
-/// to particles that nearly coincide: no pressure separates the latter, and without the bound theirs reaches
-/// 1e12 Pa and accelerates everything near them.
-constexpr float min_response = 0.1f;
-
-/// β of the ultraspherical polynomials (F.34).
-constexpr float polynomial_order = 2.5;
-
 /// Sums over pairs from which a particle's α and rate of compression follow.
 struct Rates {
-  F4 gx, gy, gz, squares, compression;
+  GradientRates gradient;
+  F4 compression;
 
   void add(const Pairs& pairs, F4 slope, F4 dv_dot_delta) {
-    gx += slope * pairs.dx;
-    gy += slope * pairs.dy;
-    gz += slope * pairs.dz;
-    squares += slope * slope * pairs.q2;
+    gradient.add(pairs, slope, dv_dot_delta);
     compression += slope * dv_dot_delta;
   }
 };
@@ -69,7 +61,6 @@ class Dfsph : public PressureModel {
   enum class Solver { divergence, density };
 
   void begin_step(const StepState& state);
-  float response(const StepState& state, std::size_t i) const;
   void set_steps(const StepState& state);
   bool has_neighbours(const StepState& state, std::size_t i) const;
   void solve_divergence(StepState& state, FluidReport& report);
@@ -84,12 +75,7 @@ class Dfsph : public PressureModel {
   template <class ErrorOf>
   Errors correct(StepState& state, const ErrorOf& error_of);
   void displace(StepState& state);
-  template <class Sum>
-  Vec3 pair_displacement(const StepState& state, std::size_t i) const;
   float compression(const StepState& state, std::size_t i) const;
-  static const float* gradients(const StepState& state, std::size_t i) {
-    return state.slope[i / Neighbours::chunk_size].data() + 3 * state.neighbours.pair_begin(i);
-  }
 
   const IncompressibleFluid fluid_;
   PressureLoop loop_;  // of both solvers: they share ω
@@ -121,13 +107,9 @@ struct Dfsph::Sums : IncompressibleSums {
         out(model),
         rate_scale(density_scale * static_cast<float>(dt / model.fluid_.support_radius)) {}
 
-  static void store_pair(float* at, const Pairs& pairs, F4 slope) {
-    store(at, slope * pairs.dx);
-    store(at + 4, slope * pairs.dy);
-    store(at + 8, slope * pairs.dz);
-  }
+  static void store_pair(float* at, const Pairs& pairs, F4 slope) { store_gradients(at, pairs, slope); }
   void keep(const fluid::Rates& r, std::size_t i) const {
-    out.gradient_[i] = {total(r.gx), total(r.gy), total(r.gz), total(r.squares)};
+    out.gradient_[i] = r.gradient.sum();
     out.start_rate_[i] = rate_scale * total(r.compression);
   }
 };
@@ -163,26 +145,15 @@ void Dfsph::begin_step(const StepState& state) {
   displacement_[n] = Record{0, 0, 0, 0};
 }
 
-/// 1/α (F.28), [Bender2015] Eq. 8 in our units: by how much the density of particle i falls per φ_i. The
-/// image of a particle behind a wall has its pressure.
-float Dfsph::response(const StepState& state, std::size_t i) const {
-  const Record& g = gradient_[i];
-  const Eigen::Vector3f pull = fluid_.density_scale * Eigen::Vector3f(g.x, g.y, g.z);
-  const float of_neighbours = fluid_.density_scale * g.w;
-  const std::uint32_t k = WallResponse::point_of(state, i);
-  if (k == Boundary::none) return of_neighbours + fluid_.wall_scale * pull.squaredNorm();
-  const Eigen::Vector3f& gamma = state.boundary.points()[k].gamma;
-  return of_neighbours + fluid_.wall_scale * (pull - gamma).squaredNorm();
-}
-
-/// τ_i (F.30). Neighbours correct the same compression at the same time, so a step is half of α, as PCISPH's
-/// τ is; where the fluid is compressed there are more of them.
+/// τ_i (F.30).
 void Dfsph::set_steps(const StepState& state) {
-  const float minimum = min_response / static_cast<float>(2 * fluid_.stiffness);
+  const float scale = fluid_.density_scale;
   state.for_each([&](std::size_t i) {
-    const float compressed = std::max(1.0f, state.relative_density[i]);
-    OILSKIN_ASSERT(compressed < std::numeric_limits<float>::infinity());
-    step_[i] = 0.5f / (std::max(response(state, i), minimum * compressed) * compressed);
+    OILSKIN_ASSERT(std::max(1.0f, state.relative_density[i]) < std::numeric_limits<float>::infinity());
+    const Record& g = gradient_[i];
+    const float response =
+        density_response(fluid_, state, i, scale * Eigen::Vector3f(g.x, g.y, g.z), scale * g.w);
+    step_[i] = density_step(fluid_, state.relative_density[i], response);
   });
 }
 
@@ -203,7 +174,7 @@ void Dfsph::solve_divergence(StepState& state, FluidReport& report) {
   const double tolerance = fluid_.settings.divergence_tolerance;
   if (!(at_start.mean(at_start.sum) > tolerance)) return;
   iterate(state, Solver::divergence, {tolerance, 1, {}});
-  report.shift_iterations = loop_.iterations();
+  report.divergence_iterations = loop_.iterations();
   report.diverged = loop_.diverged();
   std::copy(phi_.begin(), phi_.end() - 1, min_phi_.begin());
 }
@@ -252,7 +223,7 @@ float Dfsph::density_error(const StepState& state, std::size_t i, Errors& errors
 void Dfsph::finish(StepState& state, std::vector<double>& pressure) {
   const double to_velocity = fluid_.support_radius / state.dt, scale = fluid_.phi_per_pascal(state.dt);
   state.for_each([&](std::size_t i) {
-    state.dv[i] += to_velocity * pair_displacement<Sum4>(state, i);
+    state.dv[i] += to_velocity * pair_displacement<Sum4>(state, phi_, i);
     pressure[i] = static_cast<double>(phi_[i]) / scale;
   });
   walls_.apply(state, phi_);
@@ -277,17 +248,13 @@ void Dfsph::iterate(StepState& state, Solver solver, const LoopGoal& goal) {
   } while (!verdict.stop);
 }
 
-/// φ ← max(φ_min, φ + ω τ error) with a momentum (F.34), the ν-methods of [Hanke1991]: the residual after k
-/// corrections is the k-th ultraspherical polynomial in place of the k-th power of Jacobi's iteration matrix,
-/// and a column of N layers takes in the order of N corrections instead of N². From the second correction on
-/// the residual of no mode is below −1/6. With a warm start of one half, solves that overshoot by more than
-/// 0.2 make the pressure oscillate from step to step. The clamp belongs inside the loop, or free surfaces
-/// contract. error_of(i, errors) returns the error that the pressure of i should remove, and adds it to
-/// `errors`.
+/// φ ← max(φ_min, φ + ω τ error) with a momentum (F.34). With a warm start of one half, solves that overshoot
+/// by more than 0.2 make the pressure oscillate from step to step. The clamp belongs inside the loop, or free
+/// surfaces contract. error_of(i, errors) returns the error that the pressure of i should remove, and adds it
+/// to `errors`.
 template <class ErrorOf>
 Errors Dfsph::correct(StepState& state, const ErrorOf& error_of) {
-  const float k = static_cast<float>(corrections_++), a = polynomial_order;
-  const float weight = 2 * (k + a) / (k + 2 * a), momentum = weight - 1;
+  const float weight = Momentum(corrections_++).weight, momentum = weight - 1;
   const float relaxation = weight * static_cast<float>(loop_.relaxation());
   const auto add = [&](std::size_t i, float correction) {
     const float change = relaxation * correction + momentum * (phi_[i] - previous_phi_[i]);
@@ -318,41 +285,16 @@ void Dfsph::displace(StepState& state) {
   state.for_chunks([&](std::size_t begin, std::size_t end) {
     ContactCursor contacts(state.contacts, begin);
     for (std::size_t i = begin; i < end; ++i) {
-      Vec3 d = drift_[i] + pair_displacement<F4>(state, i);
+      Vec3 d = drift_[i] + pair_displacement<F4>(state, phi_, i);
       walls_.constrain(state, i, phi_[i], contacts.of(i), d);
-      displacement_[i] = {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2]), 0};
+      displacement_[i] = to_record(d);
     }
   });
 }
 
-/// −Σ_j (φ_i + φ_j) w'/q Δ. `Sum` is F4 inside iterations and Sum4 (double) for what is applied.
-template <class Sum>
-Vec3 Dfsph::pair_displacement(const StepState& state, std::size_t i) const {
-  const std::uint32_t* j = state.neighbours.list(i);
-  const float* gradient = gradients(state, i);
-  const F4 own(phi_[i]);
-  Sum sx, sy, sz;
-  for (std::uint32_t b = state.neighbours.blocks(i); b > 0; --b, j += 4, gradient += 12) {
-    const F4 both = own + gather(phi_.data(), j);
-    sx += both * load(gradient);
-    sy += both * load(gradient + 4);
-    sz += both * load(gradient + 8);
-  }
-  return -total(sx, sy, sz);
-}
-
 /// div_i (F.29): dt Dρ/Dt/ρ0 at the current displacements.
 float Dfsph::compression(const StepState& state, std::size_t i) const {
-  const std::uint32_t* j = state.neighbours.list(i);
-  const float* gradient = gradients(state, i);
-  const Record& u = displacement_[i];
-  F4 sum;
-  for (std::uint32_t b = state.neighbours.blocks(i); b > 0; --b, j += 4, gradient += 12) {
-    const Record4 v(displacement_.data(), j);
-    sum += (F4(u.x) - v.x) * load(gradient) + (F4(u.y) - v.y) * load(gradient + 4) +
-           (F4(u.z) - v.z) * load(gradient + 8);
-  }
-  const float of_fluid = fluid_.density_scale * total(sum);
+  const float of_fluid = fluid_.density_scale * pair_compression(state, displacement_, i);
   const std::uint32_t k = WallResponse::point_of(state, i);
   if (k == Boundary::none) return of_fluid;
   return of_fluid + walls_.density(k) - state.boundary.points()[k].lambda;

@@ -35,7 +35,7 @@ class DfsphSplit : public PressureModel {
   explicit DfsphSplit(const FluidSettings& settings)
       : fluid_(settings),
         loop_(fluid_.max_relaxation, settings.max_iterations),
-        walls_(fluid_, std::numeric_limits<float>::infinity()),
+        walls_(fluid_, true),
         shift_(fluid_) {}
 
   double particle_volume() const override { return fluid_.settled_volume; }

@@ -2,6 +2,7 @@
 #include "core/assert.h"
 #include "fluid/pressure/contact_bounds.h"
 #include "fluid/pressure/image_pairs.h"
+#include "fluid/pressure/momentum.h"
 #include "fluid/pressure/pressure_loop.h"
 #include "fluid/pressure/pressure_model.h"
 #include "fluid/pressure/wall_response.h"
@@ -11,9 +12,6 @@ namespace oilskin::fluid {
 namespace {
 
 using Kernel = CubicSpline;
-
-/// |γ|² of one plane half a spacing away at H = 2 dx.
-constexpr float plane_gamma2 = 4;
 
 class Pcisph : public PressureModel {
  public:
@@ -32,7 +30,6 @@ class Pcisph : public PressureModel {
   void iterate(StepState& state);
   void predict_positions(StepState& state);
   Errors correct(StepState& state);
-  float step_at_walls(const WallPoint& point, float step) const;
   void correct_at_walls(StepState& state);
 
   const IncompressibleFluid fluid_;
@@ -103,12 +100,6 @@ void Pcisph::predict_positions(StepState& state) {
   });
 }
 
-/// The response of a corner of walls exceeds that of the lattice for which τ was made (B.22).
-float Pcisph::step_at_walls(const WallPoint& point, float step) const {
-  const float corner = std::max(0.0f, point.gamma.squaredNorm() - plane_gamma2);
-  return step / (1 + step * fluid_.wall_scale * corner);
-}
-
 /// φ ← max(0, φ + ω τ_i (e_i − ē_i)) (F.27). The clamp belongs inside the loop, or free surfaces contract.
 Errors Pcisph::correct(StepState& state) {
   const float step = static_cast<float>(loop_.relaxation() * fluid_.stiffness);
@@ -127,8 +118,8 @@ Errors Pcisph::correct(StepState& state) {
       if (k == Boundary::none)
         phi = std::max(0.0f, phi + own_step * error);
       else
-        walls_.collect(k, phi > 0 || error > 0 ? step_at_walls(state.boundary.points()[k], own_step) : 0,
-                       error);
+        walls_.collect(
+            k, phi > 0 || error > 0 ? step_at_walls(fluid_, state.boundary.points()[k], own_step) : 0, error);
       errors.add(static_cast<double>(density) - 1, static_cast<double>(target_[i]),
                  fluid_.settings.tolerance);
     }

@@ -1,7 +1,6 @@
 /// Predictive–corrective incompressible SPH [Solenthaler2009] with the cubic spline. The loop finds the
 /// pressures that keep the velocities of the step from compressing the fluid; what error the density has is
 /// corrected by positions alone (density_shift.h).
-#include <limits>
 
 #include "core/assert.h"
 #include "fluid/pressure/contact_bounds.h"
@@ -31,7 +30,7 @@ class PcisphSplit : public PressureModel {
   explicit PcisphSplit(const FluidSettings& settings)
       : fluid_(settings),
         loop_(fluid_.max_relaxation, settings.max_iterations),
-        walls_(fluid_, std::numeric_limits<float>::infinity()),
+        walls_(fluid_, true),
         shift_(fluid_) {}
 
   double particle_volume() const override { return fluid_.settled_volume; }

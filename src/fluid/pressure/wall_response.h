@@ -20,9 +20,9 @@ struct Pressures {
 
 class WallResponse {
  public:
-  /// `max_density` limits λ* of (B.17); infinity leaves it linear.
-  explicit WallResponse(const IncompressibleFluid& fluid, float max_density = 1)
-      : fluid_(fluid), max_density_(max_density) {}
+  /// `is_linear`: λ* of (B.17) is not limited to 0 … 1.
+  explicit WallResponse(const IncompressibleFluid& fluid, bool is_linear = false)
+      : fluid_(fluid), is_linear_(is_linear) {}
 
   void begin_step(const StepState& state);
 
@@ -64,7 +64,7 @@ class WallResponse {
   double rebound_limit(const StepState& state, std::size_t point, const WallLoad<double>& load) const;
 
   const IncompressibleFluid& fluid_;
-  const float max_density_;
+  const bool is_linear_;
   float phi_per_depth_ = 0;  // φ_g of (B.16): hydrostatic, per H of depth
   // Per point of the boundary
   std::vector<float> theta_;    // [m/s] (B.11)
