@@ -24,18 +24,13 @@ bool is_identity(const std::vector<std::uint32_t>& order) {
 }
 
 std::unique_ptr<PressureModel> make_model(const FluidSettings& s) {
-#ifdef OILSKIN_SPLIT_PRESSURE
-  const bool is_split = s.boundary == BoundaryModel::mirrored;
-#else
-  const bool is_split = false;
-#endif
   switch (s.solver) {
     case PressureSolver::mcg03:
       return make_mcg03(s);
     case PressureSolver::pcisph:
-      return is_split ? make_pcisph_split(s) : make_pcisph(s);
+      return make_pcisph(s);
     case PressureSolver::dfsph:
-      return is_split ? make_dfsph_split(s) : make_dfsph(s);
+      return make_dfsph(s);
   }
   return nullptr;
 }
@@ -47,7 +42,7 @@ struct FluidSolver::Impl {
       : settings(s), workers(std::move(w)), state(*workers, s.support_ratio), model(make_model(s)) {}
 
   void load(const Particles& particles);
-  void finish(Particles& particles, Span<Vec3> velocity, Span<Vec3> shift);
+  void finish(Particles& particles, Span<Vec3> velocity);
 
   const FluidSettings settings;
   std::shared_ptr<Workers> workers;
@@ -117,8 +112,8 @@ void FluidSolver::record_load(double dt, Span<SurfaceMotion* const> surfaces) {
 }
 
 void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
-                          Span<const PredictionContact> contacts, Span<Vec3> velocity, Span<Vec3> shift,
-                          FluidReport& report, StageSeconds& seconds) {
+                          Span<const PredictionContact> contacts, Span<Vec3> velocity, FluidReport& report,
+                          StageSeconds& seconds) {
   StepState& state = impl_->state;
   OILSKIN_ASSERT(dt > 0 && particles.size() >= state.size() && velocity.size() == particles.size());
   OILSKIN_ASSERT(sorted_by_particle(contacts));
@@ -137,7 +132,7 @@ void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
     impl_->model->pressure_terms(state, particles.pressure, report);
   }
   const StageTimer timer(seconds.other_fluid);
-  impl_->finish(particles, velocity, shift);
+  impl_->finish(particles, velocity);
   state.previous_dt = dt;
 }
 
@@ -171,7 +166,6 @@ void FluidSolver::Impl::load(const Particles& particles) {
   state.velocity[n] = Record{0, 0, 0, 0};
   state.relative_density.resize(n);
   state.dv.resize(n);
-  state.shift.assign(n, Vec3::Zero());
   state.for_each([&](std::size_t i) {
     const Eigen::Vector3f v = particles.velocity[i].cast<float>();
     state.velocity[i] = {v[0], v[1], v[2], 0};
@@ -180,10 +174,9 @@ void FluidSolver::Impl::load(const Particles& particles) {
   });
 }
 
-void FluidSolver::Impl::finish(Particles& particles, Span<Vec3> velocity, Span<Vec3> shift) {
+void FluidSolver::Impl::finish(Particles& particles, Span<Vec3> velocity) {
   state.for_each([&](std::size_t i) {
     velocity[i] = particles.velocity[i] + state.dv[i];
-    if (!shift.empty()) shift[i] = state.shift[i];
     particles.density[i] = settings.rest_density * static_cast<double>(state.relative_density[i]);
   });
 }

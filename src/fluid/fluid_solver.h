@@ -47,12 +47,11 @@ class FluidSolver {
   /// velocity ← particles.velocity + dt (gravity + viscosity + pressure). Positions do not change. Pair
   /// forces are antisymmetric and summed in double: without boundary terms only gravity changes the fluid's
   /// momentum, up to 1e-12 relative. `contacts` sorted by particle. `velocity` has one value per
-  /// particle; it may be particles.velocity itself. `shift` gets the displacement [m] that corrects the
-  /// density, of positions alone: x_t1 = x_t0 + dt velocity + shift; it may be empty.
+  /// particle; it may be particles.velocity itself.
   ///
   /// Particles that were appended since prepare() take no part, and nothing of them changes.
   void propose(double dt, const Vec3& gravity, Particles& particles, Span<const PredictionContact> contacts,
-               Span<Vec3> velocity, Span<Vec3> shift, FluidReport& report, StageSeconds& seconds);
+               Span<Vec3> velocity, FluidReport& report, StageSeconds& seconds);
 
   /// What boundary terms gave to particles at walls with friction in the last propose(), ordered by particle.
   Span<const WallImpulse> wall_impulses() const;

@@ -19,7 +19,7 @@ inline double support_radius(const FluidSettings& s) {
 /// The largest ν dt [m²] that an interval of dt [s] takes, next to its XSPH (F.74).
 inline double largest_viscous_step(const FluidSettings& s, double dt) {
   const double h = support_radius(s);
-  return viscous_limit * h * h * std::max(0.5, 1 - 0.5 * s.xsph_rate * dt);
+  return viscous_limit * h * h * std::max(0.5, 1 - 0.5 * s.xsph_rate.value_or(0) * dt);
 }
 
 /// ν dt as it is applied: the stable part of it [m²].
@@ -31,7 +31,7 @@ inline double viscous_step(const FluidSettings& s, double dt) {
 inline double longest_viscous_interval(const FluidSettings& s) {
   if (!(s.viscosity > 0)) return std::numeric_limits<double>::infinity();
   const double h = support_radius(s), d = viscous_limit * h * h;
-  return std::max(0.5 * d / s.viscosity, d / (s.viscosity + 0.5 * d * s.xsph_rate));
+  return std::max(0.5 * d / s.viscosity, d / (s.viscosity + 0.5 * d * s.xsph_rate.value_or(0)));
 }
 
 /// The longest interval [s] in which water at rest with boundary terms carries its own weight (F.64), g =

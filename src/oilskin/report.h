@@ -134,8 +134,7 @@ struct ContactReport {
 struct FluidReport {
   /// Iterations of the pressure solver.
   int iterations = 0;
-  /// DFSPH: iterations of its divergence solver. A build with OILSKIN_SPLIT_PRESSURE counts those of the
-  /// position correction here.
+  /// DFSPH: iterations of its divergence solver.
   int divergence_iterations = 0;
   /// The mean of the positive part, relative, over particles whose error exceeds −tolerance.
   double density_error_mean = 0;

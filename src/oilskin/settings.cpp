@@ -36,7 +36,8 @@ Status FluidSettings::validate() const {
     return refuse_value("fluid.max_iterations", max_iterations, "≥ fluid.min_iterations");
   if (!positive(stiffness)) return refuse_value("fluid.stiffness", stiffness, "finite and > 0 m²/s²");
   if (!not_negative(viscosity)) return refuse_value("fluid.viscosity", viscosity, "finite and ≥ 0 m²/s");
-  if (!not_negative(xsph_rate)) return refuse_value("fluid.xsph_rate", xsph_rate, "finite and ≥ 0 1/s");
+  if (!not_negative(xsph_rate.value_or(0)))
+    return refuse_value("fluid.xsph_rate", *xsph_rate, "finite and ≥ 0 1/s");
   if (!not_negative(divergence_tolerance))
     return refuse_value("fluid.divergence_tolerance", divergence_tolerance, "finite and ≥ 0");
   if (!positive(cfl)) return refuse_value("fluid.cfl", cfl, "finite and > 0");
@@ -53,6 +54,10 @@ Status FluidSettings::validate() const {
     return refuse_value("fluid.support_ratio", support_ratio,
                         "1.5 … 2.5 with fluid.boundary mirrored, which has one layer of images");
   return {};
+}
+
+double default_xsph_rate(double spacing, double g) {
+  return 0.2 * std::sqrt(g / spacing);
 }
 
 double default_thickness(double spacing) {

@@ -24,9 +24,11 @@ void visit(Archive& archive, FluidSettings& settings) {
   auto& [spacing, rest_density, support_ratio, solver, tolerance, divergence_tolerance, min_iterations,
          max_iterations, stiffness, viscosity, xsph_rate, contact_aware, occlusion, boundary, cfl,
          max_substeps, collision_group, collision_mask] = settings;
+  double rate = xsph_rate.value_or(0);  // a world has one
   archive.values(spacing, rest_density, support_ratio, solver, tolerance, divergence_tolerance,
-                 min_iterations, max_iterations, stiffness, viscosity, xsph_rate, contact_aware, occlusion,
+                 min_iterations, max_iterations, stiffness, viscosity, rate, contact_aware, occlusion,
                  boundary, cfl, max_substeps, collision_group, collision_mask);
+  xsph_rate = rate;
 }
 
 void visit(Archive& archive, ContactSettings& settings) {

@@ -242,9 +242,8 @@ void World::Impl::predict_contacts(IntervalContext& interval, contact::ContactPa
 void World::Impl::propose_motion(IntervalContext& interval) {
   StepContext& step = interval.step;
   FluidReport found;
-  std::vector<Vec3> shift(interval.velocity.size(), Vec3::Zero());
   fluid->propose(interval.dt, settings.gravity, state.particles, interval.prediction, interval.velocity,
-                 shift, found, step.report.seconds);
+                 found, step.report.seconds);
   step.report.fluid = interval.is_first ? found : worst_of(step.report.fluid, found);
   StageTimer timer(step.report.seconds.other_fluid);
   double change = 0;  // squared
@@ -253,7 +252,7 @@ void World::Impl::propose_motion(IntervalContext& interval) {
     Vec3 &x_t1 = interval.x_t1[i], &velocity = interval.velocity[i];
     const Vec3 ballistic = before + interval.remaining[i] * settings.gravity;
     if (i >= interval.live) velocity = ballistic;
-    x_t1 = x_t0 + interval.remaining[i] * velocity + shift[i];
+    x_t1 = x_t0 + interval.remaining[i] * velocity;
     if (world::is_in_range(x_t1) && world::is_in_range(velocity)) {
       if (i < interval.live) change = std::max(change, (velocity - before).squaredNorm());
       continue;

@@ -15,7 +15,6 @@ struct Tank {
   std::shared_ptr<Workers> workers;
   FluidSolver solver;
   Particles particles;
-  std::vector<Vec3> shift;
   Vec3 gravity = Vec3(0, -9.81, 0);
   FluidReport report;
   StageSeconds seconds;
@@ -52,14 +51,12 @@ struct Tank {
   void step(double dt) {
     solver.prepare(particles, seconds);
     const std::vector<PredictionContact> bounds = walls ? contacts(dt) : std::vector<PredictionContact>();
-    shift.assign(particles.size(), Vec3::Zero());
-    solver.propose(dt, gravity, particles, bounds, particles.velocity, shift, report, seconds);
+    solver.propose(dt, gravity, particles, bounds, particles.velocity, report, seconds);
     for (const PredictionContact& c : bounds) {
       Vec3& v = particles.velocity[c.particle];
       v += std::max(0.0, c.min_normal_velocity - v.dot(c.normal)) * c.normal;
     }
-    for (std::size_t i = 0; i < particles.size(); ++i)
-      particles.position[i] += dt * particles.velocity[i] + shift[i];
+    for (std::size_t i = 0; i < particles.size(); ++i) particles.position[i] += dt * particles.velocity[i];
   }
 
   /// Particle numbers in order of id.

@@ -39,7 +39,9 @@ struct Rates {
 class Dfsph : public PressureModel {
  public:
   explicit Dfsph(const FluidSettings& settings)
-      : fluid_(settings), loop_(fluid_.max_relaxation, settings.max_iterations), walls_(fluid_) {}
+      : fluid_(settings),
+        loop_(fluid_.max_relaxation, settings.max_iterations),
+        walls_(fluid_, WallDensity::linear) {}
 
   double particle_volume() const override { return fluid_.settled_volume; }
   void explicit_terms(StepState& state) override;

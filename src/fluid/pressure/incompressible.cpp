@@ -68,7 +68,7 @@ IncompressibleFluid::IncompressibleFluid(const FluidSettings& s)
 }
 
 IncompressibleSums IncompressibleFluid::sums(double dt) const {
-  return {volume, support_radius, -std::expm1(-settings.xsph_rate * dt), viscous_step(settings, dt),
+  return {volume, support_radius, -std::expm1(-settings.xsph_rate.value_or(0) * dt), viscous_step(settings, dt),
           viscous_weights};
 }
 
@@ -98,12 +98,6 @@ void set_targets(const StepState& state, double spacing, std::vector<float>& tar
     target[i] = remaining * std::max(0.0f, excess - tolerated_compression) +
                 left * std::min(excess, tolerated_compression);
   });
-}
-
-void set_velocity_targets(const StepState& state, std::vector<float>& target) {
-  OILSKIN_ASSERT(state.relative_density.size() == state.size());
-  target.resize(state.size());
-  state.for_each([&](std::size_t i) { target[i] = std::max(state.relative_density[i] - 1, -gap_density); });
 }
 
 }  // namespace oilskin::fluid

@@ -50,15 +50,7 @@ struct IncompressibleFluid {
   double warm_start(const StepState& state) const;
 };
 
-/// A particle whose density falls short of ρ0 by more is at a free surface or at a gap: its neighbours may
-/// approach by velocity. Smaller deficits are disorder, which the position correction takes back.
-constexpr float gap_density = 0.03f;
-
-/// ē_i (F.55) of the solvers with position correction: the density errors up to which the velocities of a
-/// step may compress. An excess that exists stays: it is not corrected by velocities, which would be kept.
-void set_velocity_targets(const StepState& state, std::vector<float>& target);
-
-/// ē_i (F.18) of the solvers without: the density errors that the step aims at, 0 except for over-compressed
+/// ē_i (F.18): the density errors that the step aims at, 0 except for over-compressed
 /// particles.
 void set_targets(const StepState& state, double spacing, std::vector<float>& target);
 

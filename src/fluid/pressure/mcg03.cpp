@@ -38,10 +38,10 @@ class Mcg03 : public PressureModel {
   double particle_volume() const override { return volume_; }
 
   void explicit_terms(StepState& state) override {
-    const double smoothed = -std::expm1(-settings_.xsph_rate * state.dt);
+    const double smoothed = -std::expm1(-settings_.xsph_rate.value_or(0) * state.dt);
     run_explicit_sums(state,
                       Mcg03Model(volume_, support_radius_, smoothed, viscous_step(settings_, state.dt)),
-                      settings_.viscosity > 0 || settings_.xsph_rate > 0);
+                      settings_.viscosity > 0 || settings_.xsph_rate.value_or(0) > 0);
   }
 
   void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) override;

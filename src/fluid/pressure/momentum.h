@@ -18,14 +18,7 @@ struct Momentum {
     const float k = static_cast<float>(corrections);
     weight = 2 * (k + order) / (k + 2 * order);
   }
-  /// φ after a correction, which Jacobi's iteration would add alone.
-  float next(float phi, float previous, float correction) const {
-    return phi + weight * correction + (weight - 1) * (phi - previous);
-  }
 };
-
-/// Of `divergence_tolerance`, for the loops whose error per step adds up from step to step.
-constexpr double velocity_tolerance = 0.1;
 
 /// |γ|² of one plane half a spacing away at H = 2 dx.
 constexpr float plane_gamma2 = 4;

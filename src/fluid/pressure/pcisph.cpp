@@ -16,7 +16,9 @@ using Kernel = CubicSpline;
 class Pcisph : public PressureModel {
  public:
   explicit Pcisph(const FluidSettings& settings)
-      : fluid_(settings), loop_(fluid_.max_relaxation, settings.max_iterations), walls_(fluid_) {}
+      : fluid_(settings),
+        loop_(fluid_.max_relaxation, settings.max_iterations),
+        walls_(fluid_, WallDensity::limited) {}
 
   double particle_volume() const override { return fluid_.settled_volume; }
   void explicit_terms(StepState& state) override;
@@ -43,7 +45,7 @@ class Pcisph : public PressureModel {
 
 void Pcisph::explicit_terms(StepState& state) {
   const FluidSettings& s = fluid_.settings;
-  run_explicit_sums(state, fluid_.sums(state.dt), s.viscosity > 0 || s.xsph_rate > 0);
+  run_explicit_sums(state, fluid_.sums(state.dt), s.viscosity > 0 || s.xsph_rate.value_or(0) > 0);
   add_wall_density(state);
   add_image_slopes(state);
 }

@@ -37,8 +37,5 @@ class PressureModel {
 std::unique_ptr<PressureModel> make_mcg03(const FluidSettings& settings);
 std::unique_ptr<PressureModel> make_pcisph(const FluidSettings& settings);
 std::unique_ptr<PressureModel> make_dfsph(const FluidSettings& settings);
-/// With boundary terms: velocities that compress nothing, and a position correction (density_shift.h).
-std::unique_ptr<PressureModel> make_pcisph_split(const FluidSettings& settings);
-std::unique_ptr<PressureModel> make_dfsph_split(const FluidSettings& settings);
 
 }  // namespace oilskin::fluid

@@ -32,7 +32,6 @@ struct StepState {
   // Output
   std::vector<float> relative_density;  ///< ρ/ρ0 at the start
   std::vector<Vec3> dv;                 ///< change of velocity, gravity included [m/s]
-  std::vector<Vec3> shift;              ///< displacement that corrects the density, of positions alone [m]
 
   std::size_t size() const { return neighbours.size(); }
   const std::vector<Record>& position() const { return neighbours.records(); }

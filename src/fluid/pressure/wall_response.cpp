@@ -55,7 +55,7 @@ void WallResponse::constrain_at(const StepState& state, std::uint32_t k, float p
   const float approach = static_cast<float>(dt_over_h) * state.boundary.normal_flux()[k] -
                          point.gamma.dot(displacement.cast<float>());
   const float density = point.lambda + approach;
-  density_[k] = is_linear_ ? density : std::clamp(density, 0.0f, 1.0f);
+  density_[k] = wall_density_ == WallDensity::linear ? density : std::clamp(density, 0.0f, 1.0f);
 }
 
 const std::vector<float>& WallResponse::solve(StepState& state) {

@@ -18,11 +18,15 @@ struct Pressures {
   std::size_t stride;
 };
 
+/// λ* of (B.17): linear in the displacements, or limited to 0 … 1. An iteration on first-order densities
+/// needs the linear one: beyond a limit the push of a wall would have no effect that the density shows, and
+/// grow.
+enum class WallDensity { limited, linear };
+
 class WallResponse {
  public:
-  /// `is_linear`: λ* of (B.17) is not limited to 0 … 1.
-  explicit WallResponse(const IncompressibleFluid& fluid, bool is_linear = false)
-      : fluid_(fluid), is_linear_(is_linear) {}
+  WallResponse(const IncompressibleFluid& fluid, WallDensity wall_density)
+      : fluid_(fluid), wall_density_(wall_density) {}
 
   void begin_step(const StepState& state);
 
@@ -64,7 +68,7 @@ class WallResponse {
   double rebound_limit(const StepState& state, std::size_t point, const WallLoad<double>& load) const;
 
   const IncompressibleFluid& fluid_;
-  const bool is_linear_;
+  const WallDensity wall_density_;
   float phi_per_depth_ = 0;  // φ_g of (B.16): hydrostatic, per H of depth
   // Per point of the boundary
   std::vector<float> theta_;    // [m/s] (B.11)
