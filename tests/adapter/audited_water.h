@@ -58,6 +58,7 @@ class AuditedWater : public btFluid, private IntervalObserver {
     FluidSettings fluid;
     fluid.spacing = 0.02;
     fluid.boundary = BoundaryModel::contact_only;
+    fluid.max_substeps = 1;  // a record for each coupling
     return fluid;
   }
   static WorldSettings boxed(double r) {

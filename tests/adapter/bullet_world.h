@@ -33,6 +33,7 @@ inline FluidSettings coarse_fluid(PressureSolver solver = PressureSolver::pcisph
   fluid.spacing = 0.02;
   fluid.solver = solver;
   fluid.boundary = BoundaryModel::contact_only;
+  fluid.max_substeps = 1;
   return fluid;
 }
 

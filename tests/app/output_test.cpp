@@ -12,7 +12,8 @@
 namespace oilskin::test {
 namespace {
 
-const char* const small = R"({"host": "mock", "dt": 0.002, "duration": 0.02, "fluid": {"spacing": 0.01},
+const char* const small =
+    R"({"host": "mock", "dt": 0.002, "duration": 0.02, "fluid": {"spacing": 0.01, "max_substeps": 1, "cfl": 0.4},
   "emitters": [{"shape": "box", "min": [-0.02, 0.02, -0.02], "max": [0.02, 0.04, 0.02]}],
   "cloth": [{"grid": [9, 9], "size": [0.2, 0.2], "pins": "corners"}], "contact": {"verify": true}})";
 

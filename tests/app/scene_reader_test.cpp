@@ -11,6 +11,7 @@
 
 #include "checks/acceptance.h"
 #include "checks/check_table.h"
+#include "oilskin/presets.h"
 #include "scene/initial_fields.h"
 #include "scene/tank.h"
 
@@ -278,6 +279,37 @@ TEST(Override, refuses_paths_that_do_not_exist) {
   Json scene = Json::parse(R"({"cloth": [{"grid": [5, 5]}], "dt": 1})");
   for (const char* wrong : {"cloth.3.thickness=1", "cloth.x=1", "dt.a=1", "=1", "dt", "cloth..a=1"})
     EXPECT_THROW(apply_override(scene, wrong), SceneError) << wrong;
+}
+
+TEST(SceneReader, a_preset_is_what_the_other_keys_change) {
+  const auto read = [](const char* text) { return read_scene(parse_json(text, "test"), "."); };
+  const Scene game = read(R"({"preset": "game", "fluid": {"spacing": 0.01, "cfl": 0.7}})");
+  EXPECT_DOUBLE_EQ(game.dt, 1.0 / 120);
+  EXPECT_EQ(game.fluid.tolerance, 0.01);
+  EXPECT_EQ(game.fluid.cfl, 0.7);
+  EXPECT_TRUE(read(R"({"preset": "measurement", "dt": 0.002})").contact.verify);
+  EXPECT_EQ(read(R"({"preset": "measurement", "dt": 0.002})").dt, 0.002);
+  EXPECT_LT(read(R"({"preset": "measurement", "fluid": {"spacing": 0.01}})").dt,
+            read(R"({"preset": "measurement", "fluid": {"spacing": 0.02}})").dt);
+  EXPECT_NE(message_of(R"({"preset": "games"})"), "");
+  EXPECT_NE(message_of(R"({"preset": "film", "fluid": {"spacing": "a"}})"), "");
+}
+
+TEST(Presets, are_valid_and_ordered_by_accuracy) {
+  for (const double spacing : {0.0005, 0.005, 0.02, 0.5}) {
+    const Preset game = game_preset(spacing), film = film_preset(spacing),
+                 exact = measurement_preset(spacing);
+    for (const Preset& preset : {game, film, exact, game_preset(spacing, 1), game_preset(spacing, 16)}) {
+      EXPECT_TRUE(preset.fluid.validate().ok()) << preset.fluid.validate().message;
+      EXPECT_TRUE(preset.contact.validate().ok());
+      EXPECT_GT(preset.dt, 0);
+      EXPECT_EQ(preset.fluid.spacing, spacing);
+    }
+    EXPECT_GT(game.fluid.tolerance, film.fluid.tolerance);
+    EXPECT_GT(film.fluid.tolerance, exact.fluid.tolerance);
+    EXPECT_GT(game.fluid.cfl, film.fluid.cfl);
+    EXPECT_GT(film.fluid.cfl, exact.fluid.cfl);
+  }
 }
 
 }  // namespace

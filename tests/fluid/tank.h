@@ -22,7 +22,12 @@ struct Tank {
   Box box{Vec3::Zero(), Vec3(1, 1, 1)};
 
   explicit Tank(const FluidSettings& s, int threads = 1)
-      : settings(s), workers(std::make_shared<Workers>(threads)), solver(s, workers) {}
+      : settings(complete(s)), workers(std::make_shared<Workers>(threads)), solver(settings, workers) {}
+
+  static FluidSettings complete(FluidSettings s) {
+    s.xsph_rate = s.xsph_rate.value_or(10);
+    return s;
+  }
 
   /// The lattice, `distance` apart, with its corner half a distance off `corner`.
   void fill(int nx, int ny, int nz, double distance, const Vec3& corner = Vec3::Zero()) {

@@ -106,7 +106,7 @@ TEST(HardFluid, spray_is_ballistic) {
     for (bool mirrored : {false, true}) {
       if (mirrored && solver == PressureSolver::mcg03) continue;
       FluidSettings fluid = solver_of(solver, mirrored);
-      fluid.viscosity = fluid.xsph_rate = 0;  // a pair that is sheared is not ballistic with them
+      fluid.viscosity = 0, fluid.xsph_rate = 0;  // a pair that is sheared is not ballistic with them
       World w(world_of(50), fluid);
       StaticMesh floor;  // far below
       floor.add_rectangle(Vec3(-40, -40, -40), Vec3(80, 0, 0), Vec3(0, 0, 80));

@@ -64,6 +64,7 @@ inline FluidSettings solver_of(PressureSolver solver, bool mirrored = false) {
   FluidSettings s;
   s.solver = solver;
   s.boundary = mirrored ? BoundaryModel::mirrored : BoundaryModel::contact_only;
+  s.max_substeps = 1;  // what one interval does is judged
   return s;
 }
 

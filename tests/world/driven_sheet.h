@@ -13,6 +13,7 @@ inline WorldSettings box(double half, const Vec3& gravity = Vec3::Zero(), int th
   return s;
 }
 
+/// At most so many intervals in a step.
 inline FluidSettings cut_into(int max_substeps, double cfl = 0.4) {
   FluidSettings s;
   s.max_substeps = max_substeps;

@@ -297,7 +297,7 @@ TEST(SmoothBowl, what_slides_to_and_fro_gains_no_energy_and_loses_little) {
     WorldSettings ws;
     ws.threads = 1;
     FluidSettings fs;
-    fs.viscosity = fs.xsph_rate = 0;
+    fs.viscosity = 0, fs.xsph_rate = 0;
     fs.boundary = BoundaryModel::contact_only;
     World w(ws, fs);
     test::StaticMesh mesh = bowl(facets, radius);

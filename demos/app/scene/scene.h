@@ -18,6 +18,9 @@ constexpr double never = std::numeric_limits<double>::infinity();
 
 enum class HostKind { bullet, bullet64, mock };
 
+/// Of oilskin/presets.h.
+enum class PresetKind { none, game, film, measurement };
+
 struct Mesh {
   std::vector<Vec3> vertices;  ///< [m]
   std::vector<Triangle> triangles;
@@ -183,6 +186,7 @@ struct Scene {
   std::string description;
   std::string directory;  ///< of the scene file; not part of it
   HostKind host = HostKind::bullet;
+  PresetKind preset = PresetKind::none;
   double dt = 0.001, duration = 0.5;  ///< [s]
   bool adaptive_dt = false;           ///< dt is the longest step
   double min_dt = 1e-5;               ///< the shortest, where it adapts [s]

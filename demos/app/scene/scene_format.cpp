@@ -1,5 +1,6 @@
 #include "scene/scene_format.h"
 
+#include "oilskin/presets.h"
 #include "scene/emitter_format.h"
 #include "scene/mesh_options.h"
 
@@ -284,6 +285,31 @@ void describe(Fields& f, WaterMeshSettings& s) {
   f.number("min_blob", s.min_blob, not_negative());
 }
 
+double spacing_of(Fields& f) {
+  const Json* fluid = f.raw("fluid");
+  const bool has_spacing =
+      fluid != nullptr && fluid->is_object() && fluid->contains("spacing") && (*fluid)["spacing"].is_number();
+  return has_spacing ? (*fluid)["spacing"].get<double>() : FluidSettings().spacing;
+}
+
+/// What the other keys of a scene change.
+void apply_preset(Fields& f, Scene& s) {
+  f.choice("preset", s.preset,
+           {{"none", PresetKind::none},
+            {"game", PresetKind::game},
+            {"film", PresetKind::film},
+            {"measurement", PresetKind::measurement}});
+  if (!f.reading() || s.preset == PresetKind::none) return;
+  const double spacing = spacing_of(f);
+  if (!(spacing > 0)) return;  // refused where it is read
+  const Preset preset = s.preset == PresetKind::game   ? game_preset(spacing)
+                        : s.preset == PresetKind::film ? film_preset(spacing)
+                                                       : measurement_preset(spacing);
+  s.dt = preset.dt;
+  s.fluid = preset.fluid;
+  s.contact = preset.contact;
+}
+
 /// The report names the value that the world uses.
 void set_xsph_rate(Scene& s) {
   if (!s.fluid.xsph_rate) s.fluid.xsph_rate = default_xsph_rate(s.fluid.spacing, s.world.gravity.norm());
@@ -303,6 +329,7 @@ void describe(Fields& f, Scene& s) {
   f.text("description", s.description);
   f.choice("host", s.host,
            {{"bullet", HostKind::bullet}, {"bullet64", HostKind::bullet64}, {"mock", HostKind::mock}});
+  apply_preset(f, s);
   f.number("dt", s.dt, {0, 1000, true});
   f.boolean("adaptive_dt", s.adaptive_dt);
   f.number("min_dt", s.min_dt, {0, 1000, true});
