@@ -44,9 +44,9 @@ int main() {
 
   oilskin::bullet::btFluid water(btScalar(0.01));  // rest distance of the particles [m]
   oilskin::bullet::btFluidCoupling coupling(&water);
-  const btScalar a = btScalar(0.05);
+  const btScalar a = btScalar(0.04);
   if (!accepted(coupling.addCollisionObject(&bowl, btScalar(0.002))) ||  // thickness [m]
-      !accepted(water.addBox({-a, btScalar(-0.06), -a}, {a, btScalar(-0.02), a})))
+      !accepted(water.addBox({-a, btScalar(-0.08), -a}, {a, btScalar(-0.04), a})))
     return 1;
 
   // 0.3 m to the side and 0.2 m up in one second, gently at both ends.

@@ -16,7 +16,7 @@ inline double support_radius(const FluidSettings& s) {
   return s.support_ratio * s.spacing;
 }
 
-/// The largest ν dt [m²] that an interval of dt [s] takes, next to its XSPH (F.74).
+/// The largest ν dt [m²] that an interval of dt [s] takes, next to its XSPH (F.65).
 inline double largest_viscous_step(const FluidSettings& s, double dt) {
   const double h = support_radius(s);
   return viscous_limit * h * h * std::max(0.5, 1 - 0.5 * s.xsph_rate.value_or(0) * dt);
@@ -27,14 +27,14 @@ inline double viscous_step(const FluidSettings& s, double dt) {
   return std::min(s.viscosity * dt, largest_viscous_step(s, dt));
 }
 
-/// The longest interval [s] in which viscosity need not be limited; infinity without viscosity (F.75).
+/// The longest interval [s] in which viscosity need not be limited; infinity without viscosity (F.66).
 inline double longest_viscous_interval(const FluidSettings& s) {
   if (!(s.viscosity > 0)) return std::numeric_limits<double>::infinity();
   const double h = support_radius(s), d = viscous_limit * h * h;
   return std::max(0.5 * d / s.viscosity, d / (s.viscosity + 0.5 * d * s.xsph_rate.value_or(0)));
 }
 
-/// The longest interval [s] in which water at rest with boundary terms carries its own weight (F.64), g =
+/// The longest interval [s] in which water at rest with boundary terms carries its own weight (F.55), g =
 /// |gravity| [m/s²]; infinity with contact alone, which holds it.
 inline double longest_resting_interval(const FluidSettings& s, double g) {
   if (s.boundary != BoundaryModel::mirrored || !(g > 0)) return std::numeric_limits<double>::infinity();

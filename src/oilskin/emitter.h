@@ -22,7 +22,7 @@ VectorField linear_field(const Vec3& origin, const Eigen::Matrix3d& gradient);
 /// @param rate [rad/s for a velocity]
 VectorField rotation_field(const Vec3& origin, const Vec3& axis, double rate);
 
-/// The vortex of Taylor and Green that fills a rectangle with the edges u and v (F.78); beyond it lie
+/// The vortex of Taylor and Green that fills a rectangle with the edges u and v (F.69); beyond it lie
 /// vortices of the opposite sense.
 /// @param corner a corner of the rectangle [m]
 /// @param edge_u the edge u from there [m], longer than 0
@@ -30,7 +30,7 @@ VectorField rotation_field(const Vec3& origin, const Vec3& axis, double rate);
 /// @param amplitude of the component along u, which is largest in the middle of the edges u
 VectorField taylor_green_field(const Vec3& corner, const Vec3& edge_u, const Vec3& edge_v, double amplitude);
 
-/// A standing wave of small amplitude on water of constant depth (F.79).
+/// A standing wave of small amplitude on water of constant depth (F.70).
 struct StandingWave {
   /// A point of the bottom under a crest [m].
   Vec3 origin = Vec3::Zero();
@@ -66,7 +66,7 @@ struct InitialState {
 
 /// A round nozzle. Particles start on a square lattice around the axis, as many as the flow needs (80 for
 /// radius = 5 dx). Layers follow each other at a distance of one spacing or more that makes the mass flow ρ0
-/// π r² v (F.37), (F.73).
+/// π r² v (F.37), (F.64).
 struct DiscEmitter {
   /// The centre of the nozzle [m].
   Vec3 center = Vec3::Zero();

@@ -9,7 +9,9 @@ namespace oilskin {
 struct Preset {
   /// The step [s].
   double dt = 0;
+  /// The fluid, with the preset's spacing.
   FluidSettings fluid;
+  /// Contact.
   ContactSettings contact;
 };
 

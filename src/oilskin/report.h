@@ -152,7 +152,7 @@ struct FluidReport {
 /// that the last sub-step does not hide a bad one before it.
 FluidReport worst_of(const FluidReport& a, const FluidReport& b);
 
-/// Energies, and their balance since the world began (F.65)–(F.71) [J]. Speeds are displacements over time,
+/// Energies, and their balance since the world began (F.56)–(F.62) [J]. Speeds are displacements over time,
 /// (x_t1 − x_t0)/dt of the last certified interval, not stored velocities; heights are those of the middle of
 /// that interval, so that free fall conserves energy to rounding. Potentials are relative to the origin. Only
 /// surfaces that collide with the fluid take part.
@@ -239,7 +239,7 @@ struct StepReport {
   std::uint64_t removed = 0;
   /// Particles removed because their numbers were not finite.
   std::uint64_t removed_invalid = 0;
-  /// Particles that left the kill box more than twice as fast as any energy in the world allows (F.72).
+  /// Particles that left the kill box more than twice as fast as any energy in the world allows (F.63).
   std::uint64_t removed_too_fast = 0;
   /// Starts without a particle: too close to a surface, or outside the kill box.
   std::uint64_t blocked_starts = 0;

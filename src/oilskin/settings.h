@@ -104,7 +104,7 @@ struct SlipSettings {
   double slip_length = 0;
 };
 
-/// ν_x of a fluid whose settings name none, 0.2 √(g/dx) [1/s]; g = |gravity| [m/s²].
+/// ν_x of a fluid whose settings name none, 0.2 √(g/dx) [1/s] (F.73); g = |gravity| [m/s²].
 double default_xsph_rate(double spacing, double g);
 
 /// The thickness h of a surface whose settings name none, dx/5 [m].

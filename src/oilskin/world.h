@@ -140,7 +140,7 @@ class World {
   ///   - 0.25 √(H/a) × max_substeps, with the largest acceleration a by pressure, viscosity and gravity in
   ///   the last
   ///     interval;
-  ///   - 0.035 H²/ν × max_substeps (of the lattice; [Morris1997] has 0.125; less beside XSPH, (F.75)), and
+  ///   - 0.035 H²/ν × max_substeps (of the lattice; [Morris1997] has 0.125; less beside XSPH, (F.66)), and
   ///   with
   ///     mcg03 0.4 H/(√k + v) × max_substeps.
   double suggested_dt(double largest) const;

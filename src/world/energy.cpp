@@ -28,7 +28,7 @@ double own_mass(const SurfaceMotion& m, std::size_t node) {
 
 }  // namespace
 
-/// The middle of the interval (F.66), as if particle i had moved for all of it; x is its end.
+/// The middle of the interval (F.57), as if particle i had moved for all of it; x is its end.
 Vec3 EnergyBalance::middle(const fluid::Particles& particles, std::size_t i, const Vec3& x, double dt) const {
   const double length = particles.id[i] >= state_.first_new_id ? dt : state_.interval;
   return x - 0.5 * length * particles.motion[i];
@@ -51,7 +51,7 @@ void EnergyBalance::enter(const Vec3& x, const Vec3& velocity, double dt) {
   state_.max_specific = std::max(state_.max_specific, 0.5 * velocity.squaredNorm() - gravity_.dot(x));
 }
 
-/// (F.68). Nodes that are not prescribed get the impulse after their motion: (F.69).
+/// (F.59). Nodes that are not prescribed get the impulse after their motion: (F.60).
 void EnergyBalance::touch(Span<SurfaceMotion* const> surfaces, double dt) {
   OILSKIN_ASSERT(dt > 0);
   for (const SurfaceMotion* s : surfaces)
@@ -100,7 +100,7 @@ void EnergyBalance::end_interval(std::uint64_t next_id, double dt) {
 }
 
 /// Where contact gave a free node an impulse at the end of the step before, its speed changed in between:
-/// the work is at the mean (F.69).
+/// the work is at the mean (F.60).
 void EnergyBalance::end_surface(const SurfaceMotion& now, double dt, const SurfaceMotion& before,
                                 double dt_before) {
   const bool is_same = before.id == now.id && before.x_t1.size() == now.x_t1.size();
@@ -150,7 +150,7 @@ const EnergyReport& EnergyBalance::finish(std::size_t count, double dt, double s
   return r;
 }
 
-/// (F.71)
+/// (F.62)
 void EnergyBalance::update_scale(double least) {
   EnergyReport& r = state_.report;
   r.released_potential = std::max(r.released_potential, state_.gravity_work);

@@ -1,4 +1,4 @@
-/// The balance of energies (F.65)–(F.72).
+/// The balance of energies (F.56)–(F.63).
 #pragma once
 
 #include <array>
@@ -63,7 +63,7 @@ class EnergyBalance {
   void leave(const fluid::Particles& particles, std::size_t i, double dt);
   /// Particle i is removed at `start`: it has no certified end.
   void lose(const fluid::Particles& particles, std::size_t i, const Vec3& start, double dt);
-  /// Whether particle i is faster than any energy in the world allows (F.72).
+  /// Whether particle i is faster than any energy in the world allows (F.63).
   bool is_too_fast(const fluid::Particles& particles, std::size_t i) const;
   /// `next_id` of particles to come.
   void end_interval(std::uint64_t next_id, double dt);

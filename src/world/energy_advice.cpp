@@ -69,7 +69,7 @@ std::string about_water(double distance, double dt, int substeps) {
 }  // namespace
 
 /// The load of a step must not give cloth more than the speed of a fall through one spacing: water that
-/// follows it would be a layer behind (F.72).
+/// follows it would be a layer behind (F.63).
 void World::Impl::advise_on_energy(world::StepContext& step) const {
   const EnergyReport& energy = step.report.energy;
   const double g = settings.gravity.norm(), spacing = fluid_settings.spacing;

@@ -15,7 +15,7 @@ struct Speeds {
 
 /// The number of equal parts of a step of dt [s] such that no displacement in a part exceeds `distance` [m]
 /// (Courant–Friedrichs–Lewy), even if the last interval's change of speed goes on in one part; at most
-/// `maximum` (F.43), (F.76).
+/// `maximum` (F.43), (F.67).
 int substep_count(const Speeds& speeds, double dt, double distance, int maximum);
 
 /// The number of equal parts of a step of dt [s] such that none is longer than `longest` [s], as a real

@@ -29,7 +29,7 @@ world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved
   return found;
 }
 
-/// The number of parts that stability asks for, (F.77).
+/// The number of parts that stability asks for, (F.68).
 double World::Impl::stable_parts(const world::Speeds& found, double dt) const {
   const FluidSettings& f = fluid_settings;
   return world::parts_needed(

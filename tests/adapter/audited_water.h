@@ -57,6 +57,7 @@ class AuditedWater : public btFluid, private IntervalObserver {
   static FluidSettings coarse() {
     FluidSettings fluid;
     fluid.spacing = 0.02;
+    fluid.solver = PressureSolver::pcisph;  // the model of the paper: what carries the water is contact
     fluid.boundary = BoundaryModel::contact_only;
     fluid.max_substeps = 1;  // a record for each coupling
     return fluid;

@@ -121,7 +121,7 @@ Status Emission::add(const DiscEmitter& e) {
   source.start = e.start;
   source.stop = e.stop;
   // A layer of `needed` sites per spacing has the mass flow ρ0 π r² v. With more of them layers are farther
-  // apart; with fewer they would be nearer than a spacing, and the jet would burst (F.37), (F.73).
+  // apart; with fewer they would be nearer than a spacing, and the jet would burst (F.37), (F.64).
   const double area = impl_->rest_density * pi * e.radius * e.radius, mass = impl_->particle_mass;
   source.sites = nozzle_sites(e, area * dx / mass * (1 - 1e-9), dx);
   const double layer = static_cast<double>(source.sites.size()) * mass / area;

@@ -12,7 +12,7 @@ namespace oilskin::fluid {
 
 namespace {
 
-/// Each coordinate uniform between ± `amplitude` (F.80).
+/// Each coordinate uniform between ± `amplitude` (F.71).
 Vec3 random_vector(std::uint64_t seed, std::uint64_t counter, double amplitude) {
   const auto coordinate = [&](std::uint64_t k) {
     return amplitude * (2 * random_unit(seed, 3 * counter + k) - 1);
@@ -20,7 +20,7 @@ Vec3 random_vector(std::uint64_t seed, std::uint64_t counter, double amplitude) 
   return {coordinate(0), coordinate(1), coordinate(2)};
 }
 
-/// Where a particle at x is carried by the field in a unit of time: eight steps of Runge and Kutta (F.80).
+/// Where a particle at x is carried by the field in a unit of time: eight steps of Runge and Kutta (F.71).
 /// The flow of a field without divergence keeps volumes, which x + u(x) does not.
 Vec3 carried(const VectorField& u, Vec3 x) {
   constexpr int steps = 8;

@@ -16,7 +16,7 @@ VectorField rotation_field(const Vec3& origin, const Vec3& axis, double rate) {
   return [origin, spin](const Vec3& x) -> Vec3 { return spin.cross(x - origin); };
 }
 
-/// (F.78)
+/// (F.69)
 VectorField taylor_green_field(const Vec3& corner, const Vec3& edge_u, const Vec3& edge_v, double amplitude) {
   const double pi = fluid::pi, lu = edge_u.stableNorm(), lv = edge_v.stableNorm();
   const Vec3 u = edge_u / lu, v = edge_v / lv;
@@ -26,7 +26,7 @@ VectorField taylor_green_field(const Vec3& corner, const Vec3& edge_u, const Vec
   };
 }
 
-/// (F.79), with exponentials that do not overflow in deep water.
+/// (F.70), with exponentials that do not overflow in deep water.
 VectorField standing_wave_field(const StandingWave& w) {
   const Vec3 along = w.along.stableNormalized(), up = w.up.stableNormalized();
   const double k = 2 * fluid::pi / w.wavelength;

@@ -48,20 +48,6 @@ void for_image_pairs(StepState& state, const Add& add) {
   });
 }
 
-/// Also to the particle's sums, from which the step of its pressure follows.
-void add_to_gradient(StepState& state, std::vector<Record>& sums, std::uint32_t i, std::uint32_t k,
-                     float slope, const Eigen::Vector3f& delta) {
-  float* at = state.slope[i / Neighbours::chunk_size].data() + 3 * state.neighbours.pair_begin(i) +
-              12 * (k / 4) + k % 4;
-  const Eigen::Vector3f before(at[0], at[4], at[8]), change = slope * delta, after = before + change;
-  for (int c = 0; c < 3; ++c) at[4 * c] = after[c];
-  Record& sum = sums[i];
-  sum.x += change.x();
-  sum.y += change.y();
-  sum.z += change.z();
-  sum.w += after.squaredNorm() - before.squaredNorm();
-}
-
 }  // namespace
 
 void add_image_slopes(StepState& state) {
@@ -72,14 +58,15 @@ void add_image_slopes(StepState& state) {
 
 void add_image_gradients(StepState& state, std::vector<Record>& sums) {
   for_image_pairs(state, [&](std::uint32_t i, std::uint32_t k, float slope, const Eigen::Vector3f& delta) {
-    add_to_gradient(state, sums, i, k, slope, delta);
-  });
-}
-
-void add_image_gradients(StepState& state, GradientCorrection& correction, float scale) {
-  for_image_pairs(state, [&](std::uint32_t i, std::uint32_t k, float slope, const Eigen::Vector3f& delta) {
-    add_to_gradient(state, state.gradient, i, k, slope, delta);
-    correction.add(i, slope, delta, scale);
+    float* at = state.slope[i / Neighbours::chunk_size].data() + 3 * state.neighbours.pair_begin(i) +
+                12 * (k / 4) + k % 4;
+    const Eigen::Vector3f before(at[0], at[4], at[8]), change = slope * delta, after = before + change;
+    for (int c = 0; c < 3; ++c) at[4 * c] = after[c];
+    Record& sum = sums[i];
+    sum.x += change.x();
+    sum.y += change.y();
+    sum.z += change.z();
+    sum.w += after.squaredNorm() - before.squaredNorm();
   });
 }
 

@@ -7,7 +7,6 @@
 /// image of i does to j, so it is a pair term of i and j.
 #pragma once
 
-#include "fluid/pressure/gradient_correction.h"
 #include "fluid/pressure/step_state.h"
 
 namespace oilskin::fluid {
@@ -17,7 +16,5 @@ void add_image_slopes(StepState& state);
 /// Adds f_ij Δ_ij to the stored gradients of the pairs at walls, three per pair in blocks of four pairs, and
 /// what that changes of Σ w'/q Δ and Σ |w'|² to the particles' `sums`.
 void add_image_gradients(StepState& state, std::vector<Record>& sums);
-/// Adds also f_ij Δ_ij ⊗ Δ_ij to the moments from which gradients are corrected; `scale` is D.
-void add_image_gradients(StepState& state, GradientCorrection& correction, float scale);
 
 }  // namespace oilskin::fluid

@@ -68,8 +68,8 @@ IncompressibleFluid::IncompressibleFluid(const FluidSettings& s)
 }
 
 IncompressibleSums IncompressibleFluid::sums(double dt) const {
-  return {volume, support_radius, -std::expm1(-settings.xsph_rate.value_or(0) * dt), viscous_step(settings, dt),
-          viscous_weights};
+  return {volume, support_radius, -std::expm1(-settings.xsph_rate.value_or(0) * dt),
+          viscous_step(settings, dt), viscous_weights};
 }
 
 double IncompressibleFluid::phi_per_pascal(double dt) const {

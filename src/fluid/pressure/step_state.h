@@ -26,9 +26,6 @@ struct StepState {
   /// Per chunk and pair: w'(q)/q of the pressure's kernel at the start.
   std::vector<std::vector<float>> slope;
 
-  /// Σ w'/q Δ, and in w Σ |w'|² (pcisph, dfsph).
-  std::vector<Record> gradient;
-
   // Output
   std::vector<float> relative_density;  ///< ρ/ρ0 at the start
   std::vector<Vec3> dv;                 ///< change of velocity, gravity included [m/s]
