@@ -97,7 +97,7 @@ Swept sweep_pool(bool pinned, double turn) {
   setup.world.kill_box = {Vec3::Constant(-4), Vec3::Constant(4)};
   const Eigen::Matrix3d rotation = Eigen::AngleAxisd(turn, Vec3(0, 0, 1)).toRotationMatrix();
   Swept swept;
-  Vec3 start = Vec3::Zero();
+  Vec3 start = Vec3::Zero(), left = Vec3::Zero();  // [N s]; left: with particles that leave the kill box
   const auto make = [&](int threads) {
     return std::make_unique<ClothScene<Scalar>>(
         setup, threads,
@@ -108,8 +108,10 @@ Swept sweep_pool(bool pinned, double turn) {
         },
         [&](ClothScene<Scalar>& s, int k) {
           if (k == 0) start = s.momentum();
+          left = k == 0 ? Vec3(Vec3::Zero()) : Vec3(left + s.world().report().momentum_removed);
           if (k > 0)
-            swept.drift = std::max(swept.drift, (s.momentum() - start).norm() / (start.norm() + 1e-300));
+            swept.drift =
+                std::max(swept.drift, (s.momentum() + left - start).norm() / (start.norm() + 1e-300));
           for (const Vec3& v : s.world().velocities())
             swept.pool_speed = std::max(swept.pool_speed, v.norm());
           if (!pinned) return;

@@ -253,7 +253,7 @@ TEST(Substeps, a_fast_wall_is_cut_where_it_meets_the_water_and_nowhere_else) {
 }
 
 TEST(Substeps, two_pinned_sheets_that_close_on_water_hold_and_lose_nothing) {
-  World w(box(1), cut_into(10), verified());
+  World w(box(10), cut_into(10), verified());
   Driven low(0.1), high(0.1);
   low.holdable = high.holdable = true;
   high.move(Vec3(0, 0.03, 0));

@@ -9,17 +9,25 @@ namespace {
 
 using Kernel = CubicSpline;
 
-/// s0 of (F.18). A start that is compressed by more is not required to be incompressible at the end of the
-/// step: within one dt that means speeds of dx/dt, an explosion. The excess decays with the time constant.
-constexpr float tolerated_compression = 0.05f;
-constexpr double recovery_time = 0.002;  // [s]
+/// s1 and the time constant of (F.18). A start that is compressed by more overlaps: no impact does that.
+constexpr float overlap = 1;
+constexpr double overlap_time = 0.002;  // [s]
 
-/// t_c of (F.18) [s/m]: the compression that the tolerance of the last step left is not corrected faster than
-/// in this time per spacing, else steps of a millionth of the length would accelerate resting water. With
-/// boundary terms it takes longer, as contact does not stop the velocities of such corrections: within 0.2 ms
-/// a jet of 5 mm particles left a plate with 15 % of its momentum where steps were short, within 1 ms with as
-/// little as with long ones.
-constexpr double min_correction_time = 0.04, correction_time_at_walls = 0.2;
+/// How a step corrects the compression that it starts with (F.18). Velocities correct it, and a velocity is
+/// kept: what is corrected within t adds speeds of (excess × depth)/t. A fast correction of what an impact
+/// compressed made energies of several times the fall.
+struct Correction {
+  float tolerated;       ///< s0: excess beyond it decays, excess below it is corrected within `linear_time`
+  double recovery_time;  ///< t_r [s]
+  double linear_time;    ///< t_c dx [s]: a limit, else steps of a millionth of the length would explode
+};
+
+/// With boundary terms walls push what a correction moves, and contact does not stop it.
+Correction correction(bool has_walls, double spacing, double g) {
+  const double recovery_time = std::min(0.9 * std::sqrt(spacing / g), 4 * spacing);
+  if (has_walls) return {0.02f, recovery_time, 0.2 * spacing};
+  return {0.05f, recovery_time, 0.04 * spacing};
+}
 
 /// V_s/V (F.6): volume of a particle in settled water, which is disordered, over its volume on the lattice at
 /// the same density. Measured as the height of columns of 20 layers, 14 particles across. (At H = 2 dx
@@ -89,14 +97,16 @@ double IncompressibleFluid::warm_start(const StepState& state) const {
 
 void set_targets(const StepState& state, double spacing, std::vector<float>& target) {
   OILSKIN_ASSERT(state.relative_density.size() == state.size());
-  const float remaining = static_cast<float>(std::exp(-state.dt / recovery_time));
-  const double per_spacing = state.boundary.empty() ? min_correction_time : correction_time_at_walls;
-  const float left = static_cast<float>(std::max(0.0, 1 - state.dt / (per_spacing * spacing)));
+  const Correction c = correction(!state.boundary.empty(), spacing, state.gravity.norm());
+  const float of_overlap = static_cast<float>(std::exp(-state.dt / overlap_time));
+  const float of_excess = static_cast<float>(std::exp(-state.dt / c.recovery_time));
+  const float of_tolerated = static_cast<float>(std::max(0.0, 1 - state.dt / c.linear_time));
   target.resize(state.size());
   state.for_each([&](std::size_t i) {
     const float excess = std::max(0.0f, state.relative_density[i] - 1);
-    target[i] = remaining * std::max(0.0f, excess - tolerated_compression) +
-                left * std::min(excess, tolerated_compression);
+    target[i] = of_overlap * std::max(0.0f, excess - overlap) +
+                of_excess * std::max(0.0f, std::min(excess, overlap) - c.tolerated) +
+                of_tolerated * std::min(excess, c.tolerated);
   });
 }
 
