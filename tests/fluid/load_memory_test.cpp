@@ -40,7 +40,7 @@ TEST(LoadMemory, learns_the_part_of_a_load_that_the_host_carries) {
   for (const double carried : {0.0, 0.3, 1.0}) {
     Sheet sheet;
     EXPECT_TRUE(sheet.memory.carried_impulse(1, 0, dt).isZero(0));
-    for (int k = 0; k < 1000; ++k) sheet.step(carried, gravity);
+    for (int k = 0; k < 2000; ++k) sheet.step(carried, gravity);
     for (std::uint32_t i = 0; i < 4; ++i)
       EXPECT_LT((sheet.memory.carried_impulse(1, i, dt) - carried * dt * load).norm(), 1e-6 * dt) << carried;
   }
