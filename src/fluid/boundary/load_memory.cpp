@@ -9,8 +9,8 @@ namespace oilskin::fluid {
 
 namespace {
 
-/// t_m of (B.26) [s]. A shorter mean follows the oscillations of the host, and the water rebounds; a longer one
-/// follows a load that is gone, and the water is compressed more.
+/// t_m of (B.26) [s]. A shorter mean follows the oscillations of the host, and the water rebounds; a longer
+/// one follows a load that is gone, and the water is compressed more.
 constexpr double memory_time = 0.1;
 
 double weight_of_new_value(double dt) {
