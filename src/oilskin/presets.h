@@ -20,11 +20,12 @@ struct Preset {
 /// needs, with one more.
 Preset game_preset(double spacing, int steps_per_frame = 2);
 
-/// For films: steps of 1/240 s in sub-steps of at most half a spacing, density errors of 0.1 %.
+/// For films: a frame of 1/24 s in equal steps of at most 0.05 √(dx/g), g = 9.81 m/s², in sub-steps of at
+/// most half a spacing; density errors of 0.1 %.
 Preset film_preset(double spacing);
 
-/// For measurements: steps of 0.05 √(dx/g), g = 9.81 m/s², displacements of at most a fifth of a spacing,
-/// density errors of 0.01 %, and every interval is verified.
+/// For measurements: steps of 0.02 √(dx/g), displacements of at most a fifth of a spacing, density errors of
+/// 0.01 %, and every interval is verified.
 Preset measurement_preset(double spacing);
 
 }  // namespace oilskin

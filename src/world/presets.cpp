@@ -11,6 +11,10 @@ namespace {
 
 constexpr double standard_gravity = 9.81;  // [m/s²]
 
+double time_scale(double spacing) {
+  return std::sqrt(spacing / standard_gravity);
+}
+
 Preset preset_of(double spacing, double dt) {
   Preset preset;
   preset.dt = dt;
@@ -37,7 +41,9 @@ Preset game_preset(double spacing, int steps_per_frame) {
 }
 
 Preset film_preset(double spacing) {
-  Preset preset = preset_of(spacing, 1.0 / 240);
+  // Steps, not sub-steps: cloth moves by the load of the water once a step.
+  constexpr double frame = 1.0 / 24;
+  Preset preset = preset_of(spacing, frame / std::ceil(frame / (0.05 * time_scale(spacing))));
   preset.fluid.max_iterations = 100;
   preset.fluid.cfl = 0.5;
   preset.fluid.max_substeps = parts_at_rest(preset.fluid, preset.dt) + 31;
@@ -45,7 +51,7 @@ Preset film_preset(double spacing) {
 }
 
 Preset measurement_preset(double spacing) {
-  Preset preset = preset_of(spacing, 0.05 * std::sqrt(spacing / standard_gravity));
+  Preset preset = preset_of(spacing, 0.02 * time_scale(spacing));
   preset.fluid.tolerance = preset.fluid.divergence_tolerance = 1e-4;
   preset.fluid.max_iterations = 500;
   preset.fluid.cfl = 0.2;
