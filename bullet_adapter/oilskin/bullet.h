@@ -138,8 +138,8 @@ class btFluidCoupling : public btActionInterface {
   /// (default), or that of WorldSettings and World::set_gravity().
   void setUseClothGravity(bool use);
 
-  /// Whether loaded nodes of supported cloth weigh up to a quarter of a layer of the water on them, too,
-  /// where the load would move them by more than a spacing in a step (default; C.29). Off: water on cloth
+  /// Whether loaded nodes of supported cloth weigh up to half a layer of the water on them, too,
+  /// where the load would move them by more than 0.03 spacings in a step (default; C.29). Off: water on cloth
   /// that is much lighter falls on until its stored speed is p dt/σ, and may be flung away.
   void setCarriesWater(bool carries);
   /// Whether they do.

@@ -9,12 +9,15 @@ namespace oilskin::world {
 
 namespace {
 
-/// t_m of (C.30) [s]: that of the load memory of boundary terms (B.26), for the same reason.
+/// t_m of (C.30) [s].
 constexpr double memory_time = 0.05;
 
-/// Of a layer of particles: the most that a node carries (C.29). Measured in
-/// docs/decisions/0019-mass-carried-by-light-cloth.md.
-constexpr double largest_share = 0.25;
+/// Of the spacing: the motion of a node by its load in a step from which on it carries water (C.29). Measured,
+/// as the next one, in docs/decisions/0019-mass-carried-by-light-cloth.md.
+constexpr double largest_motion = 0.03;
+
+/// Of a layer of particles: the most that a node carries (C.29).
+constexpr double largest_share = 0.5;
 
 /// A third of the areas of the triangles at each node [m²].
 std::vector<double> node_areas(const SurfaceMotion& m) {
@@ -61,7 +64,7 @@ void update_carried_mass(double dt, const FluidSettings& fluid, Attachment& a, S
   for (std::size_t i = 0; i < m.x_t1.size(); ++i) {
     if (m.inverse_mass[i] == 0) continue;
     const double own = 1 / m.inverse_mass[i] - added_mass(m, i), load = a.mean_load[i].norm();
-    const double carried = std::min(dt * dt * load / fluid.spacing - own, most * area[i]);
+    const double carried = std::min(dt * dt * load / (largest_motion * fluid.spacing) - own, most * area[i]);
     report.load_speed = std::max(report.load_speed, load * dt / own);
     if (!(carried > 0)) continue;
     m.carried_mass[i] = carried;
