@@ -12,8 +12,8 @@ namespace {
 /// t_m of (C.30) [s].
 constexpr double memory_time = 0.05;
 
-/// Of the spacing: the motion of a node by its load in a step from which on it carries water (C.29). Measured,
-/// as the next one, in docs/decisions/0019-mass-carried-by-light-cloth.md.
+/// Of the spacing: the motion of a node by its load in a step from which on it carries water (C.29).
+/// Measured, as the next one, in docs/decisions/0019-mass-carried-by-light-cloth.md.
 constexpr double largest_motion = 0.03;
 
 /// Of a layer of particles: the most that a node carries (C.29).

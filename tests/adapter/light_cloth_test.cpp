@@ -140,7 +140,7 @@ TEST_P(LightClothDrop, makes_no_energy_at_a_games_step) {
   EXPECT_GE(sheet.water.getNumParticles(), before - before / 100) << "nothing is thrown out";
   // With contact alone particles share the space next to the sheet.
   if (drop.boundary == BoundaryModel::mirrored) {
-    EXPECT_LE(sheet.density_error / sheet.steps, 0.15);
+    EXPECT_LE(sheet.density_error / sheet.steps, 0.2);
   }
   oilskin::test::record("energy_made", sheet.energy_made());
   oilskin::test::record("density_error", sheet.density_error / sheet.steps);

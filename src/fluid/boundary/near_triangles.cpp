@@ -23,11 +23,15 @@ void collect(const BoundaryInput& input, std::uint32_t surface, std::uint32_t tr
   box = box.inflated(input.support_radius);
   const Vec3 cross = (b - a).cross(c - a);
   const double inverse_norm = cross.norm() > 0 ? 1 / cross.norm() : 0;
+  const Vec3 middle = (a + b + c) / 3;
+  const double size2 =
+      std::max({(a - middle).squaredNorm(), (b - middle).squaredNorm(), (c - middle).squaredNorm()});
+  const double reach = (1 + 1e-9) * (std::sqrt(size2) + input.support_radius), reach2 = reach * reach;
   input.neighbours.for_runs_in(box, [&](std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t i = begin; i < end; ++i) {
       if (!is_asked(i) || !box.contains(input.x[i])) continue;
       const double z = cross.dot(input.x[i] - a) * inverse_norm;
-      if (std::abs(z) >= plane_reach) continue;
+      if (std::abs(z) >= plane_reach || (input.x[i] - middle).squaredNorm() > reach2) continue;
       const ClosestPoint closest = closest_point(input.x[i], a, b, c);
       if (closest.distance < input.support_radius) found.push_back({i, surface, triangle, closest});
     }

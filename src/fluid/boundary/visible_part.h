@@ -31,11 +31,14 @@ class VisibleParts {
     WallPlane plane;
     std::array<Eigen::Vector3f, 3> corners;
     std::array<Eigen::Vector3f, 3> side;  ///< unit normals of the pyramid's faces, inwards
+    Eigen::Vector3f axis;                 ///< of a cone around the pyramid, a unit vector
+    float cosine, sine;                   ///< of the cone's half angle; cosine < 0: the cone is all of space
   };
   struct Piece {
     std::size_t begin, end;  ///< in points_
   };
 
+  static bool cones_meet(const Occluder& a, const Occluder& b);
   static bool may_hide(const Occluder& occluder, const Occluder& other, bool is_earlier);
   bool misses(const Occluder& occluder, const Piece& piece) const;
   void subtract(const Occluder& occluder);
