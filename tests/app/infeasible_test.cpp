@@ -37,11 +37,12 @@ class Infeasible : public testing::TestWithParam<Closing> {
  protected:
   /// report.json after 6 ms: what moves has gone 3 cm, the gap was 2. What the pins compress beyond its
   /// density expands where it escapes, with up to the work that compressed it: the limit of energy_made is 1.
+  /// No pressure solver can converge on water that pins squeeze, so any of the six steps may diverge.
   nlohmann::json close(const std::string& policy, int expected_exit) {
     const Folder folder;
     const std::string scene = folder.write("closing.json", R"({"gravity": [0, 0, 0], "duration": 0.006,
       "emitters": [{"shape": "box", "min": [-0.0175, 0.005, -0.0175], "max": [0.0175, 0.015, 0.0175]}],
-      "contact": {"verify": true}, "acceptance": {"energy_made": 1},
+      "contact": {"verify": true}, "acceptance": {"energy_made": 1, "diverged_steps": 1},
       "kill_box": {"min": [-1, -1, -1], "max": [1, 1, 1]}, )" + std::string(GetParam().surfaces) +
                                                                "}");
     const Outcome outcome = oilskin({"run", scene, "--quiet", "--no-render", "--frames-per-second", "0",
