@@ -214,6 +214,15 @@ const SurfaceMotion* btFluidCoupling::getSurface(const btSoftBody* cloth) const 
   return m_impl->surface(cloth);
 }
 
+SurfaceId btFluidCoupling::getSurfaceId(const btSoftBody* cloth) const {
+  return getSurfaceId(static_cast<const btCollisionObject*>(cloth));
+}
+
+SurfaceId btFluidCoupling::getSurfaceId(const btCollisionObject* object) const {
+  const Attachment* a = m_impl->find(object);
+  return a ? a->id : SurfaceId();
+}
+
 const SurfaceMotion* btFluidCoupling::getSurface(const btCollisionObject* object) const {
   return m_impl->surface(object);
 }

@@ -158,6 +158,11 @@ class btFluidCoupling : public btActionInterface {
   /// The motion of a cloth in the last step; null for one that is not attached. load_of() gives the force on
   /// it.
   const SurfaceMotion* getSurface(const btSoftBody* cloth) const;
+  /// The handle of a cloth in the fluid's world, for World::node_values() and World::set_slip(); none for one
+  /// that is not attached, or without a fluid. Nodes that are welded are one node there.
+  SurfaceId getSurfaceId(const btSoftBody* cloth) const;
+  /// The handle of an object.
+  SurfaceId getSurfaceId(const btCollisionObject* object) const;
   /// The motion of an object in the last step; null for one that is not attached. load_of() gives the force.
   const SurfaceMotion* getSurface(const btCollisionObject* object) const;
 

@@ -112,8 +112,8 @@ void FluidSolver::record_load(double dt, Span<SurfaceMotion* const> surfaces) {
 }
 
 void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
-                          Span<const PredictionContact> contacts, Span<Vec3> velocity, FluidReport& report,
-                          StageSeconds& seconds) {
+                          Span<const PredictionContact> contacts, Span<const Vec3> acceleration,
+                          Span<Vec3> velocity, FluidReport& report, StageSeconds& seconds) {
   StepState& state = impl_->state;
   OILSKIN_ASSERT(dt > 0 && particles.size() >= state.size() && velocity.size() == particles.size());
   OILSKIN_ASSERT(sorted_by_particle(contacts));
@@ -125,6 +125,7 @@ void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
   {
     const StageTimer timer(seconds.other_fluid);
     impl_->load(particles);
+    if (!acceleration.empty()) state.for_each([&](std::size_t i) { state.dv[i] += dt * acceleration[i]; });
     impl_->model->explicit_terms(state);
   }
   {
@@ -134,6 +135,12 @@ void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,
   const StageTimer timer(seconds.other_fluid);
   impl_->finish(particles, velocity);
   state.previous_dt = dt;
+}
+
+Span<const std::uint32_t> FluidSolver::neighbours(std::size_t particle) const {
+  const Neighbours& n = impl_->state.neighbours;
+  return particle < n.size() ? Span<const std::uint32_t>(n.list(particle), n.count(particle))
+                             : Span<const std::uint32_t>();
 }
 
 Span<const WallImpulse> FluidSolver::wall_impulses() const {

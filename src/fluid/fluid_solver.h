@@ -49,9 +49,16 @@ class FluidSolver {
   /// momentum, up to 1e-12 relative. `contacts` sorted by particle. `velocity` has one value per
   /// particle; it may be particles.velocity itself.
   ///
+  /// `acceleration`: of effects, one per particle [m/s²], or none; acts like gravity.
+  ///
   /// Particles that were appended since prepare() take no part, and nothing of them changes.
   void propose(double dt, const Vec3& gravity, Particles& particles, Span<const PredictionContact> contacts,
-               Span<Vec3> velocity, FluidReport& report, StageSeconds& seconds);
+               Span<const Vec3> acceleration, Span<Vec3> velocity, FluidReport& report,
+               StageSeconds& seconds);
+
+  /// After prepare(): the neighbours of a particle, less those that apply_surfaces() found hidden. None of
+  /// one that was appended since.
+  Span<const std::uint32_t> neighbours(std::size_t particle) const;
 
   /// What boundary terms gave to particles at walls with friction in the last propose(), ordered by particle.
   Span<const WallImpulse> wall_impulses() const;

@@ -40,6 +40,7 @@ void Particles::reserve_more(std::size_t count) {
   reserve_array(density, count);
   reserve_array(pressure, count);
   reserve_array(spare_load, count);
+  for (std::vector<double>& v : values) reserve_array(v, count);
 }
 
 void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density) {
@@ -51,6 +52,7 @@ void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, do
   density.push_back(rest_density);
   pressure.push_back(0);
   spare_load.push_back(Vec3::Zero());
+  for (std::size_t k = 0; k < values.size(); ++k) values[k].push_back(value_start[k]);
 }
 
 void Particles::compress(Span<const std::uint8_t> keep) {
@@ -61,6 +63,7 @@ void Particles::compress(Span<const std::uint8_t> keep) {
   compress_array(density, keep);
   compress_array(pressure, keep);
   compress_array(spare_load, keep);
+  for (std::vector<double>& v : values) compress_array(v, keep);
   compress_array(id, keep);
   OILSKIN_ASSERT(position.size() == size() && velocity.size() == size() && motion.size() == size());
   OILSKIN_ASSERT(density.size() == size() && pressure.size() == size());
@@ -77,6 +80,7 @@ void Particles::permute(Span<const std::uint32_t> order) {
   permute_array(density, order, scalars);
   permute_array(pressure, order, scalars);
   permute_array(spare_load, order, vectors);
+  for (std::vector<double>& v : values) permute_array(v, order, scalars);
   permute_array(id, order, ids);
 }
 
@@ -86,6 +90,11 @@ void Particles::visit(Archive& archive) {
   archive.require(position.size() == n && velocity.size() == n && motion.size() == n && density.size() == n &&
                       pressure.size() == n && spare_load.size() == n,
                   "the number of particles");
+  // The kinds are those of the world's effects, which are compared before.
+  for (std::vector<double>& v : values) {
+    archive.value(v);
+    archive.require(v.size() == n, "the number of values of an effect");
+  }
   if (!archive.reading()) return;
   for (const Vec3& u : motion) archive.require(u.allFinite(), "the motion of a particle");
 }

@@ -16,6 +16,9 @@ struct Particles {
   std::vector<double> pressure;  ///< [Pa] of the last step: warm start of the next
   std::vector<Vec3> spare_load;  ///< of the last interval's load, what friction may still use (B.35) [N s]
 
+  std::vector<std::vector<double>> values;  ///< of effects: per kind of value, one per particle
+  std::vector<double> value_start;          ///< per kind, in a new particle
+
   std::size_t size() const { return id.size(); }
   void push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density);
   /// The next `count` calls of push_back() do not throw.

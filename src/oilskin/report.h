@@ -181,8 +181,8 @@ struct EnergyReport {
   /// Work of hosts on their free nodes, as their links, damping and forces do: the change of momentum that is
   /// neither the fluid's nor gravity's × mean speed. Positive where a host drives its cloth, or gains energy.
   double work_host = 0;
-  /// Done to particles between steps: add_velocities(), a change of gravity, particles moved or removed at a
-  /// new surface.
+  /// Done to particles by effects, and between steps: add_velocities(), a change of gravity, particles moved
+  /// or removed at a new surface.
   double work_outside = 0;
   /// The largest work of gravity so far.
   double released_potential = 0;
@@ -257,6 +257,8 @@ struct StepReport {
   Vec3 momentum_removed = Vec3::Zero();
   /// The momentum from gravity [N s].
   Vec3 momentum_gravity = Vec3::Zero();
+  /// The momentum that effects gave the fluid as accelerations [N s].
+  Vec3 momentum_effects = Vec3::Zero();
   /// Energies after the step, and their balance.
   EnergyReport energy;
   /// The share of the impulses on surfaces that went to the hosts' added masses (SurfaceMotion::added_mass)
@@ -269,7 +271,8 @@ struct StepReport {
   /// StepFlag bits.
   std::uint32_t flags = 0;
 
-  /// After − before − emitted + removed − gravity + impulses on surfaces [N s] (C.28): zero up to rounding.
+  /// After − before − emitted + removed − gravity − effects + impulses on surfaces [N s] (C.28): zero up to
+  /// rounding.
   Vec3 momentum_residual() const;
 };
 

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "oilskin/contact.h"
+#include "oilskin/effect.h"
 #include "oilskin/emitter.h"
 #include "oilskin/report.h"
 #include "oilskin/settings.h"
@@ -125,6 +126,21 @@ class World {
   /// Changes velocities and motions, for example by wind: v += dv, one value per particle in storage order.
   Status add_velocities(Span<const Vec3> dv);
 
+  // --- effects
+  /// Adds an effect, which acts from the next step on. It remains the caller's, and must outlive its stay
+  /// here. Effects act in the order in which they were added.
+  Status add_effect(Effect& effect);
+  /// Removes an effect, with its numbers. One that is not there is ignored.
+  void remove_effect(const Effect& effect);
+  /// The numbers of an effect, one per particle in storage order; empty for an unknown effect or channel.
+  Span<const double> particle_values(const Effect& effect, std::size_t channel) const;
+  /// The numbers of an effect, one per node; empty for an unknown effect, channel or surface.
+  Span<const double> node_values(const Effect& effect, SurfaceId id, std::size_t channel) const;
+  /// Sets them between steps. Refuses lists of another length and numbers that are not finite.
+  Status set_particle_values(const Effect& effect, std::size_t channel, Span<const double> values);
+  /// The same for the nodes of a surface.
+  Status set_node_values(const Effect& effect, SurfaceId id, std::size_t channel, Span<const double> values);
+
   // --- the step
   /// One coupled step of dt [s], 1e-12 … 1e6. A refusal (another dt, settings out of range) changes nothing,
   /// and report.status says why. If a displacement exceeds fluid.cfl spacings, or the step is too long for
@@ -167,7 +183,8 @@ class World {
   ///
   /// Before the call the hosts of the saved world must be attached here, in the same order and with the same
   /// meshes (numbers of nodes, triangles, storage); their SurfaceIds remain those of this world. The
-  /// positions of a host's nodes at the next step are a motion from where the saved world left them. All
+  /// positions of a host's nodes at the next step are a motion from where the saved world left them. The
+  /// effects of the saved world must have been added here, in the same order, and are restored with it. All
   /// settings become the saved ones, except WorldSettings::threads. report() and contacts() are empty until
   /// the next step; spans that were taken before are invalid.
   ///

@@ -166,6 +166,7 @@ ActiveSurfaces Attachments::gather(double dt, const WorldSettings& world, const 
 Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box) {
   SurfaceMotion& m = a.motion;
   std::swap(m.x_t0, m.x_t1);
+  const std::size_t nodes_before = m.x_t0.size();
   if (a.settings.smooth) m.velocity_t0 = m.velocity;
   m.added_mass.clear();
   const Gathered gathered = a.host->gather(dt, m);
@@ -181,6 +182,8 @@ Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box
     m.velocity_t0.clear();
     a.is_new = true;
     forget_load(a);
+    // A teleport keeps them.
+    if (gathered.new_surface || m.x_t1.size() != nodes_before) a.values.clear();
   }
   OILSKIN_ASSERT(m.id != 0 && m.delta > 0 && m.x_t0.size() == m.x_t1.size());
   m.slip = a.settings.slip;
@@ -221,6 +224,7 @@ void Attachments::checkpoint() {
     const Attachment& a = *list_[k];
     saved_[k].motion = a.motion;
     saved_[k].mean_load = a.mean_load;
+    saved_[k].values = a.values;
     saved_[k].is_new = a.is_new;
     saved_[k].teleported = a.teleported;
     saved_[k].refused = a.refused;
@@ -234,6 +238,7 @@ void Attachments::roll_back() noexcept {
     Attachment& a = *list_[k];
     std::swap(a.motion, saved_[k].motion);
     a.mean_load.swap(saved_[k].mean_load);
+    a.values.swap(saved_[k].values);
     a.is_new = saved_[k].is_new;
     a.teleported = saved_[k].teleported;
     a.refused = saved_[k].refused;

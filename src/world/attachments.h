@@ -22,6 +22,7 @@ struct Attachment {
   bool teleported = false;      // the next gather makes it a new surface
   bool refused = false;         // left out, until a gather after reset_motion is accepted
   std::vector<Vec3> mean_load;  // of each node [N] (C.30); empty = none yet
+  std::vector<std::vector<double>> values;  // of effects: per kind of value, one per node
 
   // Derived from the motion
   contact::SurfaceGeometry geometry;
@@ -78,6 +79,7 @@ class Attachments {
   struct SavedState {
     SurfaceMotion motion;
     std::vector<Vec3> mean_load;
+    std::vector<std::vector<double>> values;
     bool is_new = false, teleported = false, refused = false;
   };
 

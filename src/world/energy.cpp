@@ -133,11 +133,11 @@ const EnergyReport& EnergyBalance::finish(std::size_t count, double dt, double s
   r.left_potential += left_.potential(gravity_);
   r.work_prescribed -= on_prescribed_;
   r.work_host += nodes_.total(gravity_) - nodes_before_.total(gravity_) - r.transfer - late_;
-  r.work_outside += start_.total(gravity_) - water_before_.total(state_.gravity) -
+  r.work_outside += by_effects_ + start_.total(gravity_) - water_before_.total(state_.gravity) -
                     (gravity_ - state_.gravity).dot(state_.nodes.moment);
   r.transfer = transfer_;
   r.made_in_step = water.total(gravity_) - start_.total(gravity_) - entered_.total(gravity_) +
-                   left_.total(gravity_) + on_prescribed_ + transfer_ + late_;
+                   left_.total(gravity_) + on_prescribed_ + transfer_ + late_ - by_effects_;
   r.made += r.made_in_step;
   state_.gravity_work -= water.potential(gravity_) - start_.potential(gravity_) -
                          entered_.potential(gravity_) + left_.potential(gravity_) +

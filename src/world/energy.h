@@ -59,6 +59,11 @@ class EnergyBalance {
 
   /// Particle i went from `start` to particles.position within `time` [s]: sets particles.motion.
   void move(fluid::Particles& particles, std::size_t i, const Vec3& start, double time, double dt);
+  /// Effects accelerated a particle for dt. `motion`: mean of its speeds in the last interval and in this
+  /// one, with which free motion conserves energy to rounding, as (F.57) does in gravity.
+  void drive(const Vec3& acceleration, const Vec3& motion, double dt) {
+    by_effects_ += mass_ * dt * acceleration.dot(motion);
+  }
   void stay(const fluid::Particles& particles, std::size_t i, double dt);
   void leave(const fluid::Particles& particles, std::size_t i, double dt);
   /// Particle i is removed at `start`: it has no certified end.
@@ -88,6 +93,7 @@ class EnergyBalance {
   // Work of the fluid [J]: on prescribed nodes; on free ones at the speeds of the step; what the latter was
   // off by in the step before.
   double on_prescribed_ = 0, transfer_ = 0, late_ = 0;
+  double by_effects_ = 0;  // work of effects on particles [J]
   // Of the interval
   Energy water_;
   double max_speed_ = 0;  // squared

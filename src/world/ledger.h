@@ -22,6 +22,8 @@ class Ledger {
   void gravity(std::size_t count, double dt, const Vec3& gravity) {
     report_.momentum_gravity += static_cast<double>(count) * mass_ * dt * gravity;
   }
+  /// Effects accelerate a particle for dt [s].
+  void effect(double dt, const Vec3& acceleration) { report_.momentum_effects += mass_ * dt * acceleration; }
   /// A particle that leaves the fluid; the caller counts the reason.
   void removed(const Vec3& velocity) {
     report_.mass_removed += mass_;

@@ -109,7 +109,7 @@ namespace {
 
 constexpr char magic[8] = {'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'};
 constexpr std::uint32_t byte_order = 0x01020304, swapped_byte_order = 0x04030201;
-constexpr std::uint32_t version = 2;
+constexpr std::uint32_t version = 3;
 constexpr std::size_t frame_bytes = 32;
 
 std::uint64_t check_sum(Span<const std::uint8_t> bytes) {
@@ -169,6 +169,9 @@ void Attachments::visit(Archive& archive) {
     if (a->refused) return archive.value(a->motion.id);
     oilskin::visit(archive, a->motion);
     archive.value(a->mean_load);
+    archive.list(a->values, sizeof(std::uint64_t), [&](std::vector<double>& v) { archive.value(v); });
+    for (const std::vector<double>& v : a->values)
+      archive.require(v.size() == a->motion.x_t1.size(), "the number of values of an effect");
     if (archive.ok())
       archive.require(oilskin::is_in_range(a->motion) && is_mean_load(a->mean_load, a->motion.x_t1.size()),
                       "the state of a surface");
@@ -232,12 +235,16 @@ void World::Impl::visit_state(Archive& archive) {
   archive.require(max_acceleration >= 0, "the largest acceleration");
   archive.require(time >= 0 && std::isfinite(time) && last_dt >= 0 && std::isfinite(last_dt), "the time");
   energy.visit(archive);
+  effects.visit(archive);
   particles.visit(archive);
   if (archive.reading())
     archive.require(are_given(particles.id, next_particle_id), "the ids of the particles");
   emission->visit(archive, time);
   fluid->visit(archive);
   attachments.visit(archive);
+  for (const auto& a : attachments.all())
+    archive.require(a->values.empty() || a->values.size() == effects.node_value_count(),
+                    "the number of kinds of values of a surface");
 }
 
 Status World::Impl::restore(Span<const std::uint8_t> saved) {
@@ -256,10 +263,14 @@ Status World::Impl::restore(Span<const std::uint8_t> saved) {
 
   Impl restored(world_settings, of_fluid, of_contact);
   if (!restored.status.ok()) return refuse(restored.status);
+  restored.effects.take_effects(effects);
+  restored.state.particles.values.resize(state.particles.values.size());
+  restored.state.particles.value_start = state.particles.value_start;
   restored.visit_state(archive);
   if (archive.ok() && archive.left() > 0) archive.refuse("there are more bytes than there is state");
   if (!archive.ok()) return refuse(archive.status());
   if (Status s = restored.attachments.take_hosts(attachments); !s.ok()) return s;
+  if (Status s = restored.effects.restore(); !s.ok()) return refuse(s);
   restored.observer = observer;
   restored.report.step = restored.state.step_count;
   restored.report.time = restored.state.time;

@@ -84,6 +84,7 @@ void World::Impl::run_interval(IntervalContext& interval) {
   // hidden neighbours, boundary terms
   fluid->apply_surfaces(interval.dt, settings.gravity, state.particles, step.surfaces.motion,
                         step.surfaces.topology, seconds);
+  act(interval);                     // forces of effects
   predict_contacts(interval, pass);  // bounds for the pressure solver
   propose_motion(interval);          // pressure, viscosity → x_t1
   pass.set_start_velocity(state.particles.velocity);
@@ -91,9 +92,10 @@ void World::Impl::run_interval(IntervalContext& interval) {
     pass.set_wall_impulses(fluid->wall_impulses(), state.particles.spare_load);
   pass.solve();              // impulses, impacts, zones → certificate
   verify(interval, motion);  // an independent check, when asked for
+  step.contacts = pass.take_contacts();
+  exchange(interval, step.contacts);  // of effects
   notify_observer(interval);
   commit(interval);  // no live particle has moved since the certificate
-  step.contacts = pass.take_contacts();
 }
 
 void World::Impl::gather(StepContext& step) {
@@ -102,6 +104,21 @@ void World::Impl::gather(StepContext& step) {
   fluid->record_host_response(step.dt, settings.gravity, step.surfaces.motion);
   world::relocate_particles(step.surfaces, state.particles, state.next_particle_id, *workers, step.report,
                             step.ledger);
+}
+
+void World::Impl::act(IntervalContext& interval) {
+  if (effects.empty()) return;
+  StageTimer timer(interval.step.report.seconds.effects);
+  for (world::Attachment* a : interval.step.surfaces.attachment) effects.fill(*a);
+  effects.act({interval, state.particles, *fluid, fluid_settings, settings.gravity, *workers});
+  for (std::size_t i = 0; i < interval.live; ++i)
+    interval.step.ledger.effect(interval.dt, interval.acceleration[i]);
+}
+
+void World::Impl::exchange(IntervalContext& interval, Span<const Contact> near) {
+  if (effects.empty()) return;
+  StageTimer timer(interval.step.report.seconds.effects);
+  effects.exchange({interval, state.particles, *fluid, fluid_settings, settings.gravity, *workers}, near);
 }
 
 void World::Impl::remove_invalid_particles(StepContext& step) {
@@ -242,8 +259,8 @@ void World::Impl::predict_contacts(IntervalContext& interval, contact::ContactPa
 void World::Impl::propose_motion(IntervalContext& interval) {
   StepContext& step = interval.step;
   FluidReport found;
-  fluid->propose(interval.dt, settings.gravity, state.particles, interval.prediction, interval.velocity,
-                 found, step.report.seconds);
+  fluid->propose(interval.dt, settings.gravity, state.particles, interval.prediction, interval.acceleration,
+                 interval.velocity, found, step.report.seconds);
   step.report.fluid = interval.is_first ? found : worst_of(step.report.fluid, found);
   StageTimer timer(step.report.seconds.other_fluid);
   double change = 0;  // squared
@@ -329,7 +346,10 @@ bool World::Impl::commit_particle(IntervalContext& interval, std::size_t i) {
     energy.lose(particles, i, start, interval.dt);
     return false;
   }
+  const Vec3 motion_before = particles.motion[i];
   energy.move(particles, i, start, interval.remaining[i], interval.dt);
+  if (!interval.acceleration.empty() && i < interval.live)
+    energy.drive(interval.acceleration[i], 0.5 * (motion_before + particles.motion[i]), interval.dt);
   if (inside) {
     energy.stay(particles, i, interval.dt);
     return true;

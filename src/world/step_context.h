@@ -49,6 +49,7 @@ struct IntervalContext {
   std::vector<double> inverse_mass;  // [1/kg]
   std::vector<std::uint8_t> removed;
   std::vector<fluid::PredictionContact> prediction;
+  std::vector<Vec3> acceleration;  // by effects; empty = there are none [m/s²]
 
   // Output
   ContactReport report;

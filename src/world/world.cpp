@@ -224,6 +224,64 @@ Status World::add_velocities(Span<const Vec3> dv) {
   return {};
 }
 
+Status World::add_effect(Effect& effect) {
+  if (!impl_->status.ok()) return impl_->status;
+  return impl_->effects.add(effect, impl_->state.particles, impl_->attachments);
+}
+
+void World::remove_effect(const Effect& effect) {
+  impl_->effects.remove(effect, impl_->state.particles, impl_->attachments);
+}
+
+std::vector<double>* World::Impl::particle_values(const Effect& effect, std::size_t channel) {
+  const world::Effects::Slot* slot = effects.find(effect);
+  if (slot == nullptr || channel >= slot->particle_start.size()) return nullptr;
+  return &state.particles.values[slot->first_particle_value + channel];
+}
+
+/// Those of a mesh that is new to the world are filled in by its next step.
+std::vector<double>* World::Impl::node_values(const Effect& effect, SurfaceId id, std::size_t channel) {
+  const world::Effects::Slot* slot = effects.find(effect);
+  world::Attachment* a = attachments.find(id.value);
+  if (slot == nullptr || a == nullptr || channel >= slot->node_start.size()) return nullptr;
+  effects.fill(*a);
+  return &a->values[slot->first_node_value + channel];
+}
+
+Span<const double> World::particle_values(const Effect& effect, std::size_t channel) const {
+  const std::vector<double>* values = impl_->particle_values(effect, channel);
+  return values ? Span<const double>(*values) : Span<const double>();
+}
+
+Span<const double> World::node_values(const Effect& effect, SurfaceId id, std::size_t channel) const {
+  const std::vector<double>* values = impl_->node_values(effect, id, channel);
+  return values ? Span<const double>(*values) : Span<const double>();
+}
+
+namespace {
+
+Status set_values(std::vector<double>* values, Span<const double> given) {
+  if (values == nullptr) return Status::refused("there is no such effect, channel or surface");
+  if (given.size() != values->size())
+    return Status::refused("there are " + std::to_string(given.size()) + " values; it takes " +
+                           std::to_string(values->size()));
+  for (std::size_t i = 0; i < given.size(); ++i)
+    if (!std::isfinite(given[i])) return Status::refused("value " + std::to_string(i) + " is not finite");
+  std::copy(given.begin(), given.end(), values->begin());
+  return {};
+}
+
+}  // namespace
+
+Status World::set_particle_values(const Effect& effect, std::size_t channel, Span<const double> values) {
+  return set_values(impl_->particle_values(effect, channel), values);
+}
+
+Status World::set_node_values(const Effect& effect, SurfaceId id, std::size_t channel,
+                              Span<const double> values) {
+  return set_values(impl_->node_values(effect, id, channel), values);
+}
+
 const StepReport& World::step(double dt) {
   Impl& w = *impl_;
   world::StepContext step(dt, particle_mass(), w.state.energy, w.settings.gravity);

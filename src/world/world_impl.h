@@ -7,6 +7,7 @@
 #include "fluid/fluid_solver.h"
 #include "oilskin/world.h"
 #include "world/attachments.h"
+#include "world/effects.h"
 #include "world/energy.h"
 #include "world/step_context.h"
 
@@ -39,6 +40,7 @@ struct World::Impl {
   std::unique_ptr<fluid::Emission> emission;
   contact::ContactBuffers contact_buffers;
   world::Attachments attachments;
+  world::Effects effects;
   IntervalObserver* observer = nullptr;
 
   world::WorldState state, saved_state;  // saved_state: by checkpoint()
@@ -61,15 +63,21 @@ struct World::Impl {
   void run_interval(world::IntervalContext& interval);
   void emit(world::IntervalContext& interval);
   void predict_motion(world::IntervalContext& interval) const;
+  void act(world::IntervalContext& interval);
   void predict_contacts(world::IntervalContext& interval, contact::ContactPass& pass) const;
   void propose_motion(world::IntervalContext& interval);
   void verify(world::IntervalContext& interval, const ParticleMotion& motion) const;
+  void exchange(world::IntervalContext& interval, Span<const Contact> near);
   void notify_observer(world::IntervalContext& interval);
   void commit(world::IntervalContext& interval);
   bool commit_particle(world::IntervalContext& interval, std::size_t i);
   void scatter(world::StepContext& step);
   void finish(world::StepContext& step);
   void advise_on_energy(world::StepContext& step) const;
+
+  // Null for what there is not
+  std::vector<double>* particle_values(const Effect& effect, std::size_t channel);
+  std::vector<double>* node_values(const Effect& effect, SurfaceId id, std::size_t channel);
 
   ParticleMotion motion_of(world::IntervalContext& interval);
 

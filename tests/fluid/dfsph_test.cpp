@@ -75,7 +75,7 @@ TEST(Dfsph, start_velocities_do_not_compress) {
     approach(tank, 4 * dx);
     tank.solver.prepare(tank.particles, tank.seconds);
     EXPECT_GT(mean_compression(tank, dt), 2e-3);
-    tank.solver.propose(dt, tank.gravity, tank.particles, {}, tank.particles.velocity, tank.report,
+    tank.solver.propose(dt, tank.gravity, tank.particles, {}, {}, tank.particles.velocity, tank.report,
                         tank.seconds);
     EXPECT_GT(tank.report.divergence_iterations, 0);
     EXPECT_LE(mean_compression(tank, dt), 1.01 * tolerance);

@@ -191,7 +191,7 @@ TEST(Occlusion, keeps_momentum_and_bits) {
     solver.apply_surfaces(1e-3, Vec3::Zero(), particles, surfaces, topologies, seconds);
     Vec3 before = Vec3::Zero();
     for (const Vec3& v : particles.velocity) before += v;
-    solver.propose(1e-3, Vec3::Zero(), particles, {}, particles.velocity, report, seconds);
+    solver.propose(1e-3, Vec3::Zero(), particles, {}, {}, particles.velocity, report, seconds);
     EXPECT_GT(report.hidden_pairs, 1000u);
     Vec3& after = sum[threads - 1];
     after.setZero();

@@ -169,7 +169,7 @@ TEST(Mcg03, pressure_follows_the_state_equation) {
   tank.walls = false;
   tank.fill(8, 8, 8, 0.95 * dx);
   tank.solver.prepare(tank.particles, tank.seconds);
-  tank.solver.propose(1e-4, Vec3::Zero(), tank.particles, {}, tank.particles.velocity, tank.report,
+  tank.solver.propose(1e-4, Vec3::Zero(), tank.particles, {}, {}, tank.particles.velocity, tank.report,
                       tank.seconds);
   for (std::size_t i = 0; i < tank.particles.size(); ++i)
     EXPECT_NEAR(tank.particles.pressure[i], std::max(0.0, 4 * (tank.particles.density[i] - 1000)), 1e-9);

@@ -76,7 +76,7 @@ TEST_P(EveryModel, appended_particles_take_no_part) {
     std::vector<Vec3>& v = velocity[tank == &with];
     v.assign(tank->particles.size(), Vec3::Zero());
     const std::vector<Vec3> before = tank->particles.velocity;
-    tank->solver.propose(5e-4, tank->gravity, tank->particles, {}, v, tank->report, tank->seconds);
+    tank->solver.propose(5e-4, tank->gravity, tank->particles, {}, {}, v, tank->report, tank->seconds);
     EXPECT_EQ(tank->particles.velocity, before) << "is read only";
   }
   EXPECT_EQ(velocity[1].back(), Vec3::Zero());
@@ -216,7 +216,7 @@ TEST_P(EveryModel, shear_decays_at_the_rate_of_the_viscosity) {
     tank.particles.velocity[i].x() = v0 * std::sin(k * tank.particles.position[i].z());
   tank.solver.prepare(tank.particles, tank.seconds);
   const std::vector<Vec3> before = tank.particles.velocity;
-  tank.solver.propose(dt, tank.gravity, tank.particles, {}, tank.particles.velocity, tank.report,
+  tank.solver.propose(dt, tank.gravity, tank.particles, {}, {}, tank.particles.velocity, tank.report,
                       tank.seconds);
   double projected = 0, norm = 0;
   for (std::size_t i = 0; i < tank.particles.size(); ++i) {

@@ -56,7 +56,7 @@ struct Tank {
   void step(double dt) {
     solver.prepare(particles, seconds);
     const std::vector<PredictionContact> bounds = walls ? contacts(dt) : std::vector<PredictionContact>();
-    solver.propose(dt, gravity, particles, bounds, particles.velocity, report, seconds);
+    solver.propose(dt, gravity, particles, bounds, {}, particles.velocity, report, seconds);
     for (const PredictionContact& c : bounds) {
       Vec3& v = particles.velocity[c.particle];
       v += std::max(0.0, c.min_normal_velocity - v.dot(c.normal)) * c.normal;

@@ -16,7 +16,7 @@ constexpr float tolerance = 1e-5f;
 /// A plane nearer to the particle than this is seen edge-on and hides nothing [H].
 constexpr float edge_on = 1e-5f;
 
-/// Cones of which the cosines say that they are apart by less than this count as meeting.
+/// Cones of which the cosines say that they are apart by less than this count as touching.
 constexpr float rounding_of_cosines = 1e-4f;
 
 }  // namespace
@@ -35,8 +35,8 @@ void VisibleParts::add(const std::array<Eigen::Vector3f, 3>& x) {
   triangles_.push_back(o);
 }
 
-/// A quick test: false only if no ray from the particle meets both.
-bool VisibleParts::cones_meet(const Occluder& a, const Occluder& b) {
+/// A quick test: false only if no ray from the particle lies in both.
+bool VisibleParts::cones_touch(const Occluder& a, const Occluder& b) {
   if (!(a.cosine > 0) || !(b.cosine > 0)) return true;
   return a.axis.dot(b.axis) > a.cosine * b.cosine - a.sine * b.sine - rounding_of_cosines;
 }
@@ -44,7 +44,7 @@ bool VisibleParts::cones_meet(const Occluder& a, const Occluder& b) {
 /// A quick test, true for all pairs of which one hides a part of the other.
 bool VisibleParts::may_hide(const Occluder& occluder, const Occluder& other, bool is_earlier) {
   const WallPlane& plane = occluder.plane;
-  if (plane.distance() < edge_on || !cones_meet(occluder, other)) return false;
+  if (plane.distance() < edge_on || !cones_touch(occluder, other)) return false;
   const float toward = plane.offset > 0 ? -1.0f : 1.0f;
   std::array<float, 3> height;  // above the occluder's plane, on whose upper side the particle is
   for (std::size_t k = 0; k < 3; ++k)

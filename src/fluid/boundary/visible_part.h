@@ -38,7 +38,7 @@ class VisibleParts {
     std::size_t begin, end;  ///< in points_
   };
 
-  static bool cones_meet(const Occluder& a, const Occluder& b);
+  static bool cones_touch(const Occluder& a, const Occluder& b);
   static bool may_hide(const Occluder& occluder, const Occluder& other, bool is_earlier);
   bool misses(const Occluder& occluder, const Piece& piece) const;
   void subtract(const Occluder& occluder);

@@ -1,0 +1,106 @@
+/// @file
+/// Effects: what acts on the fluid and its surfaces beside pressure, viscosity and contact. A world has those
+/// that its user adds, and pays for no others.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "oilskin/contact.h"
+
+namespace oilskin {
+
+/// One certified interval, as an effect sees it: a step, or one of its fluid sub-steps. Values per particle
+/// are in storage order, which may change from interval to interval. Valid during the call only.
+class EffectInterval {
+ public:
+  virtual ~EffectInterval() = default;
+  EffectInterval(const EffectInterval&) = delete;
+  EffectInterval& operator=(const EffectInterval&) = delete;
+
+  /// Its length [s].
+  double dt = 0;
+  /// Simulated time at its start [s].
+  double time = 0;
+  /// [m/s²]
+  Vec3 gravity = Vec3::Zero();
+  /// Of each particle [kg].
+  double particle_mass = 0;
+  /// dx [m].
+  double spacing = 0;
+  /// H [m].
+  double support_radius = 0;
+  /// ρ0 [kg/m³].
+  double rest_density = 0;
+  /// Of the particles.
+  Span<const std::uint64_t> id;
+  /// [m]: at the start for forces, at the certified end for exchange.
+  Span<const Vec3> position;
+  /// [m/s], likewise.
+  Span<const Vec3> velocity;
+  /// [kg/m³], of the last interval.
+  Span<const double> density;
+  /// The surfaces that collide with the fluid, in order of attachment, between x_t0 and x_t1.
+  Span<SurfaceMotion* const> surfaces;
+
+  /// The effect's own numbers: one per particle. `channel` counts from 0, below particle_values().size().
+  virtual Span<double> of_particles(std::size_t channel) = 0;
+  /// One per node of surfaces[surface]; `channel` is below node_values().size().
+  virtual Span<double> of_nodes(std::size_t surface, std::size_t channel) = 0;
+  /// f(i) for i in 0 … count − 1 on the threads of the world. Results do not depend on their number if f(i)
+  /// writes nothing that another f(j) reads or writes.
+  virtual void for_each(std::size_t count, const std::function<void(std::size_t)>& f) const = 0;
+
+ protected:
+  EffectInterval() = default;
+};
+
+/// Before the pressure solve.
+class EffectForces : public EffectInterval {
+ public:
+  /// To be added to [m/s²]. Starts at zero for each interval; one per particle that has neighbours:
+  /// particles that an emitter starts in this interval fall freely until the next. A value that is not finite
+  /// is replaced by zero and reported.
+  Span<Vec3> acceleration;
+
+  /// The particles within H of particle i, itself and those behind a surface left out.
+  virtual Span<const std::uint32_t> neighbours(std::size_t i) const = 0;
+};
+
+/// After the certificate: motion is final, own numbers may change.
+class EffectExchange : public EffectInterval {
+ public:
+  /// Particles near surfaces at the start of the interval. Contact::surface counts in `surfaces`.
+  Span<const Contact> contacts;
+};
+
+/// An effect. The user creates and owns it; a world keeps a pointer. All calls come from the thread that
+/// steps the world, and must not call the world. What act() and exchange() throw ends the step, which leaves
+/// no trace in the world; members of the effect itself are the effect's.
+class Effect {
+ public:
+  virtual ~Effect() = default;
+
+  /// In messages and saved worlds.
+  virtual std::string name() const = 0;
+  /// Per number that the world keeps for each particle: its value in a new particle. Must not change. The
+  /// numbers follow their particle, are saved with the world, and end with it.
+  virtual std::vector<double> particle_values() const { return {}; }
+  /// The same for each node of each surface: the value at a mesh that is new to the world. Teleports keep
+  /// them.
+  virtual std::vector<double> node_values() const { return {}; }
+
+  /// Adds forces, before the pressure solve.
+  virtual void act(EffectForces&) {}
+  /// Exchanges, after the certificate.
+  virtual void exchange(EffectExchange&) {}
+
+  /// Settings and state beside the numbers above, for saved worlds.
+  virtual std::vector<std::uint8_t> save() const { return {}; }
+  /// Takes what save() wrote, or refuses and changes nothing.
+  virtual Status restore(Span<const std::uint8_t> saved) {
+    return saved.empty() ? Status() : Status::refused("there is nothing to restore");
+  }
+};
+
+}  // namespace oilskin

@@ -1,0 +1,194 @@
+#include "world/effects.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/assert.h"
+
+namespace oilskin::world {
+
+namespace {
+
+constexpr std::size_t chunk = 256;
+
+/// What both stages share. Base is EffectForces or EffectExchange.
+template <class Base>
+class View : public Base {
+ public:
+  View(const Effects::Slot& slot, const EffectInput& input) : slot_(slot), input_(input) {
+    const IntervalContext& interval = input.interval;
+    this->dt = interval.dt;
+    this->time = interval.begin;
+    this->gravity = input.gravity;
+    this->particle_mass = input.fluid.particle_mass();
+    this->spacing = input.settings.spacing;
+    this->support_radius = input.fluid.support_radius();
+    this->rest_density = input.settings.rest_density;
+    this->id = input.particles.id;
+    this->density = input.particles.density;
+    this->surfaces = interval.step.surfaces.motion;
+  }
+  Span<double> of_particles(std::size_t channel) override {
+    OILSKIN_ASSERT(channel < slot_.particle_start.size());
+    return input_.particles.values[slot_.first_particle_value + channel];
+  }
+  Span<double> of_nodes(std::size_t surface, std::size_t channel) override {
+    OILSKIN_ASSERT(channel < slot_.node_start.size());
+    return input_.interval.step.surfaces.attachment[surface]->values[slot_.first_node_value + channel];
+  }
+  void for_each(std::size_t count, const std::function<void(std::size_t)>& f) const override {
+    input_.workers.for_each(count, chunk, f);
+  }
+
+ protected:
+  const Effects::Slot& slot_;
+  const EffectInput& input_;
+};
+
+class Forces : public View<EffectForces> {
+ public:
+  Forces(const Effects::Slot& slot, const EffectInput& input, Span<Vec3> sum) : View(slot, input) {
+    position = input.particles.position;
+    velocity = input.particles.velocity;
+    acceleration = sum;
+  }
+  Span<const std::uint32_t> neighbours(std::size_t i) const override { return input_.fluid.neighbours(i); }
+};
+
+class Exchange : public View<EffectExchange> {
+ public:
+  Exchange(const Effects::Slot& slot, const EffectInput& input, Span<const Contact> near)
+      : View(slot, input) {
+    position = input.interval.x_t1;
+    velocity = input.interval.velocity;
+    contacts = near;
+  }
+};
+
+bool all_finite(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+}  // namespace
+
+const Effects::Slot* Effects::find(const Effect& effect) const {
+  for (const Slot& s : slots_)
+    if (s.effect == &effect) return &s;
+  return nullptr;
+}
+
+Status Effects::add(Effect& effect, fluid::Particles& particles, Attachments& attachments) {
+  Slot slot{&effect, effect.name(), effect.particle_values(), effect.node_values(), 0, 0};
+  for (const Slot& s : slots_)
+    if (s.effect == &effect || s.name == slot.name)
+      return Status::refused("the world has an effect " + slot.name);
+  if (!all_finite(slot.particle_start) || !all_finite(slot.node_start))
+    return Status::refused("a start value of the effect " + slot.name + " is not finite");
+  slot.first_particle_value = particles.values.size();
+  slot.first_node_value = node_value_count();
+  std::vector<std::vector<double>> values;
+  for (double start : slot.particle_start) values.emplace_back(particles.size(), start);
+  slots_.reserve(slots_.size() + 1);
+  particles.values.reserve(particles.values.size() + values.size());
+  particles.value_start.reserve(particles.value_start.size() + values.size());
+  slots_.push_back(std::move(slot));
+  for (std::vector<double>& v : values) particles.values.push_back(std::move(v));
+  for (double start : slots_.back().particle_start) particles.value_start.push_back(start);
+  for (const auto& a : attachments.all()) fill(*a);
+  return {};
+}
+
+void Effects::remove(const Effect& effect, fluid::Particles& particles, Attachments& attachments) {
+  const Slot* found = find(effect);
+  if (found == nullptr) return;
+  const auto erase = [](auto& all, std::size_t first, std::size_t count) {
+    const auto begin = all.begin() + static_cast<std::ptrdiff_t>(first);
+    all.erase(begin, begin + static_cast<std::ptrdiff_t>(count));
+  };
+  const std::size_t of_particles = found->particle_start.size(), of_nodes = found->node_start.size();
+  erase(particles.values, found->first_particle_value, of_particles);
+  erase(particles.value_start, found->first_particle_value, of_particles);
+  for (const auto& a : attachments.all())
+    if (!a->values.empty()) erase(a->values, found->first_node_value, of_nodes);
+  for (Slot& s : slots_) {
+    if (s.first_particle_value > found->first_particle_value) s.first_particle_value -= of_particles;
+    if (s.first_node_value > found->first_node_value) s.first_node_value -= of_nodes;
+  }
+  erase(slots_, static_cast<std::size_t>(found - slots_.data()), 1);
+}
+
+void Effects::fill(Attachment& a) const {
+  const std::size_t nodes = a.motion.x_t1.size();
+  std::size_t channel = 0;
+  for (const Slot& slot : slots_)
+    for (double start : slot.node_start) {
+      if (a.values.size() <= channel) a.values.emplace_back();
+      if (a.values[channel].size() != nodes) a.values[channel].assign(nodes, start);
+      ++channel;
+    }
+}
+
+void Effects::act(const EffectInput& input) const {
+  std::vector<Vec3>& sum = input.interval.acceleration;
+  sum.assign(input.particles.size(), Vec3::Zero());
+  for (const Slot& slot : slots_) {
+    Forces forces(slot, input, sum);
+    slot.effect->act(forces);
+    std::uint64_t wrong = 0;
+    for (Vec3& a : sum) {
+      if (a.allFinite()) continue;
+      a.setZero();
+      ++wrong;
+    }
+    if (wrong > 0)
+      input.interval.step.report.messages.push_back(
+          "the effect " + slot.name + " gave " + std::to_string(wrong) +
+          " particles an acceleration that is not finite; they got none by effects");
+  }
+}
+
+void Effects::exchange(const EffectInput& input, Span<const Contact> contacts) const {
+  std::vector<Contact> of_live;
+  for (const Contact& c : contacts)
+    if (!input.interval.removed[c.particle]) of_live.push_back(c);
+  for (const Slot& slot : slots_) {
+    Exchange exchange(slot, input, of_live);
+    slot.effect->exchange(exchange);
+  }
+}
+
+void Effects::visit(Archive& archive) {
+  std::uint64_t count = slots_.size();
+  archive.value(count);
+  if (archive.reading() && count != slots_.size())
+    return archive.refuse("it has " + std::to_string(count) + " effects, this one " +
+                          std::to_string(slots_.size()) + "; add the same effects in the same order");
+  read_.assign(slots_.size(), {});
+  for (std::size_t k = 0; k < slots_.size(); ++k) {
+    const Slot& slot = slots_[k];
+    std::vector<char> name(slot.name.begin(), slot.name.end());
+    std::uint64_t of_particles = slot.particle_start.size(), of_nodes = slot.node_start.size();
+    if (!archive.reading()) read_[k] = slot.effect->save();
+    archive.values(name, of_particles, of_nodes, read_[k]);
+    if (archive.reading() && archive.ok() &&
+        (std::string(name.begin(), name.end()) != slot.name || of_particles != slot.particle_start.size() ||
+         of_nodes != slot.node_start.size()))
+      archive.refuse("its effect " + std::string(name.begin(), name.end()) + " is not this one's " +
+                     slot.name + "; add the same effects in the same order");
+  }
+}
+
+Status Effects::restore() const {
+  std::vector<std::vector<std::uint8_t>> before;
+  for (const Slot& slot : slots_) before.push_back(slot.effect->save());
+  for (std::size_t k = 0; k < slots_.size(); ++k) {
+    const Status status = slots_[k].effect->restore(read_[k]);
+    if (status.ok()) continue;
+    for (std::size_t done = 0; done < k; ++done)
+      static_cast<void>(slots_[done].effect->restore(before[done]).ok());
+    return Status::refused("the effect " + slots_[k].name + ": " + status.message);
+  }
+  return {};
+}
+
+}  // namespace oilskin::world
