@@ -38,7 +38,7 @@ inline double longest_viscous_interval(const FluidSettings& s) {
 /// |gravity| [m/s²]; infinity with contact alone, which holds it.
 inline double longest_resting_interval(const FluidSettings& s, double g) {
   if (s.boundary != BoundaryModel::mirrored || !(g > 0)) return std::numeric_limits<double>::infinity();
-  return 0.18 * std::sqrt(s.spacing / g);
+  return (s.solver == PressureSolver::pcisph ? 0.12 : 0.18) * std::sqrt(s.spacing / g);
 }
 
 /// The longest interval [s] of the state equation at the speed v [m/s] of the fluid; infinity for other
