@@ -65,6 +65,11 @@ class EffectForces : public EffectInterval {
 
   /// The particles within H of particle i, itself and those behind a surface left out.
   virtual Span<const std::uint32_t> neighbours(std::size_t i) const = 0;
+  /// A force [N] on a point of surfaces[surface], which acts on its nodes for the interval, like pressure.
+  /// `weights`: barycentric, of the three nodes. From one thread at a time. A force that is not finite is
+  /// left out.
+  virtual void push(std::size_t surface, const std::array<std::uint32_t, 3>& nodes,
+                    const std::array<double, 3>& weights, const Vec3& force) = 0;
 };
 
 /// After the certificate: motion is final, own numbers may change.

@@ -257,7 +257,7 @@ struct StepReport {
   Vec3 momentum_removed = Vec3::Zero();
   /// The momentum from gravity [N s].
   Vec3 momentum_gravity = Vec3::Zero();
-  /// The momentum that effects gave the fluid as accelerations [N s].
+  /// The momentum that effects gave the fluid and the surfaces [N s]: 0 for forces between them.
   Vec3 momentum_effects = Vec3::Zero();
   /// Energies after the step, and their balance.
   EnergyReport energy;

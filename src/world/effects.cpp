@@ -53,6 +53,20 @@ class Forces : public View<EffectForces> {
     acceleration = sum;
   }
   Span<const std::uint32_t> neighbours(std::size_t i) const override { return input_.fluid.neighbours(i); }
+  void push(std::size_t surface, const std::array<std::uint32_t, 3>& nodes,
+            const std::array<double, 3>& weights, const Vec3& force) override {
+    SurfaceMotion& s = *surfaces[surface];
+    StepContext& step = input_.interval.step;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t node = nodes[k];
+      const Vec3 impulse = weights[k] * dt * force;
+      if (!impulse.allFinite()) continue;
+      s.impulse[node] += impulse;
+      s.velocity[node] += s.inverse_mass[node] * impulse;
+      step.ledger.effect(impulse);
+      step.energy.drive(impulse.dot(s.x_t1[node] - s.x_t0[node]) / dt);
+    }
+  }
 };
 
 class Exchange : public View<EffectExchange> {

@@ -64,6 +64,8 @@ class EnergyBalance {
   void drive(const Vec3& acceleration, const Vec3& motion, double dt) {
     by_effects_ += mass_ * dt * acceleration.dot(motion);
   }
+  /// Work of effects on a surface [J].
+  void drive(double work) { by_effects_ += work; }
   void stay(const fluid::Particles& particles, std::size_t i, double dt);
   void leave(const fluid::Particles& particles, std::size_t i, double dt);
   /// Particle i is removed at `start`: it has no certified end.

@@ -24,6 +24,8 @@ class Ledger {
   }
   /// Effects accelerate a particle for dt [s].
   void effect(double dt, const Vec3& acceleration) { report_.momentum_effects += mass_ * dt * acceleration; }
+  /// What effects give a surface [N s].
+  void effect(const Vec3& impulse) { report_.momentum_effects += impulse; }
   /// A particle that leaves the fluid; the caller counts the reason.
   void removed(const Vec3& velocity) {
     report_.mass_removed += mass_;

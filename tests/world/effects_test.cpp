@@ -218,6 +218,43 @@ TEST(Effects, nodes_keep_their_numbers_in_a_teleport_and_lose_them_with_the_mesh
   EXPECT_EQ(sum(w.node_values(dye, id, 0)), 0);
 }
 
+/// Each particle and the middle of the sheet's first triangle attract each other.
+class Attraction : public Effect {
+ public:
+  std::string name() const override { return "attraction"; }
+  void act(EffectForces& f) override {
+    const Triangle& t = f.surfaces[0]->triangles[0];
+    for (std::size_t i = 0; i < f.id.size(); ++i) {
+      const Vec3 pull(0, -0.02, 0.01);  // [N]
+      f.acceleration[i] += pull / f.particle_mass;
+      f.push(0, t, {0.2, 0.3, 0.5}, -pull);
+    }
+  }
+};
+
+TEST(Effects, forces_between_particles_and_cloth_keep_momentum) {
+  for (BoundaryModel boundary : {BoundaryModel::contact_only, BoundaryModel::mirrored}) {
+    FluidSettings fluid;
+    fluid.boundary = boundary;
+    World w(world_of(Vec3::Zero()), fluid);
+    MockCloth<double> cloth;
+    SurfaceId id;
+    Attraction attraction;
+    ASSERT_TRUE(w.attach(cloth, sheet_settings(), &id).ok());
+    ASSERT_TRUE(w.add_effect(attraction).ok());
+    test::add_block(w, 3, Vec3(0.04, 0.01, 0.04), Vec3::Zero());
+    for (int k = 0; k < 60; ++k) {
+      const StepReport& r = w.step(1e-3);
+      ASSERT_TRUE(r.status.ok());
+      ASSERT_LE(r.momentum_residual().norm(), 1e-14);
+      ASSERT_LE(r.momentum_effects.norm(), 1e-14);
+      ASSERT_LE((test::fluid_momentum(w) + cloth.momentum()).norm(), 1e-13);
+    }
+    EXPECT_GT(test::fluid_momentum(w).norm() + cloth.momentum().norm(), 1e-3);
+    EXPECT_GT(w.report().energy.work_outside, 0);
+  }
+}
+
 TEST(Effects, neighbours_are_those_within_h_that_no_surface_hides) {
   class Counts : public Effect {
    public:
