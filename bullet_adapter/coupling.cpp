@@ -214,6 +214,10 @@ const SurfaceMotion* btFluidCoupling::getSurface(const btSoftBody* cloth) const 
   return m_impl->surface(cloth);
 }
 
+const SurfaceMotion* btFluidCoupling::getSurface(const btCollisionObject* object) const {
+  return m_impl->surface(object);
+}
+
 SurfaceId btFluidCoupling::getSurfaceId(const btSoftBody* cloth) const {
   return getSurfaceId(static_cast<const btCollisionObject*>(cloth));
 }
@@ -221,10 +225,6 @@ SurfaceId btFluidCoupling::getSurfaceId(const btSoftBody* cloth) const {
 SurfaceId btFluidCoupling::getSurfaceId(const btCollisionObject* object) const {
   const Attachment* a = m_impl->find(object);
   return a ? a->id : SurfaceId();
-}
-
-const SurfaceMotion* btFluidCoupling::getSurface(const btCollisionObject* object) const {
-  return m_impl->surface(object);
 }
 
 }  // namespace oilskin::bullet

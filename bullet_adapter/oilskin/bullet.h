@@ -138,9 +138,9 @@ class btFluidCoupling : public btActionInterface {
   /// (default), or that of WorldSettings and World::set_gravity().
   void setUseClothGravity(bool use);
 
-  /// Whether loaded nodes of supported cloth weigh up to half a layer of the water on them, too,
-  /// where the load would move them by more than 0.03 spacings in a step (default; C.29). Off: water on cloth
-  /// that is much lighter falls on until its stored speed is p dt/σ, and may be flung away.
+  /// Whether loaded nodes of supported cloth weigh up to half a layer of the water on them, too, where
+  /// the load would move them by more than 0.03 spacings in a step (default; C.29). Off: water on cloth that
+  /// is much lighter falls on until its stored speed is p dt/σ, and may be flung away.
   void setCarriesWater(bool carries);
   /// Whether they do.
   bool getCarriesWater() const;
@@ -158,13 +158,13 @@ class btFluidCoupling : public btActionInterface {
   /// The motion of a cloth in the last step; null for one that is not attached. load_of() gives the force on
   /// it.
   const SurfaceMotion* getSurface(const btSoftBody* cloth) const;
+  /// The motion of an object in the last step; null for one that is not attached. load_of() gives the force.
+  const SurfaceMotion* getSurface(const btCollisionObject* object) const;
   /// The handle of a cloth in the fluid's world, for World::node_values() and World::set_slip(); none for one
   /// that is not attached, or without a fluid. Nodes that are welded are one node there.
   SurfaceId getSurfaceId(const btSoftBody* cloth) const;
   /// The handle of an object.
   SurfaceId getSurfaceId(const btCollisionObject* object) const;
-  /// The motion of an object in the last step; null for one that is not attached. load_of() gives the force.
-  const SurfaceMotion* getSurface(const btCollisionObject* object) const;
 
   /// Does nothing: actions run before Bullet solves the cloth.
   void updateAction(btCollisionWorld*, btScalar) override {}

@@ -58,9 +58,9 @@ class EffectInterval {
 /// Before the pressure solve.
 class EffectForces : public EffectInterval {
  public:
-  /// To be added to [m/s²]. Starts at zero for each interval; one per particle that has neighbours:
-  /// particles that an emitter starts in this interval fall freely until the next. A value that is not finite
-  /// is replaced by zero and reported.
+  /// To be added to [m/s²]. Starts at zero for each interval; one per particle. Those of particles
+  /// that an emitter starts in this interval are ignored: they fall freely until the next. A value that is not
+  /// finite is replaced by zero and reported.
   Span<Vec3> acceleration;
 
   /// The particles within H of particle i, itself and those behind a surface left out.

@@ -66,6 +66,7 @@ class EnergyBalance {
   }
   /// Work of effects on a surface [J].
   void drive(double work) { by_effects_ += work; }
+
   void stay(const fluid::Particles& particles, std::size_t i, double dt);
   void leave(const fluid::Particles& particles, std::size_t i, double dt);
   /// Particle i is removed at `start`: it has no certified end.
@@ -95,7 +96,7 @@ class EnergyBalance {
   // Work of the fluid [J]: on prescribed nodes; on free ones at the speeds of the step; what the latter was
   // off by in the step before.
   double on_prescribed_ = 0, transfer_ = 0, late_ = 0;
-  double by_effects_ = 0;  // work of effects on particles [J]
+  double by_effects_ = 0;  // work of effects on particles and surfaces [J]
   // Of the interval
   Energy water_;
   double max_speed_ = 0;  // squared

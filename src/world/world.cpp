@@ -239,7 +239,7 @@ std::vector<double>* World::Impl::particle_values(const Effect& effect, std::siz
   return &state.particles.values[slot->first_particle_value + channel];
 }
 
-/// Those of a mesh that is new to the world are filled in by its next step.
+/// A surface that was attached after the effect may not have its start values yet.
 std::vector<double>* World::Impl::node_values(const Effect& effect, SurfaceId id, std::size_t channel) {
   const world::Effects::Slot* slot = effects.find(effect);
   world::Attachment* a = attachments.find(id.value);
