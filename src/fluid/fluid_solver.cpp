@@ -47,6 +47,7 @@ struct FluidSolver::Impl {
   const FluidSettings settings;
   std::shared_ptr<Workers> workers;
   StepState state;
+  WallGeometry visible_walls{MirrorImage::of_full_reach()};
   std::unique_ptr<PressureModel> model;
 
   // Of checkpoint()
@@ -99,6 +100,18 @@ void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles
                          state.neighbours, surfaces, topologies},
                         *impl_->workers);
   }
+}
+
+const WallGeometry& FluidSolver::find_visible_walls(double dt, const Vec3& gravity,
+                                                    const Particles& particles,
+                                                    Span<SurfaceMotion* const> surfaces,
+                                                    Span<const MeshTopology* const> topologies) {
+  StepState& state = impl_->state;
+  impl_->visible_walls.find(
+      {dt, particle_mass(), support_radius(), gravity.stableNormalized(),
+       Span<const Vec3>(particles.position.data(), state.size()), state.neighbours, surfaces, topologies},
+      *impl_->workers);
+  return impl_->visible_walls;
 }
 
 void FluidSolver::record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces) {

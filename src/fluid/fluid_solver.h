@@ -6,6 +6,7 @@
 #include "core/archive.h"
 #include "core/mesh_topology.h"
 #include "core/parallel.h"
+#include "fluid/boundary/wall_geometry.h"
 #include "fluid/boundary/wall_impulse.h"
 #include "fluid/particles.h"
 #include "fluid/pressure/prediction_contact.h"
@@ -36,6 +37,11 @@ class FluidSolver {
   void apply_surfaces(double dt, const Vec3& gravity, const Particles& particles,
                       Span<SurfaceMotion* const> surfaces, Span<const MeshTopology* const> topologies,
                       StageSeconds& seconds);
+  /// After apply_surfaces(), with the same arguments: the parts of the surfaces that each particle sees
+  /// within H. Valid until the next prepare().
+  const WallGeometry& find_visible_walls(double dt, const Vec3& gravity, const Particles& particles,
+                                         Span<SurfaceMotion* const> surfaces,
+                                         Span<const MeshTopology* const> topologies);
 
   /// Load memory of the boundary terms: the hosts' response to the load of the last step, and the load of
   /// this one. Once per step each, after all surfaces were gathered and before they are scattered. Surfaces

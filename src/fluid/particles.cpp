@@ -40,7 +40,14 @@ void Particles::reserve_more(std::size_t count) {
   reserve_array(density, count);
   reserve_array(pressure, count);
   reserve_array(spare_load, count);
+  if (mass_varies) reserve_array(mass_ratio, count);
   for (std::vector<double>& v : values) reserve_array(v, count);
+}
+
+void Particles::let_mass_vary() {
+  if (mass_varies) return;
+  mass_ratio.assign(size(), 1);
+  mass_varies = true;
 }
 
 void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density) {
@@ -52,6 +59,7 @@ void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, do
   density.push_back(rest_density);
   pressure.push_back(0);
   spare_load.push_back(Vec3::Zero());
+  if (mass_varies) mass_ratio.push_back(1);
   for (std::size_t k = 0; k < values.size(); ++k) values[k].push_back(value_start[k]);
 }
 
@@ -63,6 +71,7 @@ void Particles::compress(Span<const std::uint8_t> keep) {
   compress_array(density, keep);
   compress_array(pressure, keep);
   compress_array(spare_load, keep);
+  if (mass_varies) compress_array(mass_ratio, keep);
   for (std::vector<double>& v : values) compress_array(v, keep);
   compress_array(id, keep);
   OILSKIN_ASSERT(position.size() == size() && velocity.size() == size() && motion.size() == size());
@@ -80,6 +89,7 @@ void Particles::permute(Span<const std::uint32_t> order) {
   permute_array(density, order, scalars);
   permute_array(pressure, order, scalars);
   permute_array(spare_load, order, vectors);
+  if (mass_varies) permute_array(mass_ratio, order, scalars);
   for (std::vector<double>& v : values) permute_array(v, order, scalars);
   permute_array(id, order, ids);
 }
@@ -90,6 +100,9 @@ void Particles::visit(Archive& archive) {
   archive.require(position.size() == n && velocity.size() == n && motion.size() == n && density.size() == n &&
                       pressure.size() == n && spare_load.size() == n,
                   "the number of particles");
+  archive.values(mass_varies, mass_ratio);
+  archive.require(mass_ratio.size() == (mass_varies ? n : 0), "the number of masses");
+  for (double ratio : mass_ratio) archive.require(ratio > 0 && ratio <= 1, "the mass of a particle");
   // The kinds are those of the world's effects, which are compared before.
   for (std::vector<double>& v : values) {
     archive.value(v);

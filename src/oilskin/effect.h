@@ -24,8 +24,10 @@ class EffectInterval {
   double time = 0;
   /// [m/s²]
   Vec3 gravity = Vec3::Zero();
-  /// Of each particle [kg].
+  /// Of a new particle [kg].
   double particle_mass = 0;
+  /// Of each particle: its mass over particle_mass, 0 … 1; empty = all are 1.
+  Span<const double> mass_ratio;
   /// dx [m].
   double spacing = 0;
   /// H [m].
@@ -43,6 +45,11 @@ class EffectInterval {
   /// The surfaces that collide with the fluid, in order of attachment, between x_t0 and x_t1.
   Span<SurfaceMotion* const> surfaces;
 
+  /// Mass of particle i [kg].
+  double mass(std::size_t i) const {
+    return mass_ratio.empty() ? particle_mass : mass_ratio[i] * particle_mass;
+  }
+
   /// The effect's own numbers: one per particle. `channel` counts from 0, below particle_values().size().
   virtual Span<double> of_particles(std::size_t channel) = 0;
   /// One per node of surfaces[surface]; `channel` is below node_values().size().
@@ -55,16 +62,37 @@ class EffectInterval {
   EffectInterval() = default;
 };
 
+/// A triangle that a particle sees within H, or a plane sheet that is represented by its closest triangle.
+struct VisibleWall {
+  /// Index into EffectInterval::surfaces.
+  std::uint32_t surface = 0;
+  std::array<std::uint32_t, 3> nodes{};
+  /// Barycentric, of the closest point, Σ = 1.
+  std::array<double, 3> weights{};
+  /// Of the triangle's plane, towards the particle; unit.
+  Vec3 normal = Vec3::Zero();
+  /// From the plane [m], > 0.
+  double distance = 0;
+  /// The part of the plane's kernel mass (B.7) that is seen through this triangle, 0 … 1: what lies behind
+  /// other layers does not count, and the tiles of a sheet add up to 1.
+  double share = 0;
+  /// Whether the particle is on the back, where SurfaceSettings::slip_back holds.
+  bool back = false;
+};
+
 /// Before the pressure solve.
 class EffectForces : public EffectInterval {
  public:
   /// To be added to [m/s²]. Starts at zero for each interval; one per particle. Those of particles
-  /// that an emitter starts in this interval are ignored: they fall freely until the next. A value that is not
-  /// finite is replaced by zero and reported.
+  /// that an emitter starts in this interval are ignored: they fall freely until the next. A value that is
+  /// not finite is replaced by zero and reported.
   Span<Vec3> acceleration;
 
   /// The particles within H of particle i, itself and those behind a surface left out.
   virtual Span<const std::uint32_t> neighbours(std::size_t i) const = 0;
+  /// The parts of the surfaces that particle i sees within H. None where no effect of the world
+  /// needs_walls().
+  virtual Span<const VisibleWall> walls(std::size_t i) const = 0;
   /// A force [N] on a point of surfaces[surface], which acts on its nodes for the interval, like pressure.
   /// `weights`: barycentric, of the three nodes. From one thread at a time. A force that is not finite is
   /// left out.
@@ -94,6 +122,9 @@ class Effect {
   /// The same for each node of each surface: the value at a mesh that is new to the world. Teleports keep
   /// them.
   virtual std::vector<double> node_values() const { return {}; }
+
+  /// Whether act() reads EffectForces::walls(). Must not change.
+  virtual bool needs_walls() const { return false; }
 
   /// Adds forces, before the pressure solve.
   virtual void act(EffectForces&) {}

@@ -21,6 +21,7 @@ class View : public Base {
     this->time = interval.begin;
     this->gravity = input.gravity;
     this->particle_mass = input.fluid.particle_mass();
+    this->mass_ratio = input.particles.mass_ratio;
     this->spacing = input.settings.spacing;
     this->support_radius = input.fluid.support_radius();
     this->rest_density = input.settings.rest_density;
@@ -53,6 +54,11 @@ class Forces : public View<EffectForces> {
     acceleration = sum;
   }
   Span<const std::uint32_t> neighbours(std::size_t i) const override { return input_.fluid.neighbours(i); }
+  Span<const VisibleWall> walls(std::size_t i) const override {
+    if (input_.walls == nullptr || i + 1 >= input_.walls->begin.size()) return {};
+    const std::uint32_t begin = input_.walls->begin[i];
+    return {input_.walls->list.data() + begin, input_.walls->begin[i + 1] - begin};
+  }
   void push(std::size_t surface, const std::array<std::uint32_t, 3>& nodes,
             const std::array<double, 3>& weights, const Vec3& force) override {
     SurfaceMotion& s = *surfaces[surface];
@@ -84,6 +90,36 @@ bool all_finite(const std::vector<double>& values) {
 }
 
 }  // namespace
+
+VisibleWalls::VisibleWalls(const fluid::WallGeometry& geometry, Span<SurfaceMotion* const> surfaces,
+                           double support_radius) {
+  const std::vector<std::uint32_t>& point_of = geometry.point_of();
+  begin.assign(1, 0);
+  for (std::uint32_t point : point_of) {
+    const bool is_near = point != fluid::WallGeometry::none;
+    const std::uint32_t first = is_near ? geometry.points()[point].begin : 0;
+    const std::uint32_t last = is_near ? geometry.points()[point].end : 0;
+    for (std::uint32_t w = first; w < last; ++w) {
+      const fluid::Wall& from = geometry.walls()[w];
+      const SurfaceMotion& s = *surfaces[from.surface];
+      VisibleWall wall;
+      wall.surface = from.surface;
+      wall.nodes = s.triangles[from.triangle];
+      wall.weights = {from.share(0), from.share(1), from.share(2)};
+      wall.normal = from.normal.cast<double>().normalized();
+      wall.distance = support_radius * static_cast<double>(from.distance);
+      wall.share = static_cast<double>(from.covered);
+      const Vec3& a = s.x_t0[wall.nodes[0]];
+      wall.back = wall.normal.dot((s.x_t0[wall.nodes[1]] - a).cross(s.x_t0[wall.nodes[2]] - a)) < 0;
+      list.push_back(wall);
+    }
+    begin.push_back(static_cast<std::uint32_t>(list.size()));
+  }
+}
+
+bool Effects::need_walls() const {
+  return std::any_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.effect->needs_walls(); });
+}
 
 const Effects::Slot* Effects::find(const Effect& effect) const {
   for (const Slot& s : slots_)

@@ -10,6 +10,15 @@
 
 namespace oilskin::world {
 
+/// The walls of all particles.
+struct VisibleWalls {
+  std::vector<VisibleWall> list;     ///< in the order of particles
+  std::vector<std::uint32_t> begin;  ///< per particle, and one more
+
+  VisibleWalls(const fluid::WallGeometry& geometry, Span<SurfaceMotion* const> surfaces,
+               double support_radius);
+};
+
 /// What the effects of an interval see.
 struct EffectInput {
   IntervalContext& interval;
@@ -18,6 +27,7 @@ struct EffectInput {
   const FluidSettings& settings;
   const Vec3 gravity;
   const Workers& workers;
+  const VisibleWalls* walls = nullptr;  ///< null: no effect needs them
 };
 
 class Effects {
@@ -31,6 +41,7 @@ class Effects {
   };
 
   bool empty() const { return slots_.empty(); }
+  bool need_walls() const;
   std::size_t node_value_count() const {
     return slots_.empty() ? 0 : slots_.back().first_node_value + slots_.back().node_start.size();
   }

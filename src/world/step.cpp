@@ -1,6 +1,7 @@
 /// One coupled step, in order. docs/architecture.md has the table of what each stage reads and writes.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 #include "core/assert.h"
@@ -109,8 +110,15 @@ void World::Impl::gather(StepContext& step) {
 void World::Impl::act(IntervalContext& interval) {
   if (effects.empty()) return;
   StageTimer timer(interval.step.report.seconds.effects);
-  for (world::Attachment* a : interval.step.surfaces.attachment) effects.fill(*a);
-  effects.act({interval, state.particles, *fluid, fluid_settings, settings.gravity, *workers});
+  world::ActiveSurfaces& surfaces = interval.step.surfaces;
+  for (world::Attachment* a : surfaces.attachment) effects.fill(*a);
+  std::optional<world::VisibleWalls> walls;
+  if (effects.need_walls())
+    walls.emplace(fluid->find_visible_walls(interval.dt, settings.gravity, state.particles, surfaces.motion,
+                                            surfaces.topology),
+                  surfaces.motion, fluid->support_radius());
+  effects.act({interval, state.particles, *fluid, fluid_settings, settings.gravity, *workers,
+               walls ? &*walls : nullptr});
   for (std::size_t i = 0; i < interval.live; ++i)
     interval.step.ledger.effect(interval.dt, interval.acceleration[i]);
 }
@@ -118,7 +126,8 @@ void World::Impl::act(IntervalContext& interval) {
 void World::Impl::exchange(IntervalContext& interval, Span<const Contact> near) {
   if (effects.empty()) return;
   StageTimer timer(interval.step.report.seconds.effects);
-  effects.exchange({interval, state.particles, *fluid, fluid_settings, settings.gravity, *workers}, near);
+  effects.exchange({interval, state.particles, *fluid, fluid_settings, settings.gravity, *workers, nullptr},
+                   near);
 }
 
 void World::Impl::remove_invalid_particles(StepContext& step) {

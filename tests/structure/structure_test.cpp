@@ -24,6 +24,7 @@ const std::map<std::string, std::set<std::string>> may_see = {
     {"src/proximity", {"core"}},
     {"src/ccd", {"core"}},
     {"src/contact", {"core", "fluid", "proximity", "ccd"}},
+    {"src/effects", {"core", "fluid"}},
     {"src/reconstruction", {"core", "proximity"}},
     {"src/world", {"core", "fluid", "proximity", "ccd", "contact", "reconstruction", "world"}},
     {"bullet_adapter", {"core"}},
@@ -39,8 +40,8 @@ const std::map<std::string, std::set<std::string>> fluid_may_see = {
     {"src/fluid", {}},
 };
 
-const std::set<std::string> rooms = {"core",    "fluid",          "proximity", "ccd",
-                                     "contact", "reconstruction", "world"};
+const std::set<std::string> rooms = {"core",    "fluid",   "proximity",      "ccd",
+                                     "contact", "effects", "reconstruction", "world"};
 
 /// Which folders of demos/app each folder may include, apart from itself. The files of demos/app itself (main
 /// and the commands) may include all, and no folder may include them.

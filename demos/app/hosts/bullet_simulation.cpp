@@ -7,6 +7,7 @@
 #include <chrono>
 
 #include "hosts/mock_simulation.h"
+#include "hosts/scene_effects.h"
 #include "oilskin/bullet.h"
 #include "scene/fields.h"
 #include "scene/tank.h"
@@ -102,6 +103,7 @@ class BulletSimulation : public Simulation {
     for (std::size_t i = 0; i < scene.cloth.size(); ++i) add_cloth(i);
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) add_body(i);
     if (options.emitters) add_emitters(scene, fluid_.getWorld());
+    effects_ = add_effects(scene, fluid_.getWorld());
   }
 
   ~BulletSimulation() override {
@@ -253,6 +255,7 @@ class BulletSimulation : public Simulation {
   }
 
   const Scene scene_;
+  EffectList effects_;  // must outlive the fluid's world
   bullet::btFluid fluid_;
   btSoftBodyRigidBodyCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;

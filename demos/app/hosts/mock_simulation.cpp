@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "hosts/mock_cloth.h"
+#include "hosts/scene_effects.h"
 #include "scene/fields.h"
 
 namespace oilskin::demo {
@@ -25,6 +26,7 @@ class MockSimulation : public Simulation {
               "bodies." + std::to_string(i));
     }
     if (options.emitters) add_emitters(scene, world_);
+    effects_ = add_effects(scene, world_);
   }
 
   const StepReport& step(double dt) override {
@@ -45,9 +47,10 @@ class MockSimulation : public Simulation {
 
  private:
   const Scene scene_;
-  // Hosts must outlive the world that they are attached to.
+  // Hosts and effects must outlive the world that they are attached to.
   std::vector<std::unique_ptr<MockCloth>> cloths_;
   std::vector<std::unique_ptr<MockBody>> bodies_;
+  EffectList effects_;
   World world_;
   std::vector<SurfaceId> cloth_ids_, body_ids_;
   double host_seconds_ = 0;

@@ -181,6 +181,9 @@ struct Pictures {
   std::vector<View> views;        ///< side by side; empty: two views around the surfaces
 };
 
+/// The effects that a scene names; an absent one is not simulated.
+struct SceneEffects {};
+
 struct Scene {
   std::string name;
   std::string description;
@@ -198,6 +201,7 @@ struct Scene {
   std::vector<Emitter> emitters;
   std::vector<Cloth> cloth;
   std::vector<Body> bodies;
+  SceneEffects effects;
   std::optional<WaterMeshSettings> water_mesh;  ///< scene key "surface"
   Json acceptance = Json::object();  ///< the checks of a run, as the file has them (checks/acceptance.h)
   Pictures pictures;

@@ -1,6 +1,7 @@
 #include "scene/scene_format.h"
 
 #include "oilskin/presets.h"
+#include "scene/effects_format.h"
 #include "scene/emitter_format.h"
 #include "scene/mesh_options.h"
 
@@ -208,14 +209,6 @@ void describe(Fields& f, Body& b) {
   describe(f, b.surface);
 }
 
-/// Keys of the format that this version has nothing behind. Ignoring them would pass for simulating them.
-void refuse_later_features(Fields& f) {
-  f.object("effects", [](Fields& g) {
-    for (const char* effect : {"wetting", "surface_tension", "adhesion"})
-      if (g.raw(effect) != nullptr) g.fail(effect, "is not simulated by this version; leave it out");
-  });
-}
-
 void describe(Fields& f, ContactSettings& s) {
   f.choice("repulsion", s.repulsion,
            {{"split", Repulsion::split}, {"bridson", Repulsion::bridson}, {"none", Repulsion::none}});
@@ -347,7 +340,7 @@ void describe(Fields& f, Scene& s) {
   if (f.reading()) set_thicknesses(s);
   f.object("contact", [&](Fields& g) { describe(g, s.contact); });
   f.box("kill_box", s.world.kill_box);
-  if (f.reading()) refuse_later_features(f);
+  f.object("effects", [&](Fields& g) { describe(g, s.effects); });
   f.optional_object("surface", s.water_mesh, [](Fields& g, WaterMeshSettings& w) { describe(g, w); });
   if (f.reading() && s.water_mesh)
     if (const Status status = check_mesh_settings(*s.water_mesh, s.fluid.spacing); !status.ok())

@@ -18,7 +18,7 @@ class Boundary {
   static constexpr std::uint32_t none = WallGeometry::none;
 
   /// `support_ratio` H/dx of the lattice.
-  explicit Boundary(double support_ratio) : geometry_(support_ratio) {}
+  explicit Boundary(double support_ratio) : geometry_(MirrorImage(support_ratio)) {}
 
   /// Finds the points and walls of an interval. The surfaces are kept until apply_load() or clear().
   void find(const BoundaryInput& input, const Workers& workers);

@@ -23,6 +23,8 @@ class MirrorImage {
 
   /// `support_ratio` H/dx of the lattice.
   explicit MirrorImage(double support_ratio);
+  /// Not the image of a fluid: λ = L(ζ), which reaches the whole support radius, for shares and distances.
+  static MirrorImage of_full_reach() { return {}; }
 
   /// Distance [m] from which on λ and γ are 0.
   double reach(double support_radius) const { return support_radius / static_cast<double>(offset_); }
@@ -37,7 +39,9 @@ class MirrorImage {
   }
 
  private:
-  float mass_ = 0, offset_ = 1;  // κ, 2 a
+  MirrorImage() = default;
+
+  float mass_ = 1, offset_ = 1;  // κ, 2 a
 };
 
 }  // namespace oilskin::fluid

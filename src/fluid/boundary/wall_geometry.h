@@ -73,7 +73,7 @@ class WallGeometry {
  public:
   static constexpr std::uint32_t none = UINT32_MAX;
 
-  explicit WallGeometry(double support_ratio) : image_(support_ratio) {}
+  explicit WallGeometry(const MirrorImage& image) : image_(image) {}
 
   void find(const BoundaryInput& input, const Workers& workers);
   void clear();

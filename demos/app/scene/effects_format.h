@@ -1,0 +1,11 @@
+/// The effects of a scene: scene key "effects".
+#pragma once
+
+#include "scene/fields.h"
+#include "scene/scene.h"
+
+namespace oilskin::demo {
+
+void describe(Fields& f, SceneEffects& effects);
+
+}  // namespace oilskin::demo
