@@ -40,6 +40,7 @@ void btFluidCoupling::Impl::remove(const btCollisionObject* object) {
   Attachment* a = find(object);
   if (!a) return;
   detach(*a);
+  if (a->soft) a->soft->give_back_absorbed_mass();
   attachments.erase(attachments.begin() + (a - attachments.data()));
 }
 

@@ -202,6 +202,38 @@ void SoftBodyHost::add_carried_mass(SurfaceMotion& motion) const {
   }
 }
 
+/// Sets the inverse mass of a node with liquid. True if it changed. A node whose inverse mass is not the one
+/// that was set here has got a new mass from its owner, or is new.
+bool SoftBodyHost::weigh_node(std::size_t i, double absorbed) {
+  btScalar& inverse_mass = node(i).m_im;
+  if (inverse_mass == 0) return false;  // pinned: weighed again when it is freed
+  if (inverse_mass != weighed_[i]) dry_mass_[i] = 1 / static_cast<double>(inverse_mass);
+  const auto wet = static_cast<btScalar>(1 / (dry_mass_[i] + absorbed));
+  const bool changes = wet != inverse_mass;
+  inverse_mass = weighed_[i] = wet;
+  return changes;
+}
+
+/// Not setMass(), which makes the stretched shape the rest shape.
+void SoftBodyHost::weigh_nodes(const std::vector<double>& absorbed) {
+  const std::size_t n = contact_node_.size();
+  const bool is_dry = absorbed.size() != contact_nodes_;
+  if (is_dry && weighed_.empty()) return;
+  weighed_.resize(n, btScalar(-1));
+  dry_mass_.resize(n, 0);
+  bool any = false;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint32_t c = contact_node_[i];
+    any |= weigh_node(i, is_dry ? 0 : absorbed[c] / copies_[c]);
+  }
+  if (any) body_->updateLinkConstants();
+}
+
+void SoftBodyHost::give_back_absorbed_mass() {
+  if (static_cast<std::size_t>(body_->m_nodes.size()) == contact_node_.size()) weigh_nodes({});
+  weighed_.clear();
+}
+
 Gathered SoftBodyHost::gather(double dt, SurfaceMotion& motion) {
   Gathered result;
   result.status = check();
@@ -221,6 +253,7 @@ Gathered SoftBodyHost::gather(double dt, SurfaceMotion& motion) {
     for (Triangle& t : motion.triangles)
       for (std::uint32_t& node : t) node = contact_node_[node];
   }
+  if (!result.new_surface) weigh_nodes(motion.absorbed_mass);  // also those that the owner freed
   fill(teleported ? 0 : dt, motion);
   if (!teleported) add_carried_mass(motion);
   forget_motion_ = false;
@@ -266,6 +299,7 @@ void SoftBodyHost::scatter(SurfaceMotion& motion) {
     node_impulse_[i] = fraction * motion.impulse[c];
     any_impulse |= motion.inverse_mass[c] > 0 && !motion.impulse[c].isZero(0);
   }
+  weigh_nodes(motion.absorbed_mass);
   if (any_impulse && !body_->isActive()) body_->activate();
   if (any_moved) {
     body_->updateBounds();

@@ -37,6 +37,8 @@ class SoftBodyHost : public SurfaceHost {
   /// support holds the body and Bullet's position solver moves it: that one stops a node whatever its mass
   /// is. Without a support the momentum of the water must become the cloth's.
   void set_carries_water(bool on) { carries_water_ = on; }
+  /// Takes what nodes have absorbed out of their masses, as when the body is removed from the coupling.
+  void give_back_absorbed_mass();
   /// Impulse of the last scatter on each node in Bullet's order [N s].
   const std::vector<Vec3>& node_impulses() const { return node_impulse_; }
 
@@ -50,6 +52,8 @@ class SoftBodyHost : public SurfaceHost {
   bool is_prescribed(std::size_t node) const;
   void fill(double dt, SurfaceMotion& motion);
   bool may_add_mass() const;
+  void weigh_nodes(const std::vector<double>& absorbed);
+  bool weigh_node(std::size_t node, double absorbed);
   void add_carried_mass(SurfaceMotion& motion) const;
   std::vector<Vec3> common_velocities() const;
   bool scatter_node(std::size_t node, const Vec3& velocity, const SurfaceMotion& motion);
@@ -65,6 +69,10 @@ class SoftBodyHost : public SurfaceHost {
   std::vector<std::uint32_t> copies_;      // number of copies per contact node
   std::vector<std::uint32_t> first_copy_;  // per contact node; a pinned copy if there is one
   std::vector<Vec3> node_impulse_;
+  // Per Bullet node, empty while nothing was absorbed: its mass without liquid [kg], and the inverse mass
+  // that was set for it with liquid. The owner may set another one.
+  std::vector<double> dry_mass_;
+  std::vector<btScalar> weighed_;
 };
 
 }  // namespace oilskin::bullet

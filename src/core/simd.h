@@ -80,6 +80,13 @@ struct Sum4 {
     low += __builtin_convertvector(__builtin_shufflevector(a.v, a.v, 0, 1), D);
     high += __builtin_convertvector(__builtin_shufflevector(a.v, a.v, 2, 3), D);
   }
+  /// Adds a b, which is exact in double.
+  void add_product(F4 a, F4 b) {
+    low += __builtin_convertvector(__builtin_shufflevector(a.v, a.v, 0, 1), D) *
+           __builtin_convertvector(__builtin_shufflevector(b.v, b.v, 0, 1), D);
+    high += __builtin_convertvector(__builtin_shufflevector(a.v, a.v, 2, 3), D) *
+            __builtin_convertvector(__builtin_shufflevector(b.v, b.v, 2, 3), D);
+  }
   double total() const { return (low[0] + high[0]) + (low[1] + high[1]); }
 };
 
@@ -148,6 +155,9 @@ struct Sum4 {
   double v[4] = {0, 0, 0, 0};
   void operator+=(F4 a) {
     for (int k = 0; k < 4; ++k) v[k] += a[k];
+  }
+  void add_product(F4 a, F4 b) {
+    for (int k = 0; k < 4; ++k) v[k] += static_cast<double>(a[k]) * static_cast<double>(b[k]);
   }
   double total() const { return (v[0] + v[2]) + (v[1] + v[3]); }
 };

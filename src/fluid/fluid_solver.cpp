@@ -186,6 +186,12 @@ void FluidSolver::Impl::load(const Particles& particles) {
   state.velocity[n] = Record{0, 0, 0, 0};
   state.relative_density.resize(n);
   state.dv.resize(n);
+  state.mass_ratio.clear();
+  if (particles.mass_varies) {
+    state.mass_ratio.assign(particles.mass_ratio.begin(),
+                            particles.mass_ratio.begin() + static_cast<std::ptrdiff_t>(n));
+    state.mass_ratio.push_back(0);
+  }
   state.for_each([&](std::size_t i) {
     const Eigen::Vector3f v = particles.velocity[i].cast<float>();
     state.velocity[i] = {v[0], v[1], v[2], 0};

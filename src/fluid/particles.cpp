@@ -1,6 +1,7 @@
 #include "fluid/particles.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "core/assert.h"
 
@@ -44,6 +45,11 @@ void Particles::reserve_more(std::size_t count) {
   for (std::vector<double>& v : values) reserve_array(v, count);
 }
 
+double Particles::sum_of_relative_masses() const {
+  if (!mass_varies) return static_cast<double>(size());
+  return std::accumulate(mass_ratio.begin(), mass_ratio.end(), 0.0);
+}
+
 void Particles::let_mass_vary() {
   if (mass_varies) return;
   mass_ratio.assign(size(), 1);
@@ -82,6 +88,7 @@ void Particles::permute(Span<const std::uint32_t> order) {
   OILSKIN_ASSERT(order.size() == size());
   std::vector<Vec3> vectors;
   std::vector<double> scalars;
+  std::vector<float> ratios;
   std::vector<std::uint64_t> ids;
   permute_array(position, order, vectors);
   permute_array(velocity, order, vectors);
@@ -89,7 +96,7 @@ void Particles::permute(Span<const std::uint32_t> order) {
   permute_array(density, order, scalars);
   permute_array(pressure, order, scalars);
   permute_array(spare_load, order, vectors);
-  if (mass_varies) permute_array(mass_ratio, order, scalars);
+  if (mass_varies) permute_array(mass_ratio, order, ratios);
   for (std::vector<double>& v : values) permute_array(v, order, scalars);
   permute_array(id, order, ids);
 }
@@ -102,7 +109,7 @@ void Particles::visit(Archive& archive) {
                   "the number of particles");
   archive.values(mass_varies, mass_ratio);
   archive.require(mass_ratio.size() == (mass_varies ? n : 0), "the number of masses");
-  for (double ratio : mass_ratio) archive.require(ratio > 0 && ratio <= 1, "the mass of a particle");
+  for (float ratio : mass_ratio) archive.require(ratio > 0 && ratio <= 1, "the mass of a particle");
   // The kinds are those of the world's effects, which are compared before.
   for (std::vector<double>& v : values) {
     archive.value(v);

@@ -17,14 +17,16 @@ struct Particles {
   std::vector<Vec3> spare_load;  ///< of the last interval's load, what friction may still use (B.35) [N s]
 
   bool mass_varies = false;
-  std::vector<double> mass_ratio;  ///< if mass_varies: mass over that of a new particle, (0, 1]
+  std::vector<float> mass_ratio;  ///< if mass_varies: mass over that of a new particle, (0, 1]
 
   std::vector<std::vector<double>> values;  ///< of effects: per kind of value, one per particle
   std::vector<double> value_start;          ///< per kind, in a new particle
 
   std::size_t size() const { return id.size(); }
   /// Mass over that of a new particle.
-  double relative_mass(std::size_t i) const { return mass_varies ? mass_ratio[i] : 1; }
+  double relative_mass(std::size_t i) const { return mass_varies ? static_cast<double>(mass_ratio[i]) : 1; }
+  /// Of all particles.
+  double sum_of_relative_masses() const;
   /// From now on masses may differ.
   void let_mass_vary();
   void push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density);

@@ -27,7 +27,7 @@ class EffectInterval {
   /// Of a new particle [kg].
   double particle_mass = 0;
   /// Of each particle: its mass over particle_mass, 0 … 1; empty = all are 1.
-  Span<const double> mass_ratio;
+  Span<const float> mass_ratio;
   /// dx [m].
   double spacing = 0;
   /// H [m].
@@ -43,11 +43,14 @@ class EffectInterval {
   /// [kg/m³], of the last interval.
   Span<const double> density;
   /// The surfaces that collide with the fluid, in order of attachment, between x_t0 and x_t1.
+  /// SurfaceMotion::absorbed_mass is the liquid in their nodes.
   Span<SurfaceMotion* const> surfaces;
+  /// Their handles.
+  Span<const SurfaceId> surface_id;
 
   /// Mass of particle i [kg].
   double mass(std::size_t i) const {
-    return mass_ratio.empty() ? particle_mass : mass_ratio[i] * particle_mass;
+    return mass_ratio.empty() ? particle_mass : static_cast<double>(mass_ratio[i]) * particle_mass;
   }
 
   /// The effect's own numbers: one per particle. `channel` counts from 0, below particle_values().size().
@@ -100,11 +103,38 @@ class EffectForces : public EffectInterval {
                     const std::array<double, 3>& weights, const Vec3& force) = 0;
 };
 
-/// After the certificate: motion is final, own numbers may change.
+/// Liquid that leaves a surface as one particle.
+struct Release {
+  /// Index into EffectInterval::surfaces.
+  std::size_t surface = 0;
+  /// Where the particle shall start [m], and a point of the surface from which the way there must be free.
+  Vec3 position = Vec3::Zero(), from = Vec3::Zero();
+  /// What each node gives [kg]; together particle_mass.
+  std::vector<std::pair<std::uint32_t, double>> nodes;
+};
+
+/// After the certificate: motion is final, own numbers and masses may change.
 class EffectExchange : public EffectInterval {
  public:
   /// Particles near surfaces at the start of the interval. Contact::surface counts in `surfaces`.
   Span<const Contact> contacts;
+
+  // Exchange of liquid, for effects that say changes_masses(). Masses that are not finite or not positive are
+  // ignored. Mass and momentum of water and surfaces together are kept; the hosts weigh their nodes anew at
+  // the end of the step. From one thread at a time.
+
+  /// Particle i gives `mass` [kg] to each of three nodes, and keeps its velocity. Together at most what it
+  /// has, then it ends. The mass of a particle is a number in single precision: what it gives differs from
+  /// `mass` by rounding. Returns what it gave.
+  virtual double absorb(std::size_t i, std::size_t surface, const std::array<std::uint32_t, 3>& nodes,
+                        const std::array<double, 3>& mass) = 0;
+  /// At most what `from` has [kg] passes to the node `to`, with the velocity of `from`.
+  virtual void transport(std::size_t surface, std::uint32_t from, std::uint32_t to, double mass) = 0;
+  /// At most what the node has [kg] leaves as vapour.
+  virtual void dry(std::size_t surface, std::uint32_t node, double mass) = 0;
+  /// At the end of the step, if the place is free: at least 2 δ from every surface and 0.7 dx from every
+  /// particle, with no triangle in the way. Else nothing happens, and the effect may ask again.
+  virtual void release(const Release& release) = 0;
 };
 
 /// An effect. The user creates and owns it; a world keeps a pointer. All calls come from the thread that
@@ -125,6 +155,9 @@ class Effect {
 
   /// Whether act() reads EffectForces::walls(). Must not change.
   virtual bool needs_walls() const { return false; }
+
+  /// Whether exchange() changes masses. Must not change.
+  virtual bool changes_masses() const { return false; }
 
   /// Adds forces, before the pressure solve.
   virtual void act(EffectForces&) {}

@@ -28,7 +28,7 @@ struct StageSeconds {
   double ccd = 0;
   /// Impact zones.
   double zones = 0;
-  /// Effects; none exist yet.
+  /// Effects.
   double effects = 0;
   /// ContactSettings::verify.
   double verify = 0;
@@ -237,6 +237,10 @@ struct StepReport {
   std::uint64_t emitted = 0;
   /// Particles removed by the kill box, by contact or at a new surface.
   std::uint64_t removed = 0;
+  /// Particles that surfaces absorbed as a whole.
+  std::uint64_t absorbed = 0;
+  /// Particles that surfaces released.
+  std::uint64_t released = 0;
   /// Particles removed because their numbers were not finite.
   std::uint64_t removed_invalid = 0;
   /// Particles that left the kill box more than twice as fast as any energy in the world allows (F.63).
@@ -247,6 +251,14 @@ struct StepReport {
   double mass_emitted = 0;
   /// The mass of removed particles [kg].
   double mass_removed = 0;
+  /// What surfaces absorbed [kg].
+  double mass_absorbed = 0;
+  /// What they released as particles [kg].
+  double mass_released = 0;
+  /// What left them as vapour [kg].
+  double mass_dried = 0;
+  /// What was lost with nodes of surfaces whose mesh changed [kg].
+  double mass_lost = 0;
   /// The momentum of the fluid before the step [N s].
   Vec3 momentum_before = Vec3::Zero();
   /// The momentum of the fluid after the step [N s].
@@ -255,6 +267,10 @@ struct StepReport {
   Vec3 momentum_emitted = Vec3::Zero();
   /// The momentum of all removed particles [N s].
   Vec3 momentum_removed = Vec3::Zero();
+  /// The momentum of the water that surfaces absorbed [N s].
+  Vec3 momentum_absorbed = Vec3::Zero();
+  /// The momentum of the particles that they released [N s].
+  Vec3 momentum_released = Vec3::Zero();
   /// The momentum from gravity [N s].
   Vec3 momentum_gravity = Vec3::Zero();
   /// The momentum that effects gave the fluid and the surfaces [N s]: 0 for forces between them.
@@ -271,8 +287,8 @@ struct StepReport {
   /// StepFlag bits.
   std::uint32_t flags = 0;
 
-  /// After − before − emitted + removed − gravity − effects + impulses on surfaces [N s] (C.28): zero up to
-  /// rounding.
+  /// After − before − emitted + removed + absorbed − released − gravity − effects + impulses on surfaces [N
+  /// s] (C.28): zero up to rounding.
   Vec3 momentum_residual() const;
 };
 

@@ -68,6 +68,10 @@ struct SurfaceMotion {
   /// constraints stop a loaded node within a step, whatever its load, may set `added_mass`: then the
   /// load moves the node no farther than such constraints can bring it back. To ignore it changes nothing.
   std::vector<double> carried_mass;
+  /// The mass of liquid that each node has absorbed [kg], ≥ 0; empty = none. A host gives its nodes the
+  /// inverse mass 1/(own mass + absorbed) from the next step on; a host that ignores it has cloth that stays
+  /// as light as it is dry.
+  std::vector<double> absorbed_mass;
 
   /// The slip law of one side.
   const SlipSettings& slip_on(bool back) const { return back && slip_back ? *slip_back : slip; }
@@ -88,6 +92,16 @@ inline Vec3 stored(const Vec3& x, Storage storage) {
   };
   return Vec3(round(x.x()), round(x.y()), round(x.z()));
 }
+
+/// The handle of an attached surface.
+struct SurfaceId {
+  /// 0 = none.
+  std::uint64_t value = 0;
+  /// Whether it is the handle of a surface.
+  explicit operator bool() const { return value != 0; }
+  /// Whether two handles are the same.
+  bool operator==(SurfaceId o) const { return value == o.value; }
+};
 
 /// What SurfaceHost::gather() returns.
 struct Gathered {

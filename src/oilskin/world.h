@@ -14,16 +14,6 @@
 
 namespace oilskin {
 
-/// The handle of an attached surface.
-struct SurfaceId {
-  /// 0 = none.
-  std::uint64_t value = 0;
-  /// Whether it is the handle of a surface.
-  explicit operator bool() const { return value != 0; }
-  /// Whether two handles are the same.
-  bool operator==(SurfaceId o) const { return value == o.value; }
-};
-
 /// What the fluid gave a surface in the last step, by contact and pressure, prescribed nodes included. Over
 /// StepReport::dt it is the mean force [N] and torque [N m].
 struct SurfaceLoad {
@@ -107,8 +97,13 @@ class World {
 
   /// The number of particles.
   std::size_t particle_count() const;
-  /// [kg]: ρ0 times the volume of a particle in water at rest, 0.994 dx³ at H = 2 dx (pcisph, dfsph).
+  /// Of a new particle [kg]: ρ0 times its volume in water at rest, 0.994 dx³ at H = 2 dx (pcisph, dfsph).
   double particle_mass() const;
+  /// The mass of each particle over particle_mass(), in storage order; empty = all are 1, as without an
+  /// effect that changes masses.
+  Span<const float> mass_ratios() const;
+  /// Of all particles [kg].
+  double fluid_mass() const;
   /// In storage order, which may change in every step.
   Span<const std::uint64_t> ids() const;
   /// [m]
@@ -136,6 +131,10 @@ class World {
   Span<const double> particle_values(const Effect& effect, std::size_t channel) const;
   /// The numbers of an effect, one per node; empty for an unknown effect, channel or surface.
   Span<const double> node_values(const Effect& effect, SurfaceId id, std::size_t channel) const;
+  /// The liquid that each node of a surface has absorbed [kg]; empty = none.
+  Span<const double> absorbed(SurfaceId id) const;
+  /// Of all surfaces [kg].
+  double absorbed_mass() const;
   /// Sets them between steps. Refuses lists of another length and numbers that are not finite.
   Status set_particle_values(const Effect& effect, std::size_t channel, Span<const double> values);
   /// The same for the nodes of a surface.

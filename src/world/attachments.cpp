@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <sstream>
 
 #include "core/assert.h"
@@ -145,7 +146,7 @@ ActiveSurfaces Attachments::gather(double dt, const WorldSettings& world, const 
   for (auto& a : list_) {
     const bool stays_out = a->refused && !a->teleported;
     if (!stays_out) {
-      const Status status = gather_surface(*a, dt, world.kill_box);
+      const Status status = gather_surface(*a, dt, world.kill_box, report);
       a->refused = !status.ok();
       a->teleported = false;
       if (a->refused)
@@ -163,8 +164,9 @@ ActiveSurfaces Attachments::gather(double dt, const WorldSettings& world, const 
   return active;
 }
 
-Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box) {
+Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box, StepReport& report) {
   SurfaceMotion& m = a.motion;
+  a.liquid_change = {};
   std::swap(m.x_t0, m.x_t1);
   const std::size_t nodes_before = m.x_t0.size();
   if (a.settings.smooth) m.velocity_t0 = m.velocity;
@@ -183,7 +185,11 @@ Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box
     a.is_new = true;
     forget_load(a);
     // A teleport keeps them.
-    if (gathered.new_surface || m.x_t1.size() != nodes_before) a.values.clear();
+    if (gathered.new_surface || m.x_t1.size() != nodes_before) {
+      a.values.clear();
+      report.mass_lost += std::accumulate(m.absorbed_mass.begin(), m.absorbed_mass.end(), 0.0);
+      m.absorbed_mass.clear();
+    }
   }
   OILSKIN_ASSERT(m.id != 0 && m.delta > 0 && m.x_t0.size() == m.x_t1.size());
   m.slip = a.settings.slip;

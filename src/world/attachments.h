@@ -9,6 +9,20 @@
 
 namespace oilskin::world {
 
+/// Liquid that passes from node to node [kg].
+struct Passage {
+  std::uint32_t from = 0, to = 0;
+  double mass = 0;
+};
+
+/// What effects changed of the liquid in a surface within a step; empty = nothing.
+struct LiquidChange {
+  std::vector<double> before;  ///< in each node at the start [kg]
+  std::vector<double> mass;    ///< that each node absorbed from the fluid [kg]
+  std::vector<Vec3> momentum;  ///< of it [N s]
+  std::vector<Passage> passages;
+};
+
 /// All that a world keeps of a surface, but for the load that the fluid's boundary terms remember by id.
 struct Attachment {
   std::uint64_t handle = 0;
@@ -23,6 +37,8 @@ struct Attachment {
   bool refused = false;         // left out, until a gather after reset_motion is accepted
   std::vector<Vec3> mean_load;  // of each node [N] (C.30); empty = none yet
   std::vector<std::vector<double>> values;  // of effects: per kind of value, one per node
+
+  LiquidChange liquid_change;  // of the step under way
 
   // Derived from the motion
   contact::SurfaceGeometry geometry;
@@ -83,7 +99,7 @@ class Attachments {
     bool is_new = false, teleported = false, refused = false;
   };
 
-  Status gather_surface(Attachment& a, double dt, const Box& kill_box);
+  Status gather_surface(Attachment& a, double dt, const Box& kill_box, StepReport& report);
 
   std::vector<std::unique_ptr<Attachment>> list_;  // in order of handle
   std::uint64_t next_handle_ = 1;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "world/absorption.h"
 
 namespace oilskin::world {
 
@@ -28,6 +29,8 @@ class View : public Base {
     this->id = input.particles.id;
     this->density = input.particles.density;
     this->surfaces = interval.step.surfaces.motion;
+    for (const Attachment* a : interval.step.surfaces.attachment) ids_.push_back({a->handle});
+    this->surface_id = ids_;
   }
   Span<double> of_particles(std::size_t channel) override {
     OILSKIN_ASSERT(channel < slot_.particle_start.size());
@@ -44,7 +47,14 @@ class View : public Base {
  protected:
   const Effects::Slot& slot_;
   const EffectInput& input_;
+
+ private:
+  std::vector<SurfaceId> ids_;
 };
+
+bool is_mass(double mass) {
+  return std::isfinite(mass) && mass > 0;
+}
 
 class Forces : public View<EffectForces> {
  public:
@@ -82,8 +92,54 @@ class Exchange : public View<EffectExchange> {
     position = input.interval.x_t1;
     velocity = input.interval.velocity;
     contacts = near;
+    if (!input.interval.mass_left.empty()) mass_ratio = input.interval.mass_left;
+  }
+  double absorb(std::size_t i, std::size_t surface, const std::array<std::uint32_t, 3>& nodes,
+                const std::array<double, 3>& mass) override;
+  void transport(std::size_t surface, std::uint32_t from, std::uint32_t to, double mass) override {
+    if (changes_masses() && is_mass(mass)) world::transport(attachment(surface), from, to, mass);
+  }
+  void dry(std::size_t surface, std::uint32_t node, double mass) override {
+    if (changes_masses() && is_mass(mass))
+      input_.interval.step.report.mass_dried += take(attachment(surface), node, mass);
+  }
+  void release(const Release& release) override {
+    if (changes_masses()) input_.interval.step.releases.push_back(release);
+  }
+
+ private:
+  bool changes_masses() const { return slot_.effect->changes_masses() && input_.particles.mass_varies; }
+  Attachment& attachment(std::size_t surface) {
+    OILSKIN_ASSERT(surface < surfaces.size());
+    return *input_.interval.step.surfaces.attachment[surface];
   }
 };
+
+double Exchange::absorb(std::size_t i, std::size_t surface, const std::array<std::uint32_t, 3>& nodes,
+                        const std::array<double, 3>& mass) {
+  IntervalContext& interval = input_.interval;
+  double wanted = 0;
+  for (double m : mass) wanted += is_mass(m) ? m : 0;
+  if (!changes_masses() || i >= id.size() || interval.removed[i] || !(wanted > 0)) return 0;
+  if (interval.mass_left.empty()) interval.mass_left = input_.particles.mass_ratio;
+  mass_ratio = interval.mass_left;
+  float& left = interval.mass_left[i];
+  const double before = static_cast<double>(left);
+  left = wanted < before * particle_mass ? static_cast<float>(before - wanted / particle_mass) : 0.0f;
+  const double given = before - static_cast<double>(left);  // exact: both have single precision
+  double rest = given * particle_mass;
+  std::size_t last = 0;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (is_mass(mass[k])) last = k;
+  for (std::size_t k = 0; k <= last; ++k) {
+    if (!is_mass(mass[k])) continue;
+    const double part = k == last ? rest : given * particle_mass * (mass[k] / wanted);
+    world::absorb(attachment(surface), nodes[k], part, velocity[i]);
+    rest -= part;
+  }
+  interval.step.ledger.absorbed(given, velocity[i]);
+  return given * particle_mass;
+}
 
 bool all_finite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
@@ -117,6 +173,10 @@ VisibleWalls::VisibleWalls(const fluid::WallGeometry& geometry, Span<SurfaceMoti
   }
 }
 
+bool Effects::change_masses() const {
+  return std::any_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.effect->changes_masses(); });
+}
+
 bool Effects::need_walls() const {
   return std::any_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.effect->needs_walls(); });
 }
@@ -144,6 +204,7 @@ Status Effects::add(Effect& effect, fluid::Particles& particles, Attachments& at
   slots_.push_back(std::move(slot));
   for (std::vector<double>& v : values) particles.values.push_back(std::move(v));
   for (double start : slots_.back().particle_start) particles.value_start.push_back(start);
+  if (effect.changes_masses()) particles.let_mass_vary();
   for (const auto& a : attachments.all()) fill(*a);
   return {};
 }

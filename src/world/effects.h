@@ -42,6 +42,7 @@ class Effects {
 
   bool empty() const { return slots_.empty(); }
   bool need_walls() const;
+  bool change_masses() const;
   std::size_t node_value_count() const {
     return slots_.empty() ? 0 : slots_.back().first_node_value + slots_.back().node_start.size();
   }

@@ -40,7 +40,7 @@ void EnergyBalance::begin(const fluid::Particles& particles, double dt) {
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Vec3 &x = particles.position[i], &u = particles.motion[i];
     const bool is_new = particles.id[i] >= state_.first_new_id;
-    (is_new ? entered_ : start_).add(mass_, u, middle(particles, i, x, dt));
+    (is_new ? entered_ : start_).add(mass_of(particles, i), u, middle(particles, i, x, dt));
     if (is_new || turned)
       state_.max_specific = std::max(state_.max_specific, 0.5 * u.squaredNorm() - gravity_.dot(x));
   }
@@ -72,16 +72,22 @@ void EnergyBalance::move(fluid::Particles& particles, std::size_t i, const Vec3&
 
 void EnergyBalance::stay(const fluid::Particles& particles, std::size_t i, double dt) {
   const Vec3& u = particles.motion[i];
-  water_.add(mass_, u, particles.position[i] - 0.5 * dt * u);
+  water_.add(mass_of(particles, i), u, particles.position[i] - 0.5 * dt * u);
   max_speed_ = std::max(max_speed_, u.squaredNorm());
 }
 
 void EnergyBalance::leave(const fluid::Particles& particles, std::size_t i, double dt) {
-  left_.add(mass_, particles.motion[i], particles.position[i] - 0.5 * dt * particles.motion[i]);
+  left_.add(mass_of(particles, i), particles.motion[i],
+            particles.position[i] - 0.5 * dt * particles.motion[i]);
 }
 
 void EnergyBalance::lose(const fluid::Particles& particles, std::size_t i, const Vec3& start, double dt) {
-  left_.add(mass_, particles.motion[i], middle(particles, i, start, dt));
+  left_.add(mass_of(particles, i), particles.motion[i], middle(particles, i, start, dt));
+}
+
+void EnergyBalance::absorb(const fluid::Particles& particles, std::size_t i, double mass_ratio, double dt) {
+  const Vec3& u = particles.motion[i];
+  left_.add(mass_ratio * mass_, u, particles.position[i] - 0.5 * dt * u);
 }
 
 bool EnergyBalance::is_too_fast(const fluid::Particles& particles, std::size_t i) const {
@@ -118,14 +124,14 @@ void EnergyBalance::end_surface(const SurfaceMotion& now, double dt, const Surfa
   }
 }
 
-const EnergyReport& EnergyBalance::finish(std::size_t count, double dt, double spacing) {
+const EnergyReport& EnergyBalance::finish(double sum, double dt, double spacing) {
   EnergyReport& r = state_.report;
   const Energy& water = state_.water;
   r.water_kinetic = water.kinetic;
   r.water_potential = water.potential(gravity_);
   r.node_kinetic = nodes_.kinetic;
   r.node_potential = nodes_.potential(gravity_);
-  r.rms_speed = count > 0 ? std::sqrt(2 * water.kinetic / (static_cast<double>(count) * mass_)) : 0;
+  r.rms_speed = sum > 0 ? std::sqrt(2 * water.kinetic / (sum * mass_)) : 0;
   r.entered_kinetic += entered_.kinetic;
   r.entered_potential +=
       entered_.potential(gravity_) + nodes_before_.total(gravity_) - state_.nodes.total(gravity_);
@@ -142,7 +148,7 @@ const EnergyReport& EnergyBalance::finish(std::size_t count, double dt, double s
   state_.gravity_work -= water.potential(gravity_) - start_.potential(gravity_) -
                          entered_.potential(gravity_) + left_.potential(gravity_) +
                          nodes_.potential(gravity_) - nodes_before_.potential(gravity_);
-  const double mass = static_cast<double>(count) * mass_, slow = spacing / window;
+  const double mass = sum * mass_, slow = spacing / window;
   update_scale(mass * std::max(gravity_.norm() * spacing, 0.5 * slow * slow));
   update_window(dt);
   state_.gravity = gravity_;

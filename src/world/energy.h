@@ -46,7 +46,7 @@ struct EnergyState {
 /// leave(), or lose(), for each particle, end_interval(). After the last one end_surface() and finish().
 class EnergyBalance {
  public:
-  /// Each particle weighs `particle_mass` [kg].
+  /// A new particle weighs `particle_mass` [kg].
   EnergyBalance(EnergyState& state, double particle_mass, const Vec3& gravity)
       : state_(state), mass_(particle_mass), gravity_(gravity), water_before_(state.water) {}
 
@@ -61,14 +61,16 @@ class EnergyBalance {
   void move(fluid::Particles& particles, std::size_t i, const Vec3& start, double time, double dt);
   /// Effects accelerated a particle for dt. `motion`: mean of its speeds in the last interval and in this
   /// one, with which free motion conserves energy to rounding, as (F.57) does in gravity.
-  void drive(const Vec3& acceleration, const Vec3& motion, double dt) {
-    by_effects_ += mass_ * dt * acceleration.dot(motion);
+  void drive(double mass_ratio, const Vec3& acceleration, const Vec3& motion, double dt) {
+    by_effects_ += mass_ratio * mass_ * dt * acceleration.dot(motion);
   }
   /// Work of effects on a surface [J].
   void drive(double work) { by_effects_ += work; }
 
   void stay(const fluid::Particles& particles, std::size_t i, double dt);
   void leave(const fluid::Particles& particles, std::size_t i, double dt);
+  /// A surface absorbs the part `mass_ratio` of a new particle's mass from particle i.
+  void absorb(const fluid::Particles& particles, std::size_t i, double mass_ratio, double dt);
   /// Particle i is removed at `start`: it has no certified end.
   void lose(const fluid::Particles& particles, std::size_t i, const Vec3& start, double dt);
   /// Whether particle i is faster than any energy in the world allows (F.63).
@@ -78,16 +80,20 @@ class EnergyBalance {
 
   /// A surface at the end of a step of dt, and as the step of dt_before left it.
   void end_surface(const SurfaceMotion& now, double dt, const SurfaceMotion& before, double dt_before);
-  /// The report of a step of dt with `count` particles. `spacing` [m] is the resolution of heights.
-  const EnergyReport& finish(std::size_t count, double dt, double spacing);
+  /// The report of a step of dt with particles of the mass `sum` [particle_mass]. `spacing` [m] is the
+  /// resolution of heights.
+  const EnergyReport& finish(double sum, double dt, double spacing);
 
  private:
+  double mass_of(const fluid::Particles& particles, std::size_t i) const {
+    return particles.relative_mass(i) * mass_;
+  }
   Vec3 middle(const fluid::Particles& particles, std::size_t i, const Vec3& x, double dt) const;
   void update_scale(double least);
   void update_window(double dt);
 
   EnergyState& state_;
-  const double mass_;  // [kg]
+  const double mass_;  // of a new particle [kg]
   const Vec3 gravity_;
 
   // Of the step

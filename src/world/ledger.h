@@ -7,36 +7,54 @@ namespace oilskin::world {
 
 class Ledger {
  public:
-  /// Adds to `report`; each particle weighs particle_mass [kg].
+  /// Adds to `report`; a new particle weighs particle_mass [kg]. `ratio` is the mass of a particle over that.
   Ledger(StepReport& report, double particle_mass) : report_(report), mass_(particle_mass) {}
 
   /// A particle that is in the fluid when the step begins.
-  void present_before(const Vec3& velocity) { report_.momentum_before += mass_ * velocity; }
+  void present_before(double ratio, const Vec3& velocity) {
+    report_.momentum_before += ratio * mass_ * velocity;
+  }
   void emitted(const Vec3& velocity) {
     ++report_.emitted;
     report_.momentum_emitted += mass_ * velocity;
   }
   /// Of the particles of an interval at once, so that the sum has one rounding.
   void emitted_mass(std::size_t count) { report_.mass_emitted += static_cast<double>(count) * mass_; }
-  /// Gravity acts on `count` particles for dt [s].
-  void gravity(std::size_t count, double dt, const Vec3& gravity) {
-    report_.momentum_gravity += static_cast<double>(count) * mass_ * dt * gravity;
+  /// Gravity acts for dt [s] on particles whose ratios add up to `sum`.
+  void gravity(double sum, double dt, const Vec3& gravity) {
+    report_.momentum_gravity += sum * mass_ * dt * gravity;
   }
   /// Effects accelerate a particle for dt [s].
-  void effect(double dt, const Vec3& acceleration) { report_.momentum_effects += mass_ * dt * acceleration; }
+  void effect(double ratio, double dt, const Vec3& acceleration) {
+    report_.momentum_effects += ratio * mass_ * dt * acceleration;
+  }
   /// What effects give a surface [N s].
   void effect(const Vec3& impulse) { report_.momentum_effects += impulse; }
   /// A particle that leaves the fluid; the caller counts the reason.
-  void removed(const Vec3& velocity) {
-    report_.mass_removed += mass_;
-    report_.momentum_removed += mass_ * velocity;
+  void removed(double ratio, const Vec3& velocity) {
+    report_.mass_removed += ratio * mass_;
+    report_.momentum_removed += ratio * mass_ * velocity;
   }
   /// A particle whose numbers are out of range: its momentum is not counted.
-  void removed_without_momentum() { report_.mass_removed += mass_; }
+  void removed_without_momentum(double ratio) { report_.mass_removed += ratio * mass_; }
+  /// A surface absorbs the part `ratio` of a new particle's mass.
+  void absorbed(double ratio, const Vec3& velocity) {
+    report_.mass_absorbed += ratio * mass_;
+    report_.momentum_absorbed += ratio * mass_ * velocity;
+  }
+  /// A surface releases a particle.
+  void released(const Vec3& velocity) {
+    ++report_.released;
+    report_.mass_released += mass_;
+    report_.momentum_released += mass_ * velocity;
+    present_after(1, velocity);
+  }
 
   /// The sum of present_after() begins again: the fluid at the end of an interval.
   void begin_after() { report_.momentum_after.setZero(); }
-  void present_after(const Vec3& velocity) { report_.momentum_after += mass_ * velocity; }
+  void present_after(double ratio, const Vec3& velocity) {
+    report_.momentum_after += ratio * mass_ * velocity;
+  }
 
  private:
   StepReport& report_;

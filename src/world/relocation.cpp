@@ -68,8 +68,8 @@ void relocate_particles(const ActiveSurfaces& active, fluid::Particles& particle
     }
     keep[p] = 0;
     ++report.removed;
-    ledger.present_before(particles.velocity[p]);
-    ledger.removed(particles.velocity[p]);
+    ledger.present_before(particles.relative_mass(p), particles.velocity[p]);
+    ledger.removed(particles.relative_mass(p), particles.velocity[p]);
   }
   particles.compress(keep);
 }

@@ -60,13 +60,14 @@ void visit(Archive& archive, SurfaceSettings& settings) {
 
 void visit(Archive& archive, SurfaceMotion& motion) {
   auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, x_t0, x_t1,
-         velocity, velocity_t0, inverse_mass, holdable, added_mass, impulse, moved, carried_mass] = motion;
+         velocity, velocity_t0, inverse_mass, holdable, added_mass, impulse, moved, carried_mass,
+         absorbed_mass] = motion;
   if (archive.reading()) velocity_t0.clear();  // gather() fills it
   archive.values(id, triangles, storage, thickness, delta);
   visit(archive, slip);
   visit(archive, slip_back);
   archive.values(smooth, nodes_movable, x_t0, x_t1, velocity, inverse_mass, holdable, added_mass, impulse,
-                 moved, carried_mass);
+                 moved, carried_mass, absorbed_mass);
 }
 
 /// Beyond it the squares of distances overflow [m].
@@ -80,8 +81,10 @@ bool is_in_range(const SurfaceMotion& m) {
   if (m.x_t0.size() != n || m.velocity.size() != n || m.inverse_mass.size() != n) return false;
   if (!has(m.holdable.size()) || !has(m.impulse.size()) || !has(m.moved.size())) return false;
   if (!has(m.added_mass.size()) || !has(m.carried_mass.size())) return false;
-  for (double mass : m.carried_mass)
-    if (!(mass >= 0 && std::isfinite(mass))) return false;
+  if (!has(m.absorbed_mass.size())) return false;
+  for (const std::vector<double>* masses : {&m.carried_mass, &m.absorbed_mass})
+    for (double mass : *masses)
+      if (!(mass >= 0 && std::isfinite(mass))) return false;
   if (!(m.delta > 0 && m.thickness >= 4 * m.delta && m.thickness < max_thickness)) return false;
   for (const Triangle& t : m.triangles)
     if (t[0] >= n || t[1] >= n || t[2] >= n) return false;

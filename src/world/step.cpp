@@ -6,6 +6,7 @@
 
 #include "core/assert.h"
 #include "fluid/stability.h"
+#include "world/absorption.h"
 #include "world/carried_mass.h"
 #include "world/numeric_range.h"
 #include "world/relocation.h"
@@ -120,12 +121,13 @@ void World::Impl::act(IntervalContext& interval) {
   effects.act({interval, state.particles, *fluid, fluid_settings, settings.gravity, *workers,
                walls ? &*walls : nullptr});
   for (std::size_t i = 0; i < interval.live; ++i)
-    interval.step.ledger.effect(interval.dt, interval.acceleration[i]);
+    interval.step.ledger.effect(state.particles.relative_mass(i), interval.dt, interval.acceleration[i]);
 }
 
 void World::Impl::exchange(IntervalContext& interval, Span<const Contact> near) {
   if (effects.empty()) return;
   StageTimer timer(interval.step.report.seconds.effects);
+  interval.step.releases.clear();
   effects.exchange({interval, state.particles, *fluid, fluid_settings, settings.gravity, *workers, nullptr},
                    near);
 }
@@ -139,7 +141,7 @@ void World::Impl::remove_invalid_particles(StepContext& step) {
     keep[i] = 0;
     any = true;
     ++step.report.removed_invalid;
-    step.ledger.removed_without_momentum();
+    step.ledger.removed_without_momentum(particles.relative_mass(i));
   }
   if (any) particles.compress(keep);
   OILSKIN_ASSERT(all_finite(particles.position) && all_finite(particles.velocity));
@@ -201,8 +203,10 @@ void World::Impl::emit(IntervalContext& interval) {
   interval.live = particles.size();
   interval.remaining.assign(interval.live, interval.dt);
   if (interval.is_first)
-    for (const Vec3& v : particles.velocity) step.ledger.present_before(v);
+    for (std::size_t i = 0; i < particles.size(); ++i)
+      step.ledger.present_before(particles.relative_mass(i), particles.velocity[i]);
   if (interval.is_first) step.energy.begin(particles, interval.dt);
+  const double live_mass = particles.sum_of_relative_masses();
   const std::vector<fluid::Start>& starts = emission->due(interval.begin, interval.dt);
   const std::vector<std::uint8_t> blocked =
       find_blocked_starts(starts, settings.kill_box, step.surfaces, *workers);
@@ -218,7 +222,7 @@ void World::Impl::emit(IntervalContext& interval) {
     step.ledger.gravity(1, start.remaining, settings.gravity);
   }
   step.ledger.emitted_mass(particles.size() - interval.live);
-  step.ledger.gravity(interval.live, interval.dt, settings.gravity);
+  step.ledger.gravity(live_mass, interval.dt, settings.gravity);
   step.report.blocked_starts += emission->settle(blocked);
 }
 
@@ -228,6 +232,8 @@ void World::Impl::predict_motion(IntervalContext& interval) const {
   OILSKIN_ASSERT(interval.remaining.size() == n);
   interval.velocity = particles.velocity;
   interval.inverse_mass.assign(n, 1 / fluid->particle_mass());
+  if (particles.mass_varies)
+    for (std::size_t i = 0; i < n; ++i) interval.inverse_mass[i] /= particles.relative_mass(i);
   interval.removed.assign(n, 0);
   interval.x_t1.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -333,9 +339,9 @@ void World::Impl::commit(IntervalContext& interval) {
   for (std::size_t i = 0; i < particles.size(); ++i) {
     keep[i] = commit_particle(interval, i);
     if (keep[i])
-      step.ledger.present_after(particles.velocity[i]);
+      step.ledger.present_after(particles.relative_mass(i), particles.velocity[i]);
     else
-      step.ledger.removed(particles.velocity[i]);
+      step.ledger.removed(particles.relative_mass(i), particles.velocity[i]);
   }
   step.energy.end_interval(state.next_particle_id, interval.dt);
   step.report.removed += interval.report.removed;
@@ -358,7 +364,9 @@ bool World::Impl::commit_particle(IntervalContext& interval, std::size_t i) {
   const Vec3 motion_before = particles.motion[i];
   energy.move(particles, i, start, interval.remaining[i], interval.dt);
   if (!interval.acceleration.empty() && i < interval.live)
-    energy.drive(interval.acceleration[i], 0.5 * (motion_before + particles.motion[i]), interval.dt);
+    energy.drive(particles.relative_mass(i), interval.acceleration[i],
+                 0.5 * (motion_before + particles.motion[i]), interval.dt);
+  if (!interval.mass_left.empty() && !keep_mass(interval, i)) return false;
   if (inside) {
     energy.stay(particles, i, interval.dt);
     return true;
@@ -369,13 +377,40 @@ bool World::Impl::commit_particle(IntervalContext& interval, std::size_t i) {
   return false;
 }
 
+/// What surfaces absorbed leaves particle i. Whether it has any mass left.
+bool World::Impl::keep_mass(IntervalContext& interval, std::size_t i) {
+  fluid::Particles& particles = state.particles;
+  float& mass = particles.mass_ratio[i];
+  const float left = interval.mass_left[i];
+  interval.step.energy.absorb(particles, i, static_cast<double>(mass) - static_cast<double>(left),
+                              interval.dt);
+  mass = left;
+  if (left > 0) return true;
+  ++interval.step.report.absorbed;
+  return false;
+}
+
+void World::Impl::release(StepContext& step) {
+  if (step.releases.empty()) return;
+  StageTimer timer(step.report.seconds.effects);
+  world::release_particles(step.releases, step.surfaces, settings.kill_box, fluid_settings.spacing,
+                           fluid_settings.rest_density, fluid->particle_mass(), *workers, state.particles,
+                           state.next_particle_id, step.ledger);
+  step.report.alive = state.particles.size();
+}
+
 void World::Impl::scatter(StepContext& step) {
   StageTimer timer(step.report.seconds.gather);
   step.paths.end();
+  release(step);
   fluid->record_load(step.dt, step.surfaces.motion);
   for (world::Attachment* a : step.surfaces.attachment)
     world::update_carried_mass(step.dt, fluid_settings, *a, step.report);
+  std::vector<std::vector<Vec3>> impulses;  // of contact and pressure alone
+  for (world::Attachment* a : step.surfaces.attachment) impulses.push_back(world::add_momentum_of_liquid(*a));
   world::Attachments::scatter(step.surfaces, step.report);
+  for (std::size_t s = 0; s < impulses.size(); ++s)
+    if (!impulses[s].empty()) step.surfaces.motion[s]->impulse.swap(impulses[s]);
   for (const world::Attachment* a : step.surfaces.attachment)
     step.energy.end_surface(a->motion, step.dt, attachments.before(*a), state.last_dt);
 }
@@ -383,7 +418,8 @@ void World::Impl::scatter(StepContext& step) {
 void World::Impl::finish(StepContext& step) {
   OILSKIN_ASSERT(all_finite(state.particles.position) && all_finite(state.particles.velocity));
   OILSKIN_ASSERT(step.report.alive == state.particles.size());
-  step.report.energy = step.energy.finish(state.particles.size(), step.dt, fluid_settings.spacing);
+  step.report.energy =
+      step.energy.finish(state.particles.sum_of_relative_masses(), step.dt, fluid_settings.spacing);
   state.time += step.dt;
   state.last_dt = step.dt;
   ++state.step_count;

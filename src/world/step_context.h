@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fluid/fluid_solver.h"
-#include "oilskin/contact.h"
+#include "oilskin/effect.h"
 #include "world/attachments.h"
 #include "world/energy.h"
 #include "world/ledger.h"
@@ -28,6 +28,7 @@ struct StepContext {
   Ledger ledger;  // adds to the report
   EnergyBalance energy;
   std::vector<Contact> contacts;  // of the last interval
+  std::vector<Release> releases;  // that effects asked for in the last interval
 };
 
 /// One certified interval: a step, or one of its sub-steps. Arrays have one value per particle: those that
@@ -50,6 +51,7 @@ struct IntervalContext {
   std::vector<std::uint8_t> removed;
   std::vector<fluid::PredictionContact> prediction;
   std::vector<Vec3> acceleration;  // by effects; empty = there are none [m/s²]
+  std::vector<float> mass_left;    // where surfaces absorbed: relative masses at the end; empty = nowhere
 
   // Output
   ContactReport report;

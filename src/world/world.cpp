@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "core/hash.h"
+#include "world/absorption.h"
 #include "world/carried_mass.h"
 #include "world/numeric_range.h"
 #include "world/world_impl.h"
@@ -194,6 +195,12 @@ std::size_t World::particle_count() const {
 double World::particle_mass() const {
   return impl_->fluid ? impl_->fluid->particle_mass() : 0;
 }
+Span<const float> World::mass_ratios() const {
+  return impl_->state.particles.mass_ratio;
+}
+double World::fluid_mass() const {
+  return particle_mass() * impl_->state.particles.sum_of_relative_masses();
+}
 Span<const std::uint64_t> World::ids() const {
   return impl_->state.particles.id;
 }
@@ -246,6 +253,17 @@ std::vector<double>* World::Impl::node_values(const Effect& effect, SurfaceId id
   if (slot == nullptr || a == nullptr || channel >= slot->node_start.size()) return nullptr;
   effects.fill(*a);
   return &a->values[slot->first_node_value + channel];
+}
+
+Span<const double> World::absorbed(SurfaceId id) const {
+  const world::Attachment* a = impl_->attachments.find(id.value);
+  return a ? Span<const double>(a->motion.absorbed_mass) : Span<const double>();
+}
+
+double World::absorbed_mass() const {
+  double sum = 0;
+  for (const auto& a : impl_->attachments.all()) sum += world::absorbed_mass(*a);
+  return sum;
 }
 
 Span<const double> World::particle_values(const Effect& effect, std::size_t channel) const {

@@ -71,6 +71,8 @@ struct World::Impl {
   void notify_observer(world::IntervalContext& interval);
   void commit(world::IntervalContext& interval);
   bool commit_particle(world::IntervalContext& interval, std::size_t i);
+  bool keep_mass(world::IntervalContext& interval, std::size_t i);
+  void release(world::StepContext& step);
   void scatter(world::StepContext& step);
   void finish(world::StepContext& step);
   void advise_on_energy(world::StepContext& step) const;

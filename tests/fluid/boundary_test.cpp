@@ -201,7 +201,7 @@ TEST(Boundary, what_particles_get_nodes_lose) {
     for (std::size_t k = 0; k < water.boundary.points().size(); ++k)
       load.push_back({random.uniform(), random.uniform()});
     std::vector<Vec3> dv(water.x.size(), Vec3::Zero());
-    water.boundary.apply_load(load, dv, water.workers);
+    water.boundary.apply_load(load, {}, dv, water.workers);
     Vec3 given = Vec3::Zero(), taken = Vec3::Zero(), nodes = Vec3::Zero();
     for (const Vec3& v : dv) given += Layer::mass * v;
     for (const Vec3& j : water.surface.impulse) taken += j;
@@ -229,7 +229,7 @@ TEST(Boundary, a_floor_carries_what_the_water_down_to_it_weighs_and_a_ceiling_do
       EXPECT_NEAR(p.max_depth, std::abs(depth), 1e-6f);
     }
     std::vector<Vec3> dv(water.x.size(), Vec3::Zero());
-    water.boundary.apply_load({water.boundary.points().size(), {0.5, 2}}, dv, water.workers);
+    water.boundary.apply_load({water.boundary.points().size(), {0.5, 2}}, {}, dv, water.workers);
     for (const WallPoint& p : water.boundary.points())
       EXPECT_LT((dv[p.particle] - p.velocity_change({0.5f, 2}).cast<double>()).norm(), 1e-6);
   }

@@ -80,6 +80,7 @@ class MockCloth : public SurfaceHost {
       if (motion.moved[i]) x[i] = motion.x_t1[i].template cast<Scalar>();
       motion.x_t1[i] = x[i].template cast<double>();
     }
+    weigh_nodes(motion.absorbed_mass);
   }
 
   Vec3 momentum() const {
@@ -97,6 +98,17 @@ class MockCloth : public SurfaceHost {
 
   void add_spring(std::uint32_t a, std::uint32_t b) {
     springs_.push_back({a, b, (x[b] - x[a]).template cast<double>().norm()});
+  }
+
+  void weigh_nodes(const std::vector<double>& absorbed) {
+    if (absorbed.size() != x.size()) return;
+    absorbed_.resize(x.size(), 0);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      if (inverse_mass[i] == 0 || absorbed[i] == absorbed_[i]) continue;
+      const double mass = 1 / static_cast<double>(inverse_mass[i]) + absorbed[i] - absorbed_[i];
+      inverse_mass[i] = static_cast<Scalar>(1 / mass);
+      absorbed_[i] = absorbed[i];
+    }
   }
 
   // Eight springs join at a node: their stiffest mode must stay well below symplectic Euler's limit of 2/ω.
@@ -127,6 +139,7 @@ class MockCloth : public SurfaceHost {
   }
 
   std::vector<Spring> springs_;
+  std::vector<double> absorbed_;  // part of the mass of each node [kg]
 };
 
 }  // namespace oilskin::test

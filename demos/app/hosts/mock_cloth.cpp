@@ -31,7 +31,7 @@ void MockCloth::prescribe(double t) {
       if (model_.pin_group[i] != static_cast<int>(g)) continue;
       if (holds) model_.anchor[i] = x_[i];
       if (holds) inverse_mass_[i] = 0;
-      if (released_[g]) inverse_mass_[i] = 1 / model_.mass[i];
+      if (released_[g]) inverse_mass_[i] = 1 / wet_mass(i);
       v_[i] = velocity_at(group.motion, model_.anchor[i], released_[g] ? group.release : t);
       if (!released_[g]) x_[i] = moved(group.motion, model_.anchor[i], t);
     }
@@ -86,6 +86,10 @@ void MockCloth::scatter(SurfaceMotion& motion) {
     if (motion.moved[i]) x_[i] = motion.x_t1[i];
   }
   motion.x_t1 = x_;
+  if (motion.absorbed_mass.size() != x_.size()) return;
+  absorbed_ = motion.absorbed_mass;
+  for (std::size_t i = 0; i < x_.size(); ++i)
+    if (inverse_mass_[i] > 0) inverse_mass_[i] = 1 / wet_mass(i);
 }
 
 namespace {

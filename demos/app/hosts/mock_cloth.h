@@ -22,11 +22,15 @@ class MockCloth : public SurfaceHost {
  private:
   void prescribe(double t);
   void project_links();
+  double wet_mass(std::size_t node) const {
+    return model_.mass[node] + (absorbed_.empty() ? 0 : absorbed_[node]);
+  }
 
   ClothModel model_;
   int substeps_, iterations_;
   std::vector<Vec3> x_, v_;
   std::vector<double> inverse_mass_, rest_length_;
+  std::vector<double> absorbed_;       ///< liquid in each node [kg]; empty = none
   std::vector<bool> held_, released_;  ///< per group of pins
   bool fresh_ = true;
 };

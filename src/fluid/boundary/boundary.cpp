@@ -10,6 +10,10 @@ namespace {
 
 constexpr std::size_t point_chunk = 256;
 
+double mass_of(Span<const float> ratio, std::uint32_t particle, double mass) {
+  return ratio.empty() ? mass : mass * static_cast<double>(ratio[particle]);
+}
+
 /// Friction of these laws is bounded by them, or needs to know the first layer (docs/theory/boundary.md 10).
 bool has_dry_friction(const SurfaceMotion& s) {
   const auto is_dry = [](SlipModel m) { return m == SlipModel::coulomb || m == SlipModel::sticking; };
@@ -49,8 +53,8 @@ std::vector<WallNodeMotion> Boundary::node_motion(double dt) const {
   return motion;
 }
 
-void Boundary::apply_load(const std::vector<WallLoad<double>>& load, std::vector<Vec3>& dv,
-                          const Workers& workers) {
+void Boundary::apply_load(const std::vector<WallLoad<double>>& load, Span<const float> mass_ratio,
+                          std::vector<Vec3>& dv, const Workers& workers) {
   OILSKIN_ASSERT(load.size() == points().size() && geometry_.point_of().size() == dv.size());
   const std::vector<Wall>& walls = geometry_.walls();
   workers.for_each(points().size(), point_chunk, [&](std::size_t k) {
@@ -64,16 +68,17 @@ void Boundary::apply_load(const std::vector<WallLoad<double>>& load, std::vector
     Vec3 impulse = Vec3::Zero();
     for (const WallNodes::Corner& c : nodes_.corners_of(n)) {
       const Wall& wall = walls[c.wall];
-      impulse -= mass_ * load[wall.point].on(wall.depth) * wall.share(c.corner) * wall.gamma.cast<double>();
+      const double mass = mass_of(mass_ratio, points()[wall.point].particle, mass_);
+      impulse -= mass * load[wall.point].on(wall.depth) * wall.share(c.corner) * wall.gamma.cast<double>();
     }
     SurfaceMotion& s = *surfaces_[nodes_[n].surface];
     s.velocity[nodes_[n].node] += s.inverse_mass[nodes_[n].node] * impulse;
     s.impulse[nodes_[n].node] += impulse;
   });
-  record_wall_impulses(load);
+  record_wall_impulses(load, mass_ratio);
 }
 
-void Boundary::record_wall_impulses(const std::vector<WallLoad<double>>& load) {
+void Boundary::record_wall_impulses(const std::vector<WallLoad<double>>& load, Span<const float> mass_ratio) {
   wall_impulses_.clear();
   if (std::none_of(surfaces_.begin(), surfaces_.end(), [](auto* s) { return has_dry_friction(*s); })) return;
   for (const Wall& wall : geometry_.walls()) {
@@ -85,7 +90,7 @@ void Boundary::record_wall_impulses(const std::vector<WallLoad<double>>& load) {
     w.triangle = wall.triangle;
     w.weights = {wall.share(0), wall.share(1), wall.share(2)};
     w.normal = wall.gamma.cast<double>();
-    w.impulse = mass_ * std::max(theta, 0.0) * w.normal.norm();
+    w.impulse = mass_of(mass_ratio, w.particle, mass_) * std::max(theta, 0.0) * w.normal.norm();
     wall_impulses_.push_back(w);
   }
 }

@@ -34,8 +34,10 @@ class Boundary {
   WallCompliance& compliance() { return compliance_; }
   const std::vector<float>& normal_flux() const { return compliance_.normal_flux(); }
 
-  /// dv += Σ_T θ_T γ_T; velocities and impulses of the nodes change by the opposite momentum.
-  void apply_load(const std::vector<WallLoad<double>>& load, std::vector<Vec3>& dv, const Workers& workers);
+  /// dv += Σ_T θ_T γ_T; velocities and impulses of the nodes change by the opposite momentum. `mass_ratio`:
+  /// of the particles, relative to a new one; empty = all are 1.
+  void apply_load(const std::vector<WallLoad<double>>& load, Span<const float> mass_ratio,
+                  std::vector<Vec3>& dv, const Workers& workers);
 
   /// What the last apply_load() gave to particles at walls with friction, ordered by particle.
   const std::vector<WallImpulse>& wall_impulses() const { return wall_impulses_; }
@@ -45,13 +47,13 @@ class Boundary {
 
  private:
   std::vector<WallNodeMotion> node_motion(double dt) const;
-  void record_wall_impulses(const std::vector<WallLoad<double>>& load);
+  void record_wall_impulses(const std::vector<WallLoad<double>>& load, Span<const float> mass_ratio);
 
   WallGeometry geometry_;
   WallNodes nodes_;
   WallCompliance compliance_;
   LoadMemory memory_;
-  double mass_ = 0;  // of a particle [kg]
+  double mass_ = 0;  // of a new particle [kg]
   std::vector<SurfaceMotion*> surfaces_;
   std::vector<WallImpulse> wall_impulses_;
 };

@@ -30,9 +30,9 @@ struct Rates {
   GradientRates gradient;
   F4 compression;
 
-  void add(const Pairs& pairs, F4 slope, F4 dv_dot_delta) {
-    gradient.add(pairs, slope, dv_dot_delta);
-    compression += slope * dv_dot_delta;
+  void add(const Pairs& pairs, F4 slope, F4 weighted, F4 dv_dot_delta) {
+    gradient.add(pairs, slope, weighted, dv_dot_delta);
+    compression += weighted * dv_dot_delta;
   }
 };
 
@@ -72,11 +72,15 @@ class Dfsph : public PressureModel {
 
   void restart_momentum(const StepState& state);
   void iterate(StepState& state, Solver solver, const LoopGoal& goal);
+  template <bool weighted>
+  void iterate_weighted(StepState& state, Solver solver);
   float divergence_error(const StepState& state, std::size_t i, float rate, Errors& errors) const;
-  float density_error(const StepState& state, std::size_t i, Errors& errors) const;
+  float density_error(const StepState& state, std::size_t i, float compressed, Errors& errors) const;
   template <class ErrorOf>
   Errors correct(StepState& state, const ErrorOf& error_of);
+  template <bool weighted>
   void displace(StepState& state);
+  template <bool weighted>
   float compression(const StepState& state, std::size_t i) const;
 
   const IncompressibleFluid fluid_;
@@ -110,8 +114,8 @@ struct Dfsph::Sums : IncompressibleSums {
         rate_scale(density_scale * static_cast<float>(dt / model.fluid_.support_radius)) {}
 
   static void store_pair(float* at, const Pairs& pairs, F4 slope) { store_gradients(at, pairs, slope); }
-  void keep(const fluid::Rates& r, std::size_t i) const {
-    out.gradient_[i] = r.gradient.sum();
+  void keep(const fluid::Rates& r, float own_mass, std::size_t i) const {
+    out.gradient_[i] = r.gradient.sum(own_mass);
     out.start_rate_[i] = rate_scale * total(r.compression);
   }
 };
@@ -216,17 +220,19 @@ void Dfsph::solve_density(StepState& state, const std::vector<double>& pressure,
   controller_ = loop_.next_controller();
 }
 
-float Dfsph::density_error(const StepState& state, std::size_t i, Errors& errors) const {
-  const float error = state.relative_density[i] - 1 + compression(state, i);
+float Dfsph::density_error(const StepState& state, std::size_t i, float compressed, Errors& errors) const {
+  const float error = state.relative_density[i] - 1 + compressed;
   errors.add(static_cast<double>(error), static_cast<double>(target_[i]), fluid_.settings.tolerance);
   return error - target_[i];
 }
 
 void Dfsph::finish(StepState& state, std::vector<double>& pressure) {
   const double to_velocity = fluid_.support_radius / state.dt, scale = fluid_.phi_per_pascal(state.dt);
-  state.for_each([&](std::size_t i) {
-    state.dv[i] += to_velocity * pair_displacement<Sum4>(state, phi_, i);
-    pressure[i] = static_cast<double>(phi_[i]) / scale;
+  state.by_masses([&](auto weighted) {
+    state.for_each([&](std::size_t i) {
+      state.dv[i] += to_velocity * pair_displacement<Sum4, weighted>(state, phi_, i);
+      pressure[i] = static_cast<double>(phi_[i]) / scale;
+    });
   });
   walls_.apply(state, phi_);
 }
@@ -238,12 +244,18 @@ void Dfsph::restart_momentum(const StepState& state) {
 
 void Dfsph::iterate(StepState& state, Solver solver, const LoopGoal& goal) {
   loop_.start(goal);
+  state.by_masses([&](auto weighted) { iterate_weighted<weighted>(state, solver); });
+}
+
+template <bool weighted>
+void Dfsph::iterate_weighted(StepState& state, Solver solver) {
   PressureLoop::Verdict verdict;
   do {
-    displace(state);
+    displace<weighted>(state);
     verdict = loop_.judge(correct(state, [&](std::size_t i, Errors& errors) {
-      return solver == Solver::density ? density_error(state, i, errors)
-                                       : divergence_error(state, i, compression(state, i), errors);
+      const float compressed = compression<weighted>(state, i);
+      return solver == Solver::density ? density_error(state, i, compressed, errors)
+                                       : divergence_error(state, i, compressed, errors);
     }));
     if (!verdict.finite) std::copy(min_phi_.begin(), min_phi_.end(), phi_.begin());
     if (verdict.restart) restart_momentum(state);
@@ -282,12 +294,13 @@ Errors Dfsph::correct(StepState& state, const ErrorOf& error_of) {
 }
 
 /// Displacements under the current pressures.
+template <bool weighted>
 void Dfsph::displace(StepState& state) {
   walls_.predict_walls(state, phi_);
   state.for_chunks([&](std::size_t begin, std::size_t end) {
     ContactCursor contacts(state.contacts, begin);
     for (std::size_t i = begin; i < end; ++i) {
-      Vec3 d = drift_[i] + pair_displacement<F4>(state, phi_, i);
+      Vec3 d = drift_[i] + pair_displacement<F4, weighted>(state, phi_, i);
       walls_.constrain(state, i, phi_[i], contacts.of(i), d);
       displacement_[i] = to_record(d);
     }
@@ -295,8 +308,9 @@ void Dfsph::displace(StepState& state) {
 }
 
 /// div_i (F.29): dt Dρ/Dt/ρ0 at the current displacements.
+template <bool weighted>
 float Dfsph::compression(const StepState& state, std::size_t i) const {
-  const float of_fluid = fluid_.density_scale * pair_compression(state, displacement_, i);
+  const float of_fluid = fluid_.density_scale * pair_compression<weighted>(state, displacement_, i);
   const std::uint32_t k = WallResponse::point_of(state, i);
   if (k == Boundary::none) return of_fluid;
   return of_fluid + walls_.density(k) - state.boundary.points()[k].lambda;

@@ -57,16 +57,18 @@ void add_image_slopes(StepState& state) {
 }
 
 void add_image_gradients(StepState& state, std::vector<Record>& sums) {
+  const float* masses = state.mass_ratio.empty() ? nullptr : state.mass_ratio.data();
   for_image_pairs(state, [&](std::uint32_t i, std::uint32_t k, float slope, const Eigen::Vector3f& delta) {
     float* at = state.slope[i / Neighbours::chunk_size].data() + 3 * state.neighbours.pair_begin(i) +
                 12 * (k / 4) + k % 4;
     const Eigen::Vector3f before(at[0], at[4], at[8]), change = slope * delta, after = before + change;
     for (int c = 0; c < 3; ++c) at[4 * c] = after[c];
     Record& sum = sums[i];
-    sum.x += change.x();
-    sum.y += change.y();
-    sum.z += change.z();
-    sum.w += after.squaredNorm() - before.squaredNorm();
+    const float other = masses ? masses[state.neighbours.list(i)[k]] : 1, own = masses ? masses[i] : 1;
+    sum.x += other * change.x();
+    sum.y += other * change.y();
+    sum.z += other * change.z();
+    sum.w += own * other * (after.squaredNorm() - before.squaredNorm());
   });
 }
 

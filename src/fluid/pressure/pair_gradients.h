@@ -16,21 +16,22 @@ inline void store_gradients(float* at, const Pairs& pairs, F4 slope) {
 struct GradientRates {
   F4 gx, gy, gz, squares;
 
-  void add(const Pairs& pairs, F4 slope, F4) {
-    gx += slope * pairs.dx;
-    gy += slope * pairs.dy;
-    gz += slope * pairs.dz;
-    squares += slope * slope * pairs.q2;
+  /// `weighted`: slope times the mass of the neighbour.
+  void add(const Pairs& pairs, F4 slope, F4 weighted, F4) {
+    gx += weighted * pairs.dx;
+    gy += weighted * pairs.dy;
+    gz += weighted * pairs.dz;
+    squares += weighted * slope * pairs.q2;
   }
-  Record sum() const { return {total(gx), total(gy), total(gz), total(squares)}; }
+  Record sum(float own_mass) const { return {total(gx), total(gy), total(gz), own_mass * total(squares)}; }
 };
 
 inline const float* gradients(const StepState& state, std::size_t i) {
   return state.slope[i / Neighbours::chunk_size].data() + 3 * state.neighbours.pair_begin(i);
 }
 
-/// −Σ_j (φ_i + φ_j) w'/q Δ [H]. `Sum` is F4 inside iterations and Sum4 (double) for what is applied.
-template <class Sum>
+/// −Σ_j m_j (φ_i + φ_j) w'/q Δ [H]. `Sum` is F4 inside iterations and Sum4 (double) for what is applied.
+template <class Sum, bool weighted>
 Vec3 pair_displacement(const StepState& state, const std::vector<float>& phi, std::size_t i) {
   const std::uint32_t* j = state.neighbours.list(i);
   const float* gradient = gradients(state, i);
@@ -38,29 +39,32 @@ Vec3 pair_displacement(const StepState& state, const std::vector<float>& phi, st
   Sum sx, sy, sz;
   for (std::uint32_t b = state.neighbours.blocks(i); b > 0; --b, j += 4, gradient += 12) {
     const F4 both = own + gather(phi.data(), j);
-    sx += both * load(gradient);
-    sy += both * load(gradient + 4);
-    sz += both * load(gradient + 8);
+    add_times_mass<weighted>(state, sx, both * load(gradient), j);
+    add_times_mass<weighted>(state, sy, both * load(gradient + 4), j);
+    add_times_mass<weighted>(state, sz, both * load(gradient + 8), j);
   }
   return -total(sx, sy, sz);
 }
 
-/// Σ_j w'/q Δ·(y_i − y_j): the compression by displacements y [H], over D (F.29).
-inline float pair_compression(const StepState& state, const std::vector<Record>& y, std::size_t i) {
+/// Σ_j m_j w'/q Δ·(y_i − y_j): the compression by displacements y [H], over D (F.29).
+template <bool weighted>
+float pair_compression(const StepState& state, const std::vector<Record>& y, std::size_t i) {
   const std::uint32_t* j = state.neighbours.list(i);
   const float* gradient = gradients(state, i);
   const Record& u = y[i];
   F4 sum;
   for (std::uint32_t b = state.neighbours.blocks(i); b > 0; --b, j += 4, gradient += 12) {
     const Record4 v(y.data(), j);
-    sum += (F4(u.x) - v.x) * load(gradient) + (F4(u.y) - v.y) * load(gradient + 4) +
-           (F4(u.z) - v.z) * load(gradient + 8);
+    const F4 rate = (F4(u.x) - v.x) * load(gradient) + (F4(u.y) - v.y) * load(gradient + 4) +
+                    (F4(u.z) - v.z) * load(gradient + 8);
+    add_times_mass<weighted>(state, sum, rate, j);
   }
   return total(sum);
 }
 
 /// 1/α (F.28), [Bender2015] Eq. 8 in our units: by how much the density of particle i falls per φ_i. The
-/// image of a particle behind a wall has its pressure. `pull` = D Σ w'/q Δ, `of_neighbours` = D Σ |w'|².
+/// image of a particle behind a wall has its pressure. `pull` = D Σ m_j w'/q Δ, `of_neighbours` = D Σ m_i m_j
+/// |w'|².
 inline float density_response(const IncompressibleFluid& fluid, const StepState& state, std::size_t i,
                               Eigen::Vector3f pull, float of_neighbours) {
   const std::uint32_t k = state.boundary.empty() ? Boundary::none : state.boundary.point_of(i);

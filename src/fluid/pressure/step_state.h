@@ -1,6 +1,8 @@
 /// The data of one fluid step that its stages share.
 #pragma once
 
+#include <type_traits>
+
 #include "core/parallel.h"
 #include "fluid/boundary/boundary.h"
 #include "fluid/neighbours.h"
@@ -23,6 +25,8 @@ struct StepState {
   Neighbours neighbours;
   std::uint64_t hidden_pairs = 0;
   std::vector<Record> velocity;  ///< with one more for the padding
+  /// Mass over that of a new particle, with one more for the padding; empty = all are 1.
+  std::vector<float> mass_ratio;
   /// Per chunk and pair: w'(q)/q of the pressure's kernel at the start.
   std::vector<std::vector<float>> slope;
 
@@ -34,6 +38,15 @@ struct StepState {
   const std::vector<Record>& position() const { return neighbours.records(); }
   const float* slopes(std::size_t i) const {
     return slope[i / Neighbours::chunk_size].data() + neighbours.pair_begin(i);
+  }
+
+  double relative_mass(std::size_t i) const {
+    return mass_ratio.empty() ? 1 : static_cast<double>(mass_ratio[i]);
+  }
+  /// f(std::true_type) if masses differ, else f(std::false_type): one branch for a loop over all particles.
+  template <class F>
+  auto by_masses(const F& f) const {
+    return mass_ratio.empty() ? f(std::false_type()) : f(std::true_type());
   }
 
   /// f(i) for every particle; the tasks are the chunks of the neighbour lists.

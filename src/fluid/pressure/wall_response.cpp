@@ -41,6 +41,8 @@ void WallResponse::predict_walls(StepState& state, Pressures phi) {
   const std::vector<WallPoint>& points = state.boundary.points();
   OILSKIN_ASSERT(theta_.size() == points.size());
   for (std::size_t k = 0; k < points.size(); ++k) theta_[k] = per_phi * phi[points[k].particle];
+  if (!state.mass_ratio.empty())
+    for (std::size_t k = 0; k < points.size(); ++k) theta_[k] *= state.mass_ratio[points[k].particle];
   state.boundary.compliance().predict_wall_velocity(theta_, state.workers);
 }
 
@@ -74,7 +76,7 @@ void WallResponse::apply(StepState& state, Pressures phi) {
     const auto load = load_on_walls(points[k], static_cast<double>(phi[points[k].particle])).times(per_phi);
     load_[k] = load.times(rebound_limit(state, k, load));
   }
-  state.boundary.apply_load(load_, state.dv, state.workers);
+  state.boundary.apply_load(load_, state.mass_ratio, state.dv, state.workers);
 }
 
 /// The factor (B.30) that makes the impulse of a wall inelastic: it removes the approach velocity, but adds

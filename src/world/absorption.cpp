@@ -1,0 +1,146 @@
+#include "world/absorption.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "contact/predicates.h"
+#include "core/assert.h"
+#include "world/clearance.h"
+
+namespace oilskin::world {
+
+namespace {
+
+/// Least distance of a new particle from others [dx].
+constexpr double free_distance = 0.7;
+
+LiquidChange& change_of(Attachment& a) {
+  const std::size_t n = a.motion.x_t1.size();
+  if (a.motion.absorbed_mass.size() != n) a.motion.absorbed_mass.assign(n, 0);
+  LiquidChange& c = a.liquid_change;
+  if (c.mass.size() != n) {
+    c.before = a.motion.absorbed_mass;
+    c.mass.assign(n, 0);
+    c.momentum.assign(n, Vec3::Zero());
+  }
+  return c;
+}
+
+bool is_far_from_particles(const fluid::Particles& particles, const Vec3& x, double distance) {
+  return std::none_of(particles.position.begin(), particles.position.end(),
+                      [&](const Vec3& p) { return (p - x).squaredNorm() < distance * distance; });
+}
+
+bool is_way_free(const ActiveSurfaces& active, const Vec3& from, const Vec3& to) {
+  Box way;
+  way.add(from);
+  way.add(to);
+  for (const SurfaceMotion* s : active.motion)
+    for (const Triangle& t : s->triangles) {
+      const Vec3 &a = s->x_t1[t[0]], &b = s->x_t1[t[1]], &c = s->x_t1[t[2]];
+      Box box;
+      for (const Vec3* x : {&a, &b, &c}) box.add(*x);
+      if (box.overlaps(way) && contact::paths_intersect({from, a, b, c}, {to, a, b, c}).hit) return false;
+    }
+  return true;
+}
+
+std::vector<StandingSurface> at_end(const ActiveSurfaces& active) {
+  std::vector<StandingSurface> standing;
+  for (Attachment* a : active.attachment)
+    standing.push_back({a->motion.triangles, a->motion.x_t1, a->motion.delta, &a->geometry.tree});
+  return standing;
+}
+
+bool has_liquid(const Release& r, const Attachment& a) {
+  return std::all_of(r.nodes.begin(), r.nodes.end(), [&](const auto& node) {
+    return node.first < a.motion.absorbed_mass.size() && node.second >= 0 &&
+           node.second <= a.motion.absorbed_mass[node.first];
+  });
+}
+
+/// The velocity of what the nodes give together.
+Vec3 velocity_of(const Release& r, const SurfaceMotion& m) {
+  Vec3 momentum = Vec3::Zero();
+  double mass = 0;
+  for (const auto& [node, part] : r.nodes) {
+    momentum += part * m.velocity[node];
+    mass += part;
+  }
+  return momentum / mass;
+}
+
+}  // namespace
+
+void absorb(Attachment& a, std::uint32_t node, double mass, const Vec3& u) {
+  LiquidChange& c = change_of(a);
+  a.motion.absorbed_mass[node] += mass;
+  c.mass[node] += mass;
+  c.momentum[node] += mass * u;
+}
+
+void transport(Attachment& a, std::uint32_t from, std::uint32_t to, double mass) {
+  LiquidChange& c = change_of(a);
+  const double passed = std::min(mass, a.motion.absorbed_mass[from]);
+  a.motion.absorbed_mass[from] -= passed;
+  a.motion.absorbed_mass[to] += passed;
+  c.passages.push_back({from, to, passed});
+}
+
+double take(Attachment& a, std::uint32_t node, double mass) {
+  change_of(a);
+  double& there = a.motion.absorbed_mass[node];
+  const double taken = std::min(mass, there);
+  there -= taken;
+  return taken;
+}
+
+double absorbed_mass(const Attachment& a) {
+  return std::accumulate(a.motion.absorbed_mass.begin(), a.motion.absorbed_mass.end(), 0.0);
+}
+
+void release_particles(Span<const Release> releases, const ActiveSurfaces& active, const Box& kill_box,
+                       double spacing, double rest_density, double particle_mass, const Workers& workers,
+                       fluid::Particles& particles, std::uint64_t& next_id, Ledger& ledger) {
+  if (releases.empty()) return;
+  std::vector<Vec3> places;
+  for (const Release& r : releases) places.push_back(r.position);
+  const std::vector<std::uint8_t> blocked = find_blocked_points(at_end(active), places, workers);
+  for (std::size_t k = 0; k < releases.size(); ++k) {
+    const Release& r = releases[k];
+    OILSKIN_ASSERT(r.surface < active.size());
+    Attachment& a = *active.attachment[r.surface];
+    if (blocked[k] || !kill_box.contains(r.position) || !has_liquid(r, a) ||
+        !is_far_from_particles(particles, r.position, free_distance * spacing) ||
+        !is_way_free(active, r.from, r.position))
+      continue;
+    const Vec3 velocity = velocity_of(r, a.motion);
+    double sum = 0;
+    for (const auto& [node, mass] : r.nodes) sum += take(a, node, mass);
+    OILSKIN_ASSERT(std::abs(sum - particle_mass) <= 1e-12 * particle_mass);
+    particles.push_back(next_id++, r.position, velocity, rest_density);
+    ledger.released(velocity);
+  }
+}
+
+std::vector<Vec3> add_momentum_of_liquid(Attachment& a) {
+  LiquidChange& c = a.liquid_change;
+  SurfaceMotion& m = a.motion;
+  if (c.mass.size() != m.x_t1.size()) return {};
+  std::vector<Vec3> arrived(c.mass.size());  // momentum relative to the node
+  for (std::size_t i = 0; i < arrived.size(); ++i) arrived[i] = c.momentum[i] - c.mass[i] * m.velocity[i];
+  for (const Passage& p : c.passages) arrived[p.to] += p.mass * (m.velocity[p.from] - m.velocity[p.to]);
+  std::vector<Vec3> impulse = m.impulse;
+  for (std::size_t i = 0; i < arrived.size(); ++i) {
+    if (m.inverse_mass[i] == 0 || arrived[i].isZero(0)) continue;
+    const double own = 1 / m.inverse_mass[i] - (m.added_mass.empty() ? 0 : m.added_mass[i]);
+    const Vec3 dv = arrived[i] / (own + m.absorbed_mass[i] - c.before[i]);
+    m.velocity[i] += dv;
+    m.impulse[i] += dv / m.inverse_mass[i];
+  }
+  c = {};
+  return impulse;
+}
+
+}  // namespace oilskin::world
