@@ -12,22 +12,20 @@ double allowed(double space, double wanted) {
   return wanted <= 0 ? 1 : std::clamp(space / wanted, 0.0, 1.0);
 }
 
-/// What gravity brought to the node over a link [kg].
-double brought(const WettingMesh& mesh, const std::vector<double>& drift, std::uint32_t node,
-               const WettingMesh::Link& link) {
-  const double to_second = drift[link.edge];
-  return std::max(mesh.edges[link.edge].second == node ? to_second : -to_second, 0.0);
-}
-
-/// The excess of one node goes back over its links; false: gravity brought it nothing.
-bool return_from(const WettingMesh& mesh, const std::vector<double>& drift, std::uint32_t node, double excess,
+/// The excess of one node goes back over its links, but not to nodes that are done; false: gravity brought it
+/// nothing from others.
+bool return_from(const WettingMesh& mesh, const std::vector<double>& drift,
+                 const std::vector<std::uint8_t>& is_done, std::uint32_t node, double excess,
                  std::vector<double>& mass) {
+  const auto brought = [&](const WettingMesh::Link& link) {
+    const double to_second = is_done[link.node] != 0 ? 0 : drift[link.edge];
+    return std::max(mesh.edges[link.edge].second == node ? to_second : -to_second, 0.0);
+  };
   double total = 0;
-  for (const auto& link : mesh.links(node)) total += brought(mesh, drift, node, link);
+  for (const auto& link : mesh.links(node)) total += brought(link);
   if (!(total > 0)) return false;
   mass[node] -= excess;
-  for (const auto& link : mesh.links(node))
-    mass[link.node] += excess * (brought(mesh, drift, node, link) / total);
+  for (const auto& link : mesh.links(node)) mass[link.node] += excess * (brought(link) / total);
   return true;
 }
 
@@ -92,9 +90,12 @@ void return_excess(const WettingMesh& mesh, const std::vector<std::uint32_t>& lo
                    const std::vector<double>& drift, const std::vector<double>& upper,
                    const std::vector<std::uint8_t>& held, std::vector<double>& mass) {
   bool is_left = false;
-  for (const std::uint32_t i : lowest_first)
+  std::vector<std::uint8_t> is_done(mass.size(), 0);
+  for (const std::uint32_t i : lowest_first) {
+    is_done[i] = held[i] == 0 ? 1 : 0;
     if (held[i] == 0 && mass[i] > upper[i])
-      is_left = !return_from(mesh, drift, i, mass[i] - upper[i], mass) || is_left;
+      is_left = !return_from(mesh, drift, is_done, i, mass[i] - upper[i], mass) || is_left;
+  }
   if (is_left) spread(mesh, lowest_first, upper, held, mass);
 }
 

@@ -19,16 +19,6 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
   return sum;
 }
 
-/// What rounding leaves of a residual times its weight.
-double rounding(const SparseMatrix& a, const std::vector<double>& weight, const std::vector<double>& x) {
-  double largest = 0, scale = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    largest = std::max(largest, std::abs(x[i]));
-    scale = std::max(scale, a.diagonal[i] * weight[i]);
-  }
-  return 8 * std::numeric_limits<double>::epsilon() * largest * scale;
-}
-
 bool solve_directly(const SparseMatrix& a, const std::vector<double>& b, std::vector<double>& x) {
   using Matrix = Eigen::SparseMatrix<double>;
   const auto n = static_cast<Eigen::Index>(a.size());
@@ -60,6 +50,14 @@ void SparseMatrix::multiply(const std::vector<double>& x, std::vector<double>& y
   }
 }
 
+/// The tolerance, or what rounding leaves of a residual times its weight.
+double SparseSolver::limit(const SparseMatrix& a, const std::vector<double>& weight, double tolerance,
+                           double magnitude) {
+  double scale = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) scale = std::max(scale, a.diagonal[i] * weight[i]);
+  return std::max(tolerance, 8 * std::numeric_limits<double>::epsilon() * scale) * magnitude;
+}
+
 bool SparseSolver::is_solved(const std::vector<double>& weight, double limit) const {
   for (std::size_t i = 0; i < r_.size(); ++i)
     if (!(std::abs(r_[i]) * weight[i] <= limit)) return false;
@@ -68,9 +66,12 @@ bool SparseSolver::is_solved(const std::vector<double>& weight, double limit) co
 
 void SparseSolver::start(const SparseMatrix& a, const std::vector<double>& b, const std::vector<double>& x) {
   const std::size_t n = a.size();
-  for (auto* v : {&r_, &shadow_, &p_, &v_, &s_, &t_, &y_}) v->assign(n, 0);
+  for (auto* v : {&r_, &inverse_, &v_, &t_, &y_}) v->resize(n);
   a.multiply(x, r_);
-  for (std::size_t i = 0; i < n; ++i) r_[i] = b[i] - r_[i];
+  for (std::size_t i = 0; i < n; ++i) {
+    r_[i] = b[i] - r_[i];
+    inverse_[i] = 1 / a.diagonal[i];
+  }
   shadow_ = r_;
   p_ = r_;
   rho_ = dot(shadow_, r_);
@@ -80,17 +81,21 @@ void SparseSolver::start(const SparseMatrix& a, const std::vector<double>& b, co
 /// One iteration of BiCGSTAB; false: it broke down.
 bool SparseSolver::iterate(const SparseMatrix& a, std::vector<double>& x) {
   const std::size_t n = a.size();
-  for (std::size_t i = 0; i < n; ++i) y_[i] = p_[i] / a.diagonal[i];
+  for (std::size_t i = 0; i < n; ++i) y_[i] = inverse_[i] * p_[i];
   a.multiply(y_, v_);
   const double alpha = rho_ / dot(shadow_, v_);
-  for (std::size_t i = 0; i < n; ++i) x[i] += alpha * y_[i];
-  for (std::size_t i = 0; i < n; ++i) s_[i] = r_[i] - alpha * v_[i];
-  for (std::size_t i = 0; i < n; ++i) y_[i] = s_[i] / a.diagonal[i];
+  for (std::size_t i = 0; i < n; ++i) {
+    x[i] += alpha * y_[i];
+    r_[i] -= alpha * v_[i];
+    y_[i] = inverse_[i] * r_[i];
+  }
   a.multiply(y_, t_);
   const double tt = dot(t_, t_);
-  const double omega = tt > 0 ? dot(t_, s_) / tt : 0;
-  for (std::size_t i = 0; i < n; ++i) x[i] += omega * y_[i];
-  for (std::size_t i = 0; i < n; ++i) r_[i] = s_[i] - omega * t_[i];
+  const double omega = tt > 0 ? dot(t_, r_) / tt : 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    x[i] += omega * y_[i];
+    r_[i] -= omega * t_[i];
+  }
   const double rho = dot(shadow_, r_);
   const double beta = rho / rho_ * (alpha / omega);
   for (std::size_t i = 0; i < n; ++i) p_[i] = r_[i] + beta * (p_[i] - omega * v_[i]);
@@ -100,10 +105,12 @@ bool SparseSolver::iterate(const SparseMatrix& a, std::vector<double>& x) {
 }
 
 bool SparseSolver::solve(const SparseMatrix& a, const std::vector<double>& b,
-                         const std::vector<double>& weight, double tolerance, std::vector<double>& x) {
+                         const std::vector<double>& weight, double tolerance, double magnitude,
+                         std::vector<double>& x) {
   start(a, b, x);
+  const double largest = limit(a, weight, tolerance, magnitude);
   while (iterations_ < max_iterations) {
-    if (is_solved(weight, std::max(tolerance, rounding(a, weight, x)))) return true;
+    if (is_solved(weight, largest)) return true;
     if (!iterate(a, x)) break;
   }
   iterations_ = 0;

@@ -25,10 +25,11 @@ struct SparseMatrix {
 /// that does not converge.
 class SparseSolver {
  public:
-  /// `x`: first guess, then the solution. `weight`: per row; the solution is accepted when no residual times
-  /// its weight exceeds `tolerance`, or rounding. False: A is singular, and x is of no use.
+  /// `x`: first guess, then the solution. `weight`: per row; `magnitude`: of the solution. The solution is
+  /// accepted when no residual times its weight exceeds `tolerance` × `magnitude`, or rounding. False: A is
+  /// singular, and x is of no use.
   bool solve(const SparseMatrix& a, const std::vector<double>& b, const std::vector<double>& weight,
-             double tolerance, std::vector<double>& x);
+             double tolerance, double magnitude, std::vector<double>& x);
 
   /// Of the last solve; 0 for the direct method.
   int iterations() const { return iterations_; }
@@ -36,11 +37,13 @@ class SparseSolver {
  private:
   void start(const SparseMatrix& a, const std::vector<double>& b, const std::vector<double>& x);
   bool iterate(const SparseMatrix& a, std::vector<double>& x);
+  static double limit(const SparseMatrix& a, const std::vector<double>& weight, double tolerance,
+                      double magnitude);
   bool is_solved(const std::vector<double>& weight, double limit) const;
 
   int iterations_ = 0;
   double rho_ = 1;
-  std::vector<double> r_, shadow_, p_, v_, s_, t_, y_;
+  std::vector<double> r_, shadow_, p_, v_, t_, y_, inverse_;
 };
 
 }  // namespace oilskin

@@ -9,13 +9,15 @@ namespace {
 
 constexpr std::uint32_t none = UINT32_MAX;
 /// β of (W.7).
-constexpr double drift_ratio = 2;
+constexpr double drift_ratio = 8;
 /// ε of (W.10).
 constexpr double full_storage = 1e-3;
-/// Rounds of (W.10); what is left over is returned by the limiter.
+/// Rounds of (W.10). What is still above the limit then, return_excess() moves.
 constexpr int max_rounds = 12;
 /// Of S, relative to the largest.
-constexpr double tolerance = 1e-12;
+constexpr double tolerance = 1e-11;
+/// Likewise, of a correction that is limited afterwards.
+constexpr double correction_tolerance = 1e-9;
 
 double power(double s, double a) {
   if (a == 0) return 1;
@@ -38,7 +40,7 @@ bool WettingFlow::solve(const Interval& interval) {
   for (const std::uint32_t i : nodes_) potential_.push_back((*in_.saturation)[i]);
   is_full_.assign(nodes_.size(), 0);
   for (int round = 0; round < max_rounds; ++round) {
-    is_solved_ = solve_rows();
+    is_solved_ = solve_rows(tolerance);
     if (!is_solved_ || !fill()) break;
   }
   if (is_solved_) find_amounts();
@@ -47,7 +49,7 @@ bool WettingFlow::solve(const Interval& interval) {
 
 bool WettingFlow::solve_with_negative_conductances() {
   set_diffusion(true);
-  if (!solve_rows()) return false;
+  if (!solve_rows(correction_tolerance)) return false;
   find_amounts();
   return true;
 }
@@ -118,19 +120,19 @@ double WettingFlow::offset(std::uint32_t row) const {
 }
 
 void WettingFlow::assemble() {
-  matrix_.begin.assign(1, 0);
-  matrix_.column.clear();
-  matrix_.value.clear();
+  matrix_.begin.resize(nodes_.size() + 1);
+  matrix_.column.resize(mesh_.link.size());
+  matrix_.value.resize(mesh_.link.size());
   matrix_.diagonal.resize(nodes_.size());
   right_.resize(nodes_.size());
   weight_.resize(nodes_.size());
-  for (std::uint32_t row = 0; row < nodes_.size(); ++row) {
-    assemble_row(row);
-    matrix_.begin.push_back(static_cast<std::uint32_t>(matrix_.column.size()));
-  }
+  std::uint32_t end = matrix_.begin[0] = 0;
+  for (std::uint32_t row = 0; row < nodes_.size(); ++row)
+    matrix_.begin[row + 1] = end = assemble_row(row, end);
 }
 
-void WettingFlow::assemble_row(std::uint32_t row) {
+/// `end`: of the entries so far; returns the new one.
+std::uint32_t WettingFlow::assemble_row(std::uint32_t row, std::uint32_t end) {
   const std::uint32_t i = nodes_[row];
   const double s = (*in_.saturation)[i], c = mesh_.capacity[i];
   const bool is_held = (*in_.held)[i] != 0;
@@ -144,19 +146,20 @@ void WettingFlow::assemble_row(std::uint32_t row) {
     if (d == 0 && f == 0) continue;
     diagonal += d + out * storage(row);
     right += in * offset(other) - out * offset(row);
-    matrix_.column.push_back(other);
-    matrix_.value.push_back(-(d + in * storage(other)));
+    matrix_.column[end] = other;
+    matrix_.value[end++] = -(d + in * storage(other));
   }
   matrix_.diagonal[row] = diagonal;
   right_[row] = right;
   weight_[row] = is_held ? 1 : 1 / c;
+  return end;
 }
 
-bool WettingFlow::solve_rows() {
+bool WettingFlow::solve_rows(double accepted) {
   assemble();
   double largest = 0;
   for (const std::uint32_t i : nodes_) largest = std::max(largest, (*in_.saturation)[i]);
-  const bool solved = solver_.solve(matrix_, right_, weight_, tolerance * largest, potential_);
+  const bool solved = solver_.solve(matrix_, right_, weight_, accepted, largest, potential_);
   iterations_ += solver_.iterations();
   return solved;
 }
@@ -166,7 +169,8 @@ bool WettingFlow::fill() {
   bool changed = false;
   for (std::uint32_t row = 0; row < nodes_.size(); ++row) {
     const std::uint32_t i = nodes_[row];
-    const bool full = (*in_.held)[i] == 0 && potential_[row] > (*in_.upper)[i] * (1 + 1e-9);
+    const double over = potential_[row] - (*in_.upper)[i];
+    const bool full = (*in_.held)[i] == 0 && over > (is_full_[row] != 0 ? 0 : full_storage);
     changed = changed || full != (is_full_[row] != 0);
     is_full_[row] = full ? 1 : 0;
   }

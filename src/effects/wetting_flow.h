@@ -51,8 +51,8 @@ class WettingFlow {
   void set_drift(std::uint32_t edge);
   void set_diffusion(bool with_negative);
   void assemble();
-  void assemble_row(std::uint32_t row);
-  bool solve_rows();
+  std::uint32_t assemble_row(std::uint32_t row, std::uint32_t end);
+  bool solve_rows(double accepted);
   bool fill();
   void find_amounts();
   /// S of a row for its potential, (W.10): S = offset + storage ψ.

@@ -5,7 +5,6 @@
 
 #include "core/disjoint_sets.h"
 #include "core/mesh_topology.h"
-#include "effects/wetting_transport.h"
 
 namespace oilskin {
 

@@ -3,11 +3,10 @@
 
 #include <vector>
 
+#include "effects/fabric.h"
 #include "oilskin/types.h"
 
 namespace oilskin {
-
-struct Fabric;
 
 /// Capacities of nodes, (W.1), and conductances of edges, (W.4).
 struct WettingMesh {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -34,11 +35,21 @@ struct WettingSheet {
     ASSERT_TRUE(s.ok()) << s.message;
     supplied += report.supplied;
   }
-  /// Of all nodes, the held ones included.
+  /// Of all nodes, the held ones included. In more digits, so that the sum itself has no error to speak of.
   double total() const {
-    double sum = 0;
+    long double sum = 0;
     for (const double m : liquid) sum += m;
-    return sum;
+    return static_cast<double>(sum);
+  }
+  double lowest() const {
+    double s = INFINITY;
+    for (std::size_t i = 0; i < x.size(); ++i) s = std::min(s, saturation(i));
+    return s;
+  }
+  double highest() const {
+    double s = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) s = std::max(s, saturation(i));
+    return s;
   }
   /// Holds the nodes with x = 0 at S = 1.
   void hold_left() {
@@ -53,7 +64,9 @@ inline WettingSheet wetting_grid(std::size_t nx, std::size_t ny, double dx, doub
   for (std::size_t j = 0; j <= ny; ++j)
     for (std::size_t i = 0; i <= nx; ++i)
       sheet.x.emplace_back(static_cast<double>(i) * dx, static_cast<double>(j) * dy, 0);
-  const auto node = [&](std::size_t i, std::size_t j) { return static_cast<std::uint32_t>(j * (nx + 1) + i); };
+  const auto node = [&](std::size_t i, std::size_t j) {
+    return static_cast<std::uint32_t>(j * (nx + 1) + i);
+  };
   for (std::size_t j = 0; j < ny; ++j)
     for (std::size_t i = 0; i < nx; ++i) {
       sheet.triangles.push_back({node(i, j), node(i + 1, j), node(i + 1, j + 1)});
@@ -62,13 +75,23 @@ inline WettingSheet wetting_grid(std::size_t nx, std::size_t ny, double dx, doub
   return sheet;
 }
 
+/// Horizontal without gravity unless `rise` is finite; C is 0.3 kg/m².
+inline Fabric plain_fabric(double diffusivity, double exponent, double rise = INFINITY) {
+  Fabric f;
+  f.diffusivity = diffusivity;
+  f.mobility_exponent = exponent;
+  f.capillary_rise = rise;
+  return f;
+}
+
 /// Moves the nodes inside a grid of square cells by up to `part` of their width.
 inline void jitter(WettingSheet& sheet, double width, double part, std::uint64_t seed) {
   Random random(seed);
   Vec3 low = sheet.x.front(), high = sheet.x.back();
   for (Vec3& x : sheet.x) {
     const Vec3 move(random.uniform(-part, part) * width, random.uniform(-part, part) * width, 0);
-    const bool inside = (x - low).head<2>().minCoeff() > width / 2 && (high - x).head<2>().minCoeff() > width / 2;
+    const bool inside =
+        (x - low).head<2>().minCoeff() > width / 2 && (high - x).head<2>().minCoeff() > width / 2;
     if (inside) x += move;
   }
 }
