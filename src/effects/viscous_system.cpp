@@ -1,0 +1,217 @@
+#include "effects/viscous_system.h"
+
+#include <cmath>
+
+#include "core/assert.h"
+
+namespace oilskin::effects {
+
+namespace {
+
+/// Masses of nodes over that of a particle: a heavier node does not yield, a lighter one is taken as this.
+constexpr double heaviest_node = 1e9, lightest_node = 1e-9;
+
+/// (C.17): nearer to the wall the drag does not grow [dx].
+constexpr double nearest = 0.25;
+
+Vec3 tangential(const Vec3& v, const Vec3& normal) {
+  return v - v.dot(normal) * normal;
+}
+
+/// Slip length of the law [m], or nothing where the liquid slips freely or by dry friction.
+std::optional<double> slip_length(const SurfaceMotion& surface, bool back) {
+  const SlipSettings& slip = surface.slip_on(back);
+  if (slip.model == SlipModel::sticking) return 0;
+  if (slip.model == SlipModel::viscous_wall && std::isfinite(slip.slip_length)) return slip.slip_length;
+  return std::nullopt;
+}
+
+}  // namespace
+
+void ViscousSystem::build(EffectForces& forces, double coefficient) {
+  forces_ = &forces;
+  particles_ = forces.id.size();
+  const double ratio_of_support = forces.support_radius / forces.spacing;
+  if (!drag_ || drag_->ratio() != ratio_of_support) drag_.emplace(ratio_of_support);
+  start_.resize(particles_);
+  weight_.resize(particles_);
+  for (std::size_t i = 0; i < particles_; ++i) {
+    start_[i] = forces.velocity[i] + forces.dt * (forces.gravity + forces.acceleration[i]);
+    weight_[i] = ratio(i);
+  }
+  find_pairs(coefficient);
+  find_walls(coefficient);
+  find_diagonals();
+}
+
+void ViscousSystem::find_pairs(double coefficient) {
+  const EffectForces& f = *forces_;
+  const double h = f.support_radius;
+  const fluid::ViscousWeights weights = fluid::viscous_weights<fluid::CubicSpline>(h / f.spacing);
+  pair_begin_.assign(1, 0);
+  for (std::size_t i = 0; i < particles_; ++i)
+    pair_begin_.push_back(pair_begin_[i] + f.neighbours(i).size());
+  pairs_.resize(pair_begin_.back());
+  f.for_each(particles_, [&](std::size_t i) {
+    std::size_t k = pair_begin_[i];
+    for (std::uint32_t j : f.neighbours(i)) {
+      const Vec3 offset = (f.position[i] - f.position[j]) / h;
+      const double size = 2 * coefficient * f.dt * viscous_shape(weights, offset.norm());
+      pairs_[k++] = {std::sqrt(size) / h * offset, j};
+    }
+  });
+}
+
+std::uint32_t ViscousSystem::unknown_of(std::size_t surface, std::uint32_t node) {
+  const SurfaceMotion& s = *forces_->surfaces[surface];
+  const double mass = 1 / (s.inverse_mass[node] * forces_->particle_mass);
+  if (!(mass < heaviest_node)) return none;
+  std::vector<std::uint32_t>& unknown = node_unknown_[surface];
+  if (unknown.empty()) unknown.assign(s.x_t1.size(), none);
+  if (unknown[node] == none) {
+    unknown[node] = static_cast<std::uint32_t>(size());
+    weight_.push_back(std::max(mass, lightest_node));
+    start_.push_back((s.x_t1[node] - s.x_t0[node]) / forces_->dt);
+  }
+  return unknown[node];
+}
+
+void ViscousSystem::add_wall(const VisibleWall& wall, double coefficient) {
+  const EffectForces& f = *forces_;
+  const SurfaceMotion& s = *f.surfaces[wall.surface];
+  const std::optional<double> length = slip_length(s, wall.back);
+  if (!length) return;
+  const double offset = std::max(0.0, s.thickness - 0.5 * f.spacing);
+  const double z = std::max(wall.distance - offset, nearest * f.spacing);
+  const double rate = 2 * coefficient * f.dt * wall.share * (*drag_)(z / f.support_radius) /
+                      (f.support_radius * (z + *length));
+  if (!(rate > 0)) return;
+  WallTerm term{&wall, rate, Vec3::Zero(), {none, none, none}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t node = wall.nodes[k];
+    term.node[k] = unknown_of(wall.surface, node);
+    if (term.node[k] == none) term.base += wall.weights[k] / f.dt * (s.x_t1[node] - s.x_t0[node]);
+  }
+  walls_.push_back(term);
+}
+
+void ViscousSystem::find_walls(double coefficient) {
+  walls_.clear();
+  wall_begin_.assign(1, 0);
+  node_unknown_.assign(forces_->surfaces.size(), {});
+  for (std::size_t i = 0; i < particles_; ++i) {
+    for (const VisibleWall& wall : forces_->walls(i)) add_wall(wall, coefficient);
+    wall_begin_.push_back(walls_.size());
+  }
+}
+
+void ViscousSystem::find_diagonals() {
+  inverse_diagonal_.assign(size(), Eigen::Matrix3d::Identity());
+  forces_->for_each(particles_, [&](std::size_t i) {
+    Eigen::Matrix3d& d = inverse_diagonal_[i];
+    for (std::size_t k = pair_begin_[i]; k < pair_begin_[i + 1]; ++k)
+      d += weight_[pairs_[k].other] * pairs_[k].s * pairs_[k].s.transpose();
+  });
+  for (std::size_t i = 0; i < particles_; ++i)
+    for (std::size_t w = wall_begin_[i]; w < wall_begin_[i + 1]; ++w) {
+      const WallTerm& t = walls_[w];
+      const Vec3& n = t.wall->normal;
+      const Eigen::Matrix3d block = t.rate * (Eigen::Matrix3d::Identity() - n * n.transpose());
+      inverse_diagonal_[i] += block;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double b = t.wall->weights[k];
+        if (t.node[k] != none) inverse_diagonal_[t.node[k]] += weight_[i] / weight_[t.node[k]] * b * b * block;
+      }
+    }
+  largest_diagonal_ = 1;
+  for (Eigen::Matrix3d& d : inverse_diagonal_) {
+    largest_diagonal_ = std::max(largest_diagonal_, d.trace());
+    d = d.inverse().eval();
+  }
+}
+
+Vec3 ViscousSystem::slip(const WallTerm& term, std::size_t i, const Vector& x, bool walls_move) const {
+  Vec3 v = x[i];
+  if (walls_move) v -= term.base;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (term.node[k] != none) v -= term.wall->weights[k] * x[term.node[k]];
+  return tangential(v, term.wall->normal);
+}
+
+void ViscousSystem::drag(const Vector& x, Vector& result, bool walls_move) const {
+  result.assign(size(), Vec3::Zero());
+  forces_->for_each(particles_, [&](std::size_t i) {
+    Vec3 sum = Vec3::Zero();
+    const Vec3 own = x[i];
+    for (std::size_t k = pair_begin_[i]; k < pair_begin_[i + 1]; ++k) {
+      const Pair& p = pairs_[k];
+      sum += weight_[p.other] * p.s.dot(own - x[p.other]) * p.s;
+    }
+    for (std::size_t w = wall_begin_[i]; w < wall_begin_[i + 1]; ++w)
+      sum += walls_[w].rate * slip(walls_[w], i, x, walls_move);
+    result[i] = sum;
+  });
+  if (size() == particles_) return;
+  for (std::size_t i = 0; i < particles_; ++i)  // in fixed order: particles share nodes
+    for (std::size_t w = wall_begin_[i]; w < wall_begin_[i + 1]; ++w) {
+      const WallTerm& t = walls_[w];
+      const Vec3 force = weight_[i] * t.rate * slip(t, i, x, walls_move);
+      for (std::size_t k = 0; k < 3; ++k)
+        if (t.node[k] != none) result[t.node[k]] -= t.wall->weights[k] / weight_[t.node[k]] * force;
+    }
+}
+
+void ViscousSystem::precondition(const Vector& x, Vector& result) const {
+  result.resize(size());
+  forces_->for_each(size(), [&](std::size_t i) { result[i] = inverse_diagonal_[i] * x[i]; });
+}
+
+double ViscousSystem::dot(const Vector& x, const Vector& y) const {
+  products_.resize(size());
+  forces_->for_each(size(), [&](std::size_t i) { products_[i] = weight_[i] * x[i].dot(y[i]); });
+  double sum = 0;
+  for (double p : products_) sum += p;
+  return sum;
+}
+
+double ViscousSystem::scale() const {
+  Vec3 mean = Vec3::Zero();
+  double mass = 0;
+  for (std::size_t i = 0; i < particles_; ++i) {
+    mean += weight_[i] * start_[i];
+    mass += weight_[i];
+  }
+  if (mass > 0) mean /= mass;
+  double square = 0;
+  for (std::size_t i = 0; i < particles_; ++i) {
+    square += weight_[i] * (start_[i] - mean).squaredNorm();
+    for (std::size_t w = wall_begin_[i]; w < wall_begin_[i + 1]; ++w)
+      square += weight_[i] * walls_[w].wall->share * slip(walls_[w], i, start_, true).squaredNorm();
+  }
+  return std::sqrt(square);
+}
+
+double ViscousSystem::rounding() const {
+  double square = 0;
+  for (std::size_t i = 0; i < particles_; ++i) square += weight_[i] * start_[i].squaredNorm();
+  return largest_diagonal_ * std::numeric_limits<double>::epsilon() * std::sqrt(square);
+}
+
+double ViscousSystem::work_of_walls(const Vector& x) const {
+  double work = 0;
+  for (std::size_t i = 0; i < particles_; ++i)
+    for (std::size_t w = wall_begin_[i]; w < wall_begin_[i + 1]; ++w)
+      work -= weight_[i] * walls_[w].rate * walls_[w].base.dot(slip(walls_[w], i, x, true));
+  return work;
+}
+
+void ViscousSystem::react(const Vector& x, double share) {
+  for (std::size_t i = 0; i < particles_; ++i)
+    for (std::size_t w = wall_begin_[i]; w < wall_begin_[i + 1]; ++w) {
+      const WallTerm& t = walls_[w];
+      const double size = share * forces_->mass(i) / forces_->dt * t.rate;
+      forces_->push(t.wall->surface, t.wall->nodes, t.wall->weights, size * slip(t, i, x, true));
+    }
+}
+
+}  // namespace oilskin::effects

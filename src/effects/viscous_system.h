@@ -1,0 +1,78 @@
+/// The linear system of implicit viscosity, (V.3), without a matrix: its pairs, walls and nodes.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "effects/wall_drag.h"
+#include "oilskin/effect.h"
+
+namespace oilskin::effects {
+
+/// The unknowns are the velocities of the particles and, behind them, those of the free nodes that drag
+/// particles. Inner products weigh each with its mass, in which the operator is symmetric and ≥ 1.
+class ViscousSystem {
+ public:
+  using Vector = std::vector<Vec3>;
+
+  /// Of one interval. `forces` must outlive the use of the system.
+  void build(EffectForces& forces, double coefficient);
+
+  std::size_t size() const { return weight_.size(); }
+  /// v*: velocities without viscosity.
+  const Vector& start() const { return start_; }
+  /// (A − 1) x, the change by viscosity with the opposite sign; `walls_move`: with the velocity of prescribed
+  /// nodes, which makes it affine; else as if they stood still.
+  void drag(const Vector& x, Vector& result, bool walls_move) const;
+  /// The diagonal blocks' inverse times x.
+  void precondition(const Vector& x, Vector& result) const;
+  /// Σ m x·y over m0, summed in fixed order.
+  double dot(const Vector& x, const Vector& y) const;
+  /// Norm of the velocities v* against each other and against the walls, which the tolerance refers to.
+  double scale() const;
+  /// The size of v* to which rounding is relative, in a residual.
+  double rounding() const;
+  /// Work over m0 that prescribed nodes do on the liquid, of the velocities x.
+  double work_of_walls(const Vector& x) const;
+  /// Pushes the surfaces with `share` of the reaction of the velocities x.
+  void react(const Vector& x, double share);
+
+ private:
+  static constexpr std::uint32_t none = UINT32_MAX;
+
+  struct Pair {
+    Vec3 s;  // (V.2)
+    std::uint32_t other;
+  };
+  struct WallTerm {
+    const VisibleWall* wall;
+    double rate;        // c dt of (V.4)
+    Vec3 base;          // velocity by prescribed nodes [m/s]
+    std::uint32_t node[3];  // unknown, or none
+  };
+
+  double ratio(std::size_t i) const { return forces_->mass_ratio.empty() ? 1 : forces_->mass_ratio[i]; }
+  void find_pairs(double coefficient);
+  void find_walls(double coefficient);
+  void add_wall(const VisibleWall& wall, double coefficient);
+  std::uint32_t unknown_of(std::size_t surface, std::uint32_t node);
+  void find_diagonals();
+  /// Tangential velocity of particle i against the wall.
+  Vec3 slip(const WallTerm& term, std::size_t i, const Vector& x, bool walls_move) const;
+
+  EffectForces* forces_ = nullptr;
+  std::optional<WallDrag> drag_;
+  std::size_t particles_ = 0;
+  std::vector<Pair> pairs_;
+  std::vector<std::size_t> pair_begin_;
+  std::vector<WallTerm> walls_;
+  std::vector<std::size_t> wall_begin_;
+  std::vector<std::vector<std::uint32_t>> node_unknown_;  // per surface and node
+  std::vector<double> weight_;                            // mass over m0
+  Vector start_;
+  std::vector<Eigen::Matrix3d> inverse_diagonal_;
+  double largest_diagonal_ = 1;
+  mutable std::vector<double> products_;
+};
+
+}  // namespace oilskin::effects
