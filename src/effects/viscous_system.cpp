@@ -14,10 +14,6 @@ constexpr double heaviest_node = 1e9, lightest_node = 1e-9;
 /// (C.17): nearer to the wall the drag does not grow [dx].
 constexpr double nearest = 0.25;
 
-Vec3 tangential(const Vec3& v, const Vec3& normal) {
-  return v - v.dot(normal) * normal;
-}
-
 /// Slip length of the law [m], or nothing where the liquid slips freely or by dry friction.
 std::optional<double> slip_length(const SurfaceMotion& surface, bool back) {
   const SlipSettings& slip = surface.slip_on(back);
@@ -49,8 +45,7 @@ void ViscousSystem::find_pairs(double coefficient) {
   const double h = f.support_radius;
   const fluid::ViscousWeights weights = fluid::viscous_weights<fluid::CubicSpline>(h / f.spacing);
   pair_begin_.assign(1, 0);
-  for (std::size_t i = 0; i < particles_; ++i)
-    pair_begin_.push_back(pair_begin_[i] + f.neighbours(i).size());
+  for (std::size_t i = 0; i < particles_; ++i) pair_begin_.push_back(pair_begin_[i] + f.neighbours(i).size());
   pairs_.resize(pair_begin_.back());
   f.for_each(particles_, [&](std::size_t i) {
     std::size_t k = pair_begin_[i];
@@ -83,10 +78,10 @@ void ViscousSystem::add_wall(const VisibleWall& wall, double coefficient) {
   if (!length) return;
   const double offset = std::max(0.0, s.thickness - 0.5 * f.spacing);
   const double z = std::max(wall.distance - offset, nearest * f.spacing);
-  const double rate = 2 * coefficient * f.dt * wall.share * (*drag_)(z / f.support_radius) /
-                      (f.support_radius * (z + *length));
-  if (!(rate > 0)) return;
-  WallTerm term{&wall, rate, Vec3::Zero(), {none, none, none}};
+  const WallDrag::Share drag = (*drag_)(z / f.support_radius);
+  const double rate = 2 * coefficient * f.dt * wall.share / f.support_radius;
+  WallTerm term{&wall, rate * drag.along / (z + *length), rate * drag.across / z, Vec3::Zero(), {}};
+  if (!(term.along > 0 || term.across > 0)) return;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t node = wall.nodes[k];
     term.node[k] = unknown_of(wall.surface, node);
@@ -116,11 +111,13 @@ void ViscousSystem::find_diagonals() {
     for (std::size_t w = wall_begin_[i]; w < wall_begin_[i + 1]; ++w) {
       const WallTerm& t = walls_[w];
       const Vec3& n = t.wall->normal;
-      const Eigen::Matrix3d block = t.rate * (Eigen::Matrix3d::Identity() - n * n.transpose());
+      const Eigen::Matrix3d block =
+          t.along * Eigen::Matrix3d::Identity() + (t.across - t.along) * n * n.transpose();
       inverse_diagonal_[i] += block;
       for (std::size_t k = 0; k < 3; ++k) {
         const double b = t.wall->weights[k];
-        if (t.node[k] != none) inverse_diagonal_[t.node[k]] += weight_[i] / weight_[t.node[k]] * b * b * block;
+        if (t.node[k] != none)
+          inverse_diagonal_[t.node[k]] += weight_[i] / weight_[t.node[k]] * b * b * block;
       }
     }
   largest_diagonal_ = 1;
@@ -130,12 +127,17 @@ void ViscousSystem::find_diagonals() {
   }
 }
 
-Vec3 ViscousSystem::slip(const WallTerm& term, std::size_t i, const Vector& x, bool walls_move) const {
+Vec3 ViscousSystem::relative(const WallTerm& term, std::size_t i, const Vector& x, bool walls_move) const {
   Vec3 v = x[i];
   if (walls_move) v -= term.base;
   for (std::size_t k = 0; k < 3; ++k)
     if (term.node[k] != none) v -= term.wall->weights[k] * x[term.node[k]];
-  return tangential(v, term.wall->normal);
+  return v;
+}
+
+Vec3 ViscousSystem::traction(const WallTerm& term, std::size_t i, const Vector& x, bool walls_move) const {
+  const Vec3 v = relative(term, i, x, walls_move), &n = term.wall->normal;
+  return term.along * v + (term.across - term.along) * v.dot(n) * n;
 }
 
 void ViscousSystem::drag(const Vector& x, Vector& result, bool walls_move) const {
@@ -148,14 +150,14 @@ void ViscousSystem::drag(const Vector& x, Vector& result, bool walls_move) const
       sum += weight_[p.other] * p.s.dot(own - x[p.other]) * p.s;
     }
     for (std::size_t w = wall_begin_[i]; w < wall_begin_[i + 1]; ++w)
-      sum += walls_[w].rate * slip(walls_[w], i, x, walls_move);
+      sum += traction(walls_[w], i, x, walls_move);
     result[i] = sum;
   });
   if (size() == particles_) return;
   for (std::size_t i = 0; i < particles_; ++i)  // in fixed order: particles share nodes
     for (std::size_t w = wall_begin_[i]; w < wall_begin_[i + 1]; ++w) {
       const WallTerm& t = walls_[w];
-      const Vec3 force = weight_[i] * t.rate * slip(t, i, x, walls_move);
+      const Vec3 force = weight_[i] * traction(t, i, x, walls_move);
       for (std::size_t k = 0; k < 3; ++k)
         if (t.node[k] != none) result[t.node[k]] -= t.wall->weights[k] / weight_[t.node[k]] * force;
     }
@@ -186,7 +188,7 @@ double ViscousSystem::scale() const {
   for (std::size_t i = 0; i < particles_; ++i) {
     square += weight_[i] * (start_[i] - mean).squaredNorm();
     for (std::size_t w = wall_begin_[i]; w < wall_begin_[i + 1]; ++w)
-      square += weight_[i] * walls_[w].wall->share * slip(walls_[w], i, start_, true).squaredNorm();
+      square += weight_[i] * walls_[w].wall->share * relative(walls_[w], i, start_, true).squaredNorm();
   }
   return std::sqrt(square);
 }
@@ -201,7 +203,7 @@ double ViscousSystem::work_of_walls(const Vector& x) const {
   double work = 0;
   for (std::size_t i = 0; i < particles_; ++i)
     for (std::size_t w = wall_begin_[i]; w < wall_begin_[i + 1]; ++w)
-      work -= weight_[i] * walls_[w].rate * walls_[w].base.dot(slip(walls_[w], i, x, true));
+      work -= weight_[i] * walls_[w].base.dot(traction(walls_[w], i, x, true));
   return work;
 }
 
@@ -209,8 +211,8 @@ void ViscousSystem::react(const Vector& x, double share) {
   for (std::size_t i = 0; i < particles_; ++i)
     for (std::size_t w = wall_begin_[i]; w < wall_begin_[i + 1]; ++w) {
       const WallTerm& t = walls_[w];
-      const double size = share * forces_->mass(i) / forces_->dt * t.rate;
-      forces_->push(t.wall->surface, t.wall->nodes, t.wall->weights, size * slip(t, i, x, true));
+      const double size = share * forces_->mass(i) / forces_->dt;
+      forces_->push(t.wall->surface, t.wall->nodes, t.wall->weights, size * traction(t, i, x, true));
     }
 }
 

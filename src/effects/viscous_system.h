@@ -46,9 +46,9 @@ class ViscousSystem {
   };
   struct WallTerm {
     const VisibleWall* wall;
-    double rate;        // c dt of (V.4)
-    Vec3 base;          // velocity by prescribed nodes [m/s]
-    std::uint32_t node[3];  // unknown, or none
+    double along, across;               // dt times the rates of (V.4)
+    Vec3 base;                          // velocity by prescribed nodes [m/s]
+    std::array<std::uint32_t, 3> node;  // unknown, or none
   };
 
   double ratio(std::size_t i) const { return forces_->mass_ratio.empty() ? 1 : forces_->mass_ratio[i]; }
@@ -57,8 +57,10 @@ class ViscousSystem {
   void add_wall(const VisibleWall& wall, double coefficient);
   std::uint32_t unknown_of(std::size_t surface, std::uint32_t node);
   void find_diagonals();
-  /// Tangential velocity of particle i against the wall.
-  Vec3 slip(const WallTerm& term, std::size_t i, const Vector& x, bool walls_move) const;
+  /// Velocity of particle i against the wall.
+  Vec3 relative(const WallTerm& term, std::size_t i, const Vector& x, bool walls_move) const;
+  /// What the wall takes off the velocity of particle i.
+  Vec3 traction(const WallTerm& term, std::size_t i, const Vector& x, bool walls_move) const;
 
   EffectForces* forces_ = nullptr;
   std::optional<WallDrag> drag_;

@@ -1,25 +1,104 @@
+// Implicit viscosity between two sheets, against the series (F.51) and (F.52).
+#include <gtest/gtest.h>
+
+#include <cmath>
+
 #include "support/channel_flow.h"
 #include "support/record.h"
-#include <cstdio>
-#include <cstdlib>
-#include <chrono>
-namespace oilskin { namespace {
-using test::Channel; using test::ChannelFlow;
-TEST(Probe, all) {
-  for (auto b : {BoundaryModel::contact_only, BoundaryModel::mirrored})
-  for (bool couette : {false,true})
-  for (double nu : {0.1, 1.0}) {
-    Channel c; c.solver = b==BoundaryModel::mirrored?PressureSolver::dfsph:PressureSolver::pcisph; c.boundary=b; c.viscosity=nu; c.dt=1e-3; c.implicit=true;
-    c.across = 8; if (couette) { c.poiseuille=0; c.couette=0.01; }
-    ChannelFlow f(c);
-    auto t0=std::chrono::steady_clock::now(); int it=0, n=0;
-    double end = nu<0.05?0.5: nu<0.5? 0.8:std::getenv("END")?std::atof(std::getenv("END")):1.2;
-    while (f.time()<end-1e-9) { f.step(); it+=f.effect().report().iterations; ++n; }
-    double s=std::chrono::duration<double>(std::chrono::steady_clock::now()-t0).count();
-    double ref = couette? f.moving_wall():f.peak();
-    double dxx=f.width/c.across;
-    std::printf("%s %s nu %g: steps %d it/step %.1f s %.2f maxdev %.4f mid %.4f first %.4f(%.4f) second %.4f(%.4f) stress %.4f %.4f bal %.4f applied %g conv %d\n", b==BoundaryModel::mirrored?"mirr":"cont", couette?"couette":"pois", nu, n, double(it)/n, s, f.max_deviation()/ref, (f.velocity(0.025)-f.exact(0.025))/ref,
-      f.velocity(dxx/2)/ref, f.exact(dxx/2)/ref, f.velocity(1.5*dxx)/ref, f.exact(1.5*dxx)/ref, f.wall_stress(0)/ (couette? f.density*nu*f.moving_wall()/f.width:f.stress_by_balance()), f.wall_stress(1)/(couette? f.density*nu*f.moving_wall()/f.width:f.stress_by_balance()), f.stress_by_balance(), f.effect().report().applied, f.effect().report().converged);
-  }
+
+namespace oilskin {
+namespace {
+
+using test::Channel;
+using test::ChannelFlow;
+
+struct Case {
+  const char* name;
+  BoundaryModel boundary;
+  double viscosity;
+  double until;  // ν t/D²
+  double support_ratio = 2;
+};
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
 }
-}}
+std::string name_of(const ::testing::TestParamInfo<Case>& info) {
+  return info.param.name;
+}
+
+Channel channel(const Case& c) {
+  Channel channel;
+  channel.boundary = c.boundary;
+  channel.solver = c.boundary == BoundaryModel::mirrored ? PressureSolver::dfsph : PressureSolver::pcisph;
+  channel.viscosity = c.viscosity;
+  channel.support_ratio = c.support_ratio;
+  channel.dt = 1e-3;
+  channel.implicit = true;
+  return channel;
+}
+
+class ImplicitPoiseuille : public ::testing::TestWithParam<Case> {};
+class ImplicitCouette : public ::testing::TestWithParam<Case> {};
+
+// The tolerances of the explicit term in tests/world/channel_flow_test.cpp.
+TEST_P(ImplicitPoiseuille, has_the_profile_and_the_wall_force) {
+  const Case& c = GetParam();
+  ChannelFlow flow(channel(c));
+  flow.run_to(c.until);
+  const bool settles = c.boundary == BoundaryModel::mirrored;
+  const double stress = flow.wall_stress(0) + flow.wall_stress(1);
+  test::record("largest deviation over peak", flow.max_deviation() / flow.peak());
+  test::record("wall force over balance", stress / flow.stress_by_balance());
+  test::record("iterations of the last step", flow.effect().report().iterations);
+  EXPECT_TRUE(flow.effect().report().converged);
+  EXPECT_NEAR(stress, flow.stress_by_balance(), (settles ? 0.05 : 0.02) * stress);
+  EXPECT_NEAR(flow.wall_stress(0), flow.wall_stress(1), (settles ? 2e-2 : 1e-3) * stress);
+  EXPECT_LT(flow.max_deviation(), (settles ? 0.06 : 0.05) * flow.peak());
+}
+
+TEST_P(ImplicitCouette, has_the_profile_and_the_wall_force) {
+  const Case& c = GetParam();
+  Channel couette = channel(c);
+  couette.across = 8;
+  couette.poiseuille = 0;
+  couette.couette = 0.01;
+  ChannelFlow flow(couette);
+  flow.run_to(c.until);
+  const double stress = flow.density * flow.viscosity * flow.moving_wall() / flow.width;
+  test::record("largest deviation over V", flow.max_deviation() / flow.moving_wall());
+  test::record("force of the sheet at rest, of the exact", flow.wall_stress(0) / stress);
+  test::record("force of the moving sheet, of the exact", -flow.wall_stress(1) / stress);
+  EXPECT_TRUE(flow.effect().report().converged);
+  EXPECT_LT(flow.max_deviation(), 0.03 * flow.moving_wall());
+  EXPECT_NEAR(flow.wall_stress(0), stress, 0.06 * stress);
+  EXPECT_NEAR(flow.wall_stress(1), -stress, 0.06 * stress);
+}
+
+const Case contact_0p01{"contact_0p01", BoundaryModel::contact_only, 0.01, 0.5};
+const Case contact_0p1{"contact_0p1", BoundaryModel::contact_only, 0.1, 0.6};
+const Case contact_1{"contact_1", BoundaryModel::contact_only, 1, 1.2};
+const Case mirrored_0p01{"mirrored_0p01", BoundaryModel::mirrored, 0.01, 0.5};
+const Case mirrored_0p1{"mirrored_0p1", BoundaryModel::mirrored, 0.1, 0.6};
+const Case mirrored_1{"mirrored_1", BoundaryModel::mirrored, 1, 1.2};
+const Case contact_thin{"contact_thin", BoundaryModel::contact_only, 1e-3, 0.2};
+const Case mirrored_thin{"mirrored_thin", BoundaryModel::mirrored, 1e-3, 0.5};
+const Case contact_wide{"contact_wide", BoundaryModel::contact_only, 0.1, 0.6, 2.5};
+const Case contact_narrow{"contact_narrow", BoundaryModel::contact_only, 0.1, 0.6, 1.6};
+const Case mirrored_wide{"mirrored_wide", BoundaryModel::mirrored, 0.1, 0.6, 2.5};
+const Case mirrored_narrow{"mirrored_narrow", BoundaryModel::mirrored, 0.1, 0.6, 1.6};
+
+INSTANTIATE_TEST_SUITE_P(Cases, ImplicitPoiseuille, ::testing::Values(contact_1, mirrored_0p1, mirrored_1),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(Cases, ImplicitCouette, ::testing::Values(contact_0p1, mirrored_1), name_of);
+INSTANTIATE_TEST_SUITE_P(Long, ImplicitPoiseuille,
+                         ::testing::Values(contact_0p01, contact_0p1, mirrored_0p01, contact_thin,
+                                           mirrored_thin, contact_wide, contact_narrow, mirrored_wide,
+                                           mirrored_narrow),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(Long, ImplicitCouette,
+                         ::testing::Values(contact_0p01, contact_1, mirrored_0p01, mirrored_0p1,
+                                           mirrored_wide, mirrored_narrow),
+                         name_of);
+
+}  // namespace
+}  // namespace oilskin

@@ -34,7 +34,7 @@ struct Channel {
 class ChannelFlow {
  public:
   static constexpr double width = 0.05, density = 1000;  // D [m], ρ [kg/m³]
-  const double viscosity;                                 // ν [m²/s]
+  const double viscosity;                                // ν [m²/s]
 
   explicit ChannelFlow(const Channel& c)
       : viscosity(c.viscosity),
