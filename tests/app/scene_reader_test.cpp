@@ -44,6 +44,7 @@ FilledBox box_of_every_field() {
 Scene everything() {
   Scene scene;
   scene.name = "everything";
+  scene.effects.viscosity.emplace();
   DiscEmitter disc;
   disc.stop = 1;
   RainEmitter rain;

@@ -4,8 +4,10 @@
 
 namespace oilskin::demo {
 
-EffectList add_effects(const Scene&, World& world) {
+EffectList add_effects(const Scene& scene, World& world) {
   EffectList effects;
+  if (scene.effects.viscosity)
+    effects.push_back(std::make_unique<ImplicitViscosity>(*scene.effects.viscosity));
   for (const auto& effect : effects) require(world.add_effect(*effect), "effects." + effect->name());
   return effects;
 }

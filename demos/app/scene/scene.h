@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "oilskin/emitter.h"
+#include "oilskin/implicit_viscosity.h"
 #include "oilskin/reconstruction.h"
 #include "oilskin/settings.h"
 #include "scene/fields.h"
@@ -182,7 +183,9 @@ struct Pictures {
 };
 
 /// The effects that a scene names; an absent one is not simulated.
-struct SceneEffects {};
+struct SceneEffects {
+  std::optional<ImplicitViscositySettings> viscosity;
+};
 
 struct Scene {
   std::string name;
