@@ -112,11 +112,15 @@ void WettingFlow::set_diffusion(bool with_negative) {
   }
 }
 
-double WettingFlow::storage(std::uint32_t row) const {
-  return is_full_[row] != 0 ? full_storage : 1;
-}
-double WettingFlow::offset(std::uint32_t row) const {
-  return is_full_[row] != 0 ? (1 - full_storage) * (*in_.upper)[nodes_[row]] : 0;
+/// S of a row for its potential, (W.10): S = offset + storage ψ.
+void WettingFlow::set_storage() {
+  storage_.resize(nodes_.size());
+  offset_.resize(nodes_.size());
+  for (std::uint32_t row = 0; row < nodes_.size(); ++row) {
+    const bool full = is_full_[row] != 0;
+    storage_[row] = full ? full_storage : 1;
+    offset_[row] = full ? (1 - full_storage) * (*in_.upper)[nodes_[row]] : 0;
+  }
 }
 
 void WettingFlow::assemble() {
@@ -136,18 +140,19 @@ std::uint32_t WettingFlow::assemble_row(std::uint32_t row, std::uint32_t end) {
   const std::uint32_t i = nodes_[row];
   const double s = (*in_.saturation)[i], c = mesh_.capacity[i];
   const bool is_held = (*in_.held)[i] != 0;
-  double diagonal = is_held ? 1 : c * storage(row), right = is_held ? s : c * (s - offset(row));
+  double diagonal = is_held ? 1 : c * storage_[row], right = is_held ? s : c * (s - offset_[row]);
   for (const auto& link : mesh_.links(i)) {
     const std::uint32_t other = row_of_[link.node];
     if (is_held || other == none) continue;
     const double d = diffusion_[link.edge];
-    const double f = mesh_.edges[link.edge].first == i ? drift_[link.edge] : -drift_[link.edge];
-    const double out = std::max(f, 0.0), in = std::max(-f, 0.0);
+    const double f = drift_[link.edge] * (i < link.node ? 1.0 : -1.0);
+    // The larger of f and 0, of −f and 0, without branches, which cannot be predicted here.
+    const double out = 0.5 * (std::abs(f) + f), in = 0.5 * (std::abs(f) - f);
     if (d == 0 && f == 0) continue;
-    diagonal += d + out * storage(row);
-    right += in * offset(other) - out * offset(row);
+    diagonal += d + out * storage_[row];
+    right += in * offset_[other] - out * offset_[row];
     matrix_.column[end] = other;
-    matrix_.value[end++] = -(d + in * storage(other));
+    matrix_.value[end++] = -(d + in * storage_[other]);
   }
   matrix_.diagonal[row] = diagonal;
   right_[row] = right;
@@ -156,6 +161,7 @@ std::uint32_t WettingFlow::assemble_row(std::uint32_t row, std::uint32_t end) {
 }
 
 bool WettingFlow::solve_rows(double accepted) {
+  set_storage();
   assemble();
   double largest = 0;
   for (const std::uint32_t i : nodes_) largest = std::max(largest, (*in_.saturation)[i]);
@@ -181,7 +187,7 @@ void WettingFlow::find_amounts() {
   for (const std::uint32_t e : edges_) {
     const std::uint32_t a = row_of_[mesh_.edges[e].first], b = row_of_[mesh_.edges[e].second];
     const std::uint32_t up = drift_[e] > 0 ? a : b;
-    drift_amount_[e] = drift_[e] * (offset(up) + storage(up) * potential_[up]);
+    drift_amount_[e] = drift_[e] * (offset_[up] + storage_[up] * potential_[up]);
     amount_[e] = diffusion_[e] * (potential_[a] - potential_[b]) + drift_amount_[e];
   }
 }

@@ -55,9 +55,7 @@ class WettingFlow {
   bool solve_rows(double accepted);
   bool fill();
   void find_amounts();
-  /// S of a row for its potential, (W.10): S = offset + storage ψ.
-  double storage(std::uint32_t row) const;
-  double offset(std::uint32_t row) const;
+  void set_storage();
 
   const WettingMesh& mesh_;
   Interval in_;
@@ -65,8 +63,8 @@ class WettingFlow {
   std::vector<double> diffusive_, gravitational_;  // Sᵃ and S^max(a, 1) per node
   std::vector<double> diffusion_, drift_;          // coefficients per edge [kg]
   std::vector<double> amount_, drift_amount_;
-  std::vector<std::uint8_t> is_full_;  // per row
-  std::vector<double> potential_, right_, weight_;
+  std::vector<std::uint8_t> is_full_;  // per row, as the following
+  std::vector<double> storage_, offset_, potential_, right_, weight_;
   SparseMatrix matrix_;
   SparseSolver solver_;
   int iterations_ = 0;
