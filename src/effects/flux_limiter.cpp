@@ -7,18 +7,21 @@ namespace oilskin {
 
 namespace {
 
+/// Of return_excess() along all flows.
+constexpr int max_sweeps = 10;
+
 /// The part of the wanted change that the space allows, 0 … 1.
 double allowed(double space, double wanted) {
   return wanted <= 0 ? 1 : std::clamp(space / wanted, 0.0, 1.0);
 }
 
-/// The excess of one node goes back over its links, but not to nodes that are done; false: gravity brought it
-/// nothing from others.
-bool return_from(const WettingMesh& mesh, const std::vector<double>& drift,
+/// The excess of one node goes back over the links by which `flow` [kg] brought liquid, but not to nodes that
+/// are done; false: there is no such link.
+bool return_from(const WettingMesh& mesh, const std::vector<double>& flow,
                  const std::vector<std::uint8_t>& is_done, std::uint32_t node, double excess,
                  std::vector<double>& mass) {
   const auto brought = [&](const WettingMesh::Link& link) {
-    const double to_second = is_done[link.node] != 0 ? 0 : drift[link.edge];
+    const double to_second = is_done[link.node] != 0 ? 0 : flow[link.edge];
     return std::max(mesh.edges[link.edge].second == node ? to_second : -to_second, 0.0);
   };
   double total = 0;
@@ -87,22 +90,31 @@ void add_limited(const WettingMesh& mesh, const std::vector<double>& correction,
 }
 
 void return_excess(const WettingMesh& mesh, const std::vector<std::uint32_t>& lowest_first,
-                   const std::vector<double>& drift, const std::vector<double>& upper,
-                   const std::vector<std::uint8_t>& held, std::vector<double>& mass) {
-  bool is_left = false;
+                   const std::vector<double>& drift, const std::vector<double>& amount,
+                   const std::vector<double>& upper, const std::vector<std::uint8_t>& held,
+                   std::vector<double>& mass) {
   std::vector<std::uint8_t> is_done(mass.size(), 0);
+  bool is_left = false;
   for (const std::uint32_t i : lowest_first) {
     is_done[i] = held[i] == 0 ? 1 : 0;
     if (held[i] == 0 && mass[i] > upper[i])
       is_left = !return_from(mesh, drift, is_done, i, mass[i] - upper[i], mass) || is_left;
   }
-  if (is_left) spread(mesh, lowest_first, upper, held, mass);
+  is_done.assign(mass.size(), 0);
+  for (int sweep = 0; sweep < max_sweeps && is_left; ++sweep) {
+    is_left = false;
+    for (const std::uint32_t i : lowest_first)
+      if (held[i] == 0 && mass[i] > upper[i])
+        is_left = return_from(mesh, amount, is_done, i, mass[i] - upper[i], mass) || is_left;
+  }
+  spread(mesh, lowest_first, upper, held, mass);
 }
 
 std::vector<double> PartSums::of(Span<const double> mass) const {
   std::vector<ExactSum> sums(mesh_.part_count);
   for (std::size_t i = 0; i < mass.size(); ++i) sums[mesh_.part[i]].add(mass[i]);
   std::vector<double> values;
+  values.reserve(sums.size());
   for (const ExactSum& s : sums) values.push_back(s.value());
   return values;
 }

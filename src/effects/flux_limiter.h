@@ -16,12 +16,14 @@ void add_limited(const WettingMesh& mesh, const std::vector<double>& correction,
                  std::vector<double>& mass);
 
 /// What `mass` has above `upper` returns along the edges by which gravity brought it, from the lowest nodes
-/// upwards. What finds no such edge fills what is left of its connected part, each node in proportion to
-/// what is free there. `drift` [kg]: what gravity moved over each edge in the interval; `lowest_first`: the
-/// nodes in question. `held`: nodes that take any amount.
+/// upwards; then along all edges that brought liquid, some times over. What still finds no place fills what
+/// is free in its connected part, each node in proportion. `drift` and `amount` [kg]: what gravity moved over
+/// each edge in the interval, and what moved in all; `lowest_first`: the nodes in question. `held`: nodes
+/// that take any amount.
 void return_excess(const WettingMesh& mesh, const std::vector<std::uint32_t>& lowest_first,
-                   const std::vector<double>& drift, const std::vector<double>& upper,
-                   const std::vector<std::uint8_t>& held, std::vector<double>& mass);
+                   const std::vector<double>& drift, const std::vector<double>& amount,
+                   const std::vector<double>& upper, const std::vector<std::uint8_t>& held,
+                   std::vector<double>& mass);
 
 /// The exact sums of liquid of connected parts.
 class PartSums {

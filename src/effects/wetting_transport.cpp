@@ -129,7 +129,7 @@ void WettingTransport::bound(Span<const Vec3> position, const Vec3& slope, std::
   std::stable_sort(lowest_first.begin(), lowest_first.end(), [&](std::uint32_t a, std::uint32_t b) {
     return slope.dot(position[a]) > slope.dot(position[b]);
   });
-  return_excess(mesh_, lowest_first, flow_.drift(), upper, held_, mass);
+  return_excess(mesh_, lowest_first, flow_.drift(), flow_.amount(), upper, held_, mass);
 }
 
 Status WettingTransport::step(double dt, Span<const Vec3> position, const Vec3& gravity, Span<double> liquid,

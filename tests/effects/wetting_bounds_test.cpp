@@ -103,6 +103,20 @@ TEST(WettingBounds, an_excess_flows_out) {
   EXPECT_LT(s.highest(), 1);
 }
 
+// Also where the neighbours are full: as a film, which takes its time.
+TEST(WettingBounds, an_excess_on_full_textile_spreads_from_place_to_place) {
+  WettingSheet s = wetting_grid(20, 20, 5e-3, 5e-3);
+  s.make(plain_fabric(1e-5, 1));
+  const std::size_t middle = 10 * 21 + 10;
+  for (std::size_t i = 0; i < s.x.size(); ++i)
+    s.set_saturation(i, (s.x[i] - s.x[middle]).norm() < 0.021 ? 1 : 0.5);
+  s.set_saturation(middle, 3);
+  for (int k = 0; k < 10; ++k) s.step(0.01);
+  EXPECT_LT(s.saturation(middle), 2.99);
+  EXPECT_GT(s.saturation(middle + 1), 1.001);
+  EXPECT_NEAR(s.saturation(0), 0.5, 1e-12);
+}
+
 // With a limit above 1 a film gathers at the foot of a wet sheet; without it the sheet stays as it is.
 TEST(WettingBounds, the_limit_decides_whether_a_film_gathers) {
   for (const double limit : {1.0, 1.2}) {

@@ -175,15 +175,15 @@ Rise rise(double exponent, std::size_t nodes, double dt) {
   return {error, front(s, 0.01) / height};
 }
 
-// Half of the errors that (W.7) has with β = 1, at 10, 20 and 40 nodes for each ℓ_c.
+// With β = 1 in (W.7): 0.110, 0.067, 0.040 for a = 1; 0.173, 0.110, 0.067 for a = 2.
 TEST(WettingTransport, capillary_rise_ends_in_balance_with_gravity) {
-  const double limit[] = {0.055, 0.034, 0.020};
+  const double limit[] = {0.009, 0.0045, 0.00225};
   for (const double a : {1.0, 2.0}) {
     for (const int k : {0, 1, 2}) {
       const std::size_t nodes = 10u << k;
       const Rise r = rise(a, nodes, 100);
       record("error_" + std::to_string(a) + "_" + std::to_string(nodes), r.error);
-      EXPECT_LT(r.error, limit[k]) << a << ", " << nodes;
+      EXPECT_LT(r.error, (a == 1 ? 1 : 3) * limit[k]) << a << ", " << nodes;
       EXPECT_LT(r.top, 1 + 1.0 / static_cast<double>(nodes)) << a << ", " << nodes;
     }
     for (const double dt : {10.0, 1e4, 1e6})
@@ -220,7 +220,7 @@ TEST(WettingTransport, a_closed_strip_fills_from_below) {
     for (std::size_t i = 0; i < s.x.size(); ++i)
       error = std::max(error, std::abs(s.saturation(i) - std::min(1.0, 1 - (s.x[i].x() - filled) / height)));
     record("error_" + std::to_string(dt), error);
-    EXPECT_LT(error, 0.015) << dt;
+    EXPECT_LT(error, 0.005) << dt;
     EXPECT_LE(s.highest(), 1 + 1e-12) << dt;
     EXPECT_NEAR(s.total() / total, 1, 1e-13) << dt;
   }
