@@ -1,6 +1,7 @@
 #include "effects/flux_limiter.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace oilskin {
@@ -13,6 +14,12 @@ constexpr int max_sweeps = 10;
 /// The part of the wanted change that the space allows, 0 … 1.
 double allowed(double space, double wanted) {
   return wanted <= 0 ? 1 : std::clamp(space / wanted, 0.0, 1.0);
+}
+
+/// The node that loses and the one that gains, without a branch, which could not be predicted.
+std::array<std::uint32_t, 2> ends(const WettingMesh::Edge& edge, double flow) {
+  const std::array<std::uint32_t, 2> nodes = {edge.first, edge.second};
+  return {nodes[flow > 0 ? 0 : 1], nodes[flow > 0 ? 1 : 0]};
 }
 
 /// The excess of one node goes back over the links by which `flow` [kg] brought liquid, but not to nodes that
@@ -70,19 +77,16 @@ void add_limited(const WettingMesh& mesh, const std::vector<double>& correction,
                  std::vector<double>& mass) {
   std::vector<double> gain(mass.size(), 0), loss(mass.size(), 0);
   for (std::size_t e = 0; e < correction.size(); ++e) {
-    const auto& edge = mesh.edges[e];
-    const double in = std::max(correction[e], 0.0), back = std::max(-correction[e], 0.0);
-    gain[edge.second] += in, loss[edge.first] += in;
-    gain[edge.first] += back, loss[edge.second] += back;
+    const auto [from, to] = ends(mesh.edges[e], correction[e]);
+    gain[to] += std::abs(correction[e]);
+    loss[from] += std::abs(correction[e]);
   }
   for (std::size_t i = 0; i < mass.size(); ++i) {
     gain[i] = allowed(upper[i] - mass[i], gain[i]);
     loss[i] = allowed(mass[i] - lower[i], loss[i]);
   }
   for (std::size_t e = 0; e < correction.size(); ++e) {
-    const auto& edge = mesh.edges[e];
-    const std::uint32_t from = correction[e] > 0 ? edge.first : edge.second;
-    const std::uint32_t to = correction[e] > 0 ? edge.second : edge.first;
+    const auto [from, to] = ends(mesh.edges[e], correction[e]);
     const double amount = std::abs(correction[e]) * std::min(loss[from], gain[to]);
     mass[from] -= amount;
     mass[to] += amount;

@@ -86,7 +86,8 @@ void WettingFlow::find_mobilities() {
     gravitational_[i] = in_.exponent >= 1 ? diffusive_[i] : s;
   }
   for (auto* v : {&diffusion_, &drift_, &amount_, &drift_amount_}) v->assign(mesh_.edges.size(), 0);
-  for (const std::uint32_t e : edges_) set_drift(e);
+  if (!in_.slope.isZero(0))
+    for (const std::uint32_t e : edges_) set_drift(e);
 }
 
 /// The coefficient of S of the node that loses liquid, (W.7) and (W.8).
