@@ -1,4 +1,4 @@
-#include "effects/fabric.h"
+#include "oilskin/wetting.h"
 
 #include "core/refuse.h"
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "effects/fabric.h"
 #include "oilskin/types.h"
+#include "oilskin/wetting.h"
 
 namespace oilskin {
 

@@ -3,11 +3,11 @@
 
 #include <vector>
 
-#include "effects/fabric.h"
 #include "effects/flux_limiter.h"
 #include "effects/wetting_flow.h"
 #include "effects/wetting_mesh.h"
 #include "oilskin/types.h"
+#include "oilskin/wetting.h"
 
 namespace oilskin {
 

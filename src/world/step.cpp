@@ -127,7 +127,6 @@ void World::Impl::act(IntervalContext& interval) {
 void World::Impl::exchange(IntervalContext& interval, Span<const Contact> near) {
   if (effects.empty()) return;
   StageTimer timer(interval.step.report.seconds.effects);
-  interval.step.releases.clear();
   effects.exchange({interval, state.particles, *fluid, fluid_settings, settings.gravity, *workers, nullptr},
                    near);
 }

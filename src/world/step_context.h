@@ -28,7 +28,7 @@ struct StepContext {
   Ledger ledger;  // adds to the report
   EnergyBalance energy;
   std::vector<Contact> contacts;  // of the last interval
-  std::vector<Release> releases;  // that effects asked for in the last interval
+  std::vector<Release> releases;  // that effects asked for
 };
 
 /// One certified interval: a step, or one of its sub-steps. Arrays have one value per particle: those that

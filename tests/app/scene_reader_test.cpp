@@ -45,6 +45,7 @@ Scene everything() {
   Scene scene;
   scene.name = "everything";
   scene.effects.viscosity.emplace();
+  scene.effects.wetting.emplace();
   DiscEmitter disc;
   disc.stop = 1;
   RainEmitter rain;
@@ -60,6 +61,7 @@ Scene everything() {
   pin.motion.start = 0.5;
   pin.motion.stop = 2;
   grid.pins.kind = PinKind::boxes;
+  grid.fabric.emplace();
   grid.pins.boxes = {pin};
   grid.surface.slip_back.emplace().model = SlipModel::viscous_wall;
   mesh.mesh.emplace();
@@ -79,7 +81,7 @@ Scene everything() {
     "slip_ratio": {}, "pin_reaction": {}, "dry_shadow": {}, "pool_level": {}, "pool_calm": {},
     "at_rest": [{"within": {"min": [0, 0, 0], "max": [1, 1, 1]}, "from": 0.5, "to": 1, "speed": 0.02}],
     "dam_break": {"height": 0.05}, "inside_constant": {}, "enclosed_volume": {"at_most": 2},
-    "energy_decay": {}, "close_layers": {}, "memory_growth": 0.05})");
+    "energy_decay": {}, "close_layers": {}, "memory_growth": 0.05, "wetting": {}})");
   scene.pictures.views.emplace_back();
   scene.pictures.views.back().slice.emplace();
   scene.pictures.views.back().colour = WaterColour::density;

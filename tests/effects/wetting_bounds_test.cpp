@@ -25,6 +25,7 @@ WettingSheet wild_sheet(std::size_t cells, std::uint64_t seed, const Fabric& fab
 
 Fabric oblique(Fabric f, double exponent) {
   f.anisotropy = 4;
+  f.saturation_limit = 1;
   f.warp = Vec3(std::cos(0.35), std::sin(0.35), 0);
   f.mobility_exponent = exponent;
   return f;

@@ -81,6 +81,7 @@ inline Fabric plain_fabric(double diffusivity, double exponent, double rise = IN
   f.diffusivity = diffusivity;
   f.mobility_exponent = exponent;
   f.capillary_rise = rise;
+  f.saturation_limit = 1;
   return f;
 }
 

@@ -15,6 +15,7 @@
 
 #include <gtest/gtest.h>
 
+#include "oilskin/wetting.h"
 #include "support/world_helpers.h"
 
 namespace oilskin::test {
@@ -240,6 +241,62 @@ TYPED_TEST_P(HostContract, small_loads_are_carried_by_nothing_but_the_sheet) {
   EXPECT_GT(w.report().load_speed, 0);
 }
 
+/// Liquid that a sheet absorbs weighs on it: the host's masses, and the momentum of both.
+TYPED_TEST_P(HostContract, absorbed_liquid_weighs_and_keeps_its_momentum) {
+  auto& host = this->fixture;
+  ASSERT_TRUE(host.attach(sheet_settings()).ok());
+  World& w = host.world();
+  WettingSettings settings;
+  settings.fabric.capacity = 5;
+  settings.absorption = 500;
+  Wetting wetting(settings);
+  ASSERT_TRUE(w.add_effect(wetting).ok());
+  add_block(w, 5, Vec3(-0.01, 0.003, -0.013), Vec3(0.2, -1, 0.1));
+  const double water = w.fluid_mass();
+  const Vec3 start = fluid_momentum(w) + host.momentum();
+  for (int k = 0; k < 150; ++k) {
+    host.step(1e-3);
+    const StepReport& r = w.report();
+    ASSERT_TRUE(r.status.ok()) << r.status.message;
+    EXPECT_LE(r.momentum_residual().norm(), 1e-10 * start.norm()) << "step " << k;
+    EXPECT_NEAR(w.fluid_mass() + w.absorbed_mass(), water, 1e-12 * water);
+    EXPECT_LE((fluid_momentum(w) + host.momentum() - start).norm(),
+              (TypeParam::is_double ? 1e-10 : 1e-4) * start.norm())
+        << "step " << k;
+  }
+  EXPECT_GT(w.absorbed_mass(), 0.3 * water);
+  w.remove_effect(wetting);
+}
+
+/// Pins stay pins, and nothing is lost.
+TYPED_TEST_P(HostContract, pinned_nodes_absorb_too) {
+  auto& host = this->fixture;
+  for (int i = 0; i < 17; ++i)
+    for (int j = 0; j < 17; ++j)
+      if ((i + j) % 2 == 0) host.pin(i, j);
+  ASSERT_TRUE(host.attach(sheet_settings()).ok());
+  World& w = host.world();
+  WettingSettings settings;
+  settings.fabric.capacity = 5;
+  settings.absorption = 500;
+  Wetting wetting(settings);
+  ASSERT_TRUE(w.add_effect(wetting).ok());
+  add_block(w, 4, Vec3(-0.01, 0.003, -0.013), Vec3(0, -0.5, 0));
+  const double water = w.fluid_mass();
+  for (int k = 0; k < 60; ++k) {
+    host.step(1e-3);
+    ASSERT_LE(w.report().momentum_residual().norm(), 1e-12);
+    ASSERT_NEAR(w.fluid_mass() + w.absorbed_mass(), water, 1e-12 * water);
+  }
+  const SurfaceMotion* sheet = w.surface(host.id());
+  ASSERT_NE(sheet, nullptr);
+  double pinned = 0;
+  for (std::size_t i = 0; i < sheet->absorbed_mass.size(); ++i)
+    if (sheet->inverse_mass[i] == 0) pinned += sheet->absorbed_mass[i];
+  EXPECT_GT(pinned, 0);
+  w.remove_effect(wetting);
+}
+
 REGISTER_TYPED_TEST_SUITE_P(HostContract, carried_mass_is_that_of_loaded_free_nodes_and_hosts_may_ignore_it,
                             small_loads_are_carried_by_nothing_but_the_sheet, momentum_given_is_momentum_kept,
                             nothing_crosses_at_any_speed,
@@ -247,6 +304,7 @@ REGISTER_TYPED_TEST_SUITE_P(HostContract, carried_mass_is_that_of_loaded_free_no
                             pins_dragged_by_hand_are_swept_not_jumped,
                             a_teleport_is_a_new_surface_and_leaves_no_particle_too_near,
                             a_thickness_below_four_deltas_is_refused_with_what_would_do,
-                            reactions_of_pins_carry_what_the_fluid_loses, a_detached_surface_stops_nothing);
+                            reactions_of_pins_carry_what_the_fluid_loses, a_detached_surface_stops_nothing,
+                            absorbed_liquid_weighs_and_keeps_its_momentum, pinned_nodes_absorb_too);
 
 }  // namespace oilskin::test

@@ -14,8 +14,10 @@ inline SurfaceSettings sheet_settings(double thickness = 0.001) {
 }
 
 inline Vec3 fluid_momentum(const World& w) {
+  const Span<const float> ratio = w.mass_ratios();
   Vec3 p = Vec3::Zero();
-  for (const Vec3& v : w.velocities()) p += w.particle_mass() * v;
+  for (std::size_t i = 0; i < w.particle_count(); ++i)
+    p += (ratio.empty() ? 1 : static_cast<double>(ratio[i])) * w.particle_mass() * w.velocities()[i];
   return p;
 }
 

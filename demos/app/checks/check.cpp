@@ -24,12 +24,17 @@ Vec3 up_of(const Scene& scene) {
 }
 
 double water_volume(const Scene& scene, Simulation& simulation) {
-  return simulation.world().particle_mass() * static_cast<double>(simulation.world().particle_count()) /
-         scene.fluid.rest_density;
+  return simulation.world().fluid_mass() / scene.fluid.rest_density;
 }
 
 double kinetic_energy(const World& world) {
-  return world.particle_mass() * kinetic_energy_per_mass(world.motions());
+  const Span<const float> ratio = world.mass_ratios();
+  const Span<const Vec3> motion = world.motions();
+  if (ratio.empty()) return world.particle_mass() * kinetic_energy_per_mass(motion);
+  double sum = 0;
+  for (std::size_t i = 0; i < motion.size(); ++i)
+    sum += 0.5 * static_cast<double>(ratio[i]) * motion[i].squaredNorm();
+  return world.particle_mass() * sum;
 }
 
 void check_cloth_index(const Scene& scene, int index, const std::string& key) {

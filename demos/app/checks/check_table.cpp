@@ -27,6 +27,7 @@ std::unique_ptr<Check> make_energy_decay();
 std::unique_ptr<Check> make_close_layers();
 std::unique_ptr<Check> make_memory_growth();
 std::unique_ptr<Check> make_water_meshes();
+std::unique_ptr<Check> make_wetting();
 
 Span<const CheckEntry> check_table() {
   static const CheckEntry table[] = {
@@ -53,6 +54,7 @@ Span<const CheckEntry> check_table() {
       {"energy_decay", make_energy_decay},
       {"close_layers", make_close_layers},
       {"memory_growth", make_memory_growth},
+      {"wetting", make_wetting},
       {nullptr, make_water_meshes},
   };
   return table;

@@ -7,7 +7,7 @@ namespace {
 /// Kinetic energy of water and free nodes over their mass [J/kg].
 double specific_energy(const Moment& now) {
   const World& world = now.simulation.world();
-  double mass = world.particle_mass() * static_cast<double>(world.particle_count());
+  double mass = world.fluid_mass();
   double energy = kinetic_energy(world);
   for (std::size_t c = 0; c < now.scene.cloth.size(); ++c) {
     const SurfaceMotion* motion = now.simulation.cloth(c);

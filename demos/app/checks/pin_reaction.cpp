@@ -51,7 +51,7 @@ class PinReaction : public Check {
   void book(const Moment& now, double gained, double free_mass) {
     const World& world = now.simulation.world();
     const double g = now.scene.world.gravity.norm();
-    const double water = world.particle_mass() * static_cast<double>(world.particle_count());
+    const double water = world.fluid_mass();
     reaction_impulse_ += gained + free_mass * g * now.dt;
     weight_impulse_ += (free_mass + water) * g * now.dt;
   }

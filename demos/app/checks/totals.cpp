@@ -16,6 +16,12 @@ void Totals::add(const StepReport& r) {
   blocked_starts += r.blocked_starts;
   mass_emitted += r.mass_emitted;
   mass_removed += r.mass_removed;
+  absorbed += r.absorbed;
+  released += r.released;
+  mass_absorbed += r.mass_absorbed;
+  mass_released += r.mass_released;
+  mass_dried += r.mass_dried;
+  mass_lost += r.mass_lost;
   density_error_sum += r.fluid.density_error_mean;
   density_error_max = std::max(density_error_max, r.fluid.density_error_max);
   pressure_iterations += static_cast<std::uint64_t>(r.fluid.iterations);
@@ -44,8 +50,11 @@ void Totals::add(const StepReport& r) {
 }
 
 Vec3 fluid_momentum(const World& world) {
+  const Span<const float> ratio = world.mass_ratios();
+  const Span<const Vec3> velocity = world.velocities();
   Vec3 sum = Vec3::Zero();
-  for (const Vec3& v : world.velocities()) sum += v;
+  for (std::size_t i = 0; i < velocity.size(); ++i)
+    sum += ratio.empty() ? velocity[i] : Vec3(static_cast<double>(ratio[i]) * velocity[i]);
   return sum * world.particle_mass();
 }
 

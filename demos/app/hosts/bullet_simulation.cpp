@@ -103,7 +103,9 @@ class BulletSimulation : public Simulation {
     for (std::size_t i = 0; i < scene.cloth.size(); ++i) add_cloth(i);
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) add_body(i);
     if (options.emitters) add_emitters(scene, fluid_.getWorld());
-    effects_ = add_effects(scene, fluid_.getWorld());
+    std::vector<SurfaceId> ids;
+    for (const auto& cloth : cloths_) ids.push_back(coupling().getSurfaceId(cloth.get()));
+    effects_ = add_effects(scene, ids, fluid_.getWorld());
   }
 
   ~BulletSimulation() override {

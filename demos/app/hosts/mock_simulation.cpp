@@ -26,7 +26,7 @@ class MockSimulation : public Simulation {
               "bodies." + std::to_string(i));
     }
     if (options.emitters) add_emitters(scene, world_);
-    effects_ = add_effects(scene, world_);
+    effects_ = add_effects(scene, cloth_ids_, world_);
   }
 
   const StepReport& step(double dt) override {

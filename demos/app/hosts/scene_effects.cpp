@@ -3,13 +3,45 @@
 #include "hosts/simulation.h"
 
 namespace oilskin::demo {
+namespace {
 
-EffectList add_effects(const Scene& scene, World& world) {
+std::unique_ptr<Wetting> make_wetting(const Scene& scene, Span<const SurfaceId> cloth) {
+  auto wetting = std::make_unique<Wetting>(*scene.effects.wetting);
+  require(wetting->status(), "effects.wetting");
+  for (std::size_t i = 0; i < cloth.size(); ++i) {
+    if (scene.cloth[i].fabric)
+      require(wetting->set_fabric(cloth[i], *scene.cloth[i].fabric),
+              "cloth." + std::to_string(i) + ".fabric");
+    if (scene.cloth[i].waterproof) wetting->set_waterproof(cloth[i]);
+  }
+  return wetting;
+}
+
+}  // namespace
+
+EffectList add_effects(const Scene& scene, Span<const SurfaceId> cloth, World& world) {
   EffectList effects;
+  if (scene.effects.wetting) effects.push_back(make_wetting(scene, cloth));
+  // Sees the forces of those before it.
   if (scene.effects.viscosity)
     effects.push_back(std::make_unique<ImplicitViscosity>(*scene.effects.viscosity));
   for (const auto& effect : effects) require(world.add_effect(*effect), "effects." + effect->name());
   return effects;
+}
+
+std::vector<float> saturation(const Scene& scene, std::size_t cloth, const ClothModel& model,
+                              const SurfaceMotion& motion) {
+  const std::size_t n = model.mass.size();
+  if (!scene.effects.wetting || motion.x_t1.size() != n) return {};
+  std::vector<float> s(n, 0);
+  if (motion.absorbed_mass.size() != n) return s;
+  const Cloth& settings = scene.cloth[cloth];
+  const Fabric& fabric = settings.fabric ? *settings.fabric : scene.effects.wetting->fabric;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double area = model.mass[i] / settings.areal_density;
+    s[i] = static_cast<float>(motion.absorbed_mass[i] / (fabric.capacity * area));
+  }
+  return s;
 }
 
 }  // namespace oilskin::demo

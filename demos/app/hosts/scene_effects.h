@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "oilskin/world.h"
+#include "scene/cloth_model.h"
 #include "scene/scene.h"
 
 namespace oilskin::demo {
@@ -12,7 +13,13 @@ namespace oilskin::demo {
 /// Must outlive their stay in a world.
 using EffectList = std::vector<std::unique_ptr<Effect>>;
 
-/// Makes the effects of a scene and gives them to the world. Throws SceneError for what is refused.
-EffectList add_effects(const Scene& scene, World& world);
+/// Makes the effects of a scene and gives them to the world. `cloth`: the handles of the scene's cloth.
+/// Throws SceneError for what is refused.
+EffectList add_effects(const Scene& scene, Span<const SurfaceId> cloth, World& world);
+
+/// The saturation of each node of a cloth; empty where the scene has no wetting, or the surface has other
+/// nodes than the model (welded ones).
+std::vector<float> saturation(const Scene& scene, std::size_t cloth, const ClothModel& model,
+                              const SurfaceMotion& motion);
 
 }  // namespace oilskin::demo

@@ -15,7 +15,10 @@ struct FrameData {
   Span<const std::uint64_t> id;
   Span<const Vec3> position, velocity;
   Span<const double> density, pressure;
+  Span<const float> mass_ratio;                     ///< over `particle_mass`; empty = all are 1
+  double particle_mass = 0;                         ///< of a new particle [kg]
   std::vector<const SurfaceMotion*> cloth, bodies;  ///< drawn at x_t1; null = left out
+  std::vector<std::vector<float>> wetness;          ///< per cloth: saturation of its nodes; empty = dry
   const WaterMesh* water_mesh = nullptr;            ///< the water's, if the scene wants one
   std::uint64_t crossings = 0;                      ///< found by verify so far
 };

@@ -22,6 +22,13 @@ void append(std::string& bytes, T value) {
   for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(bits >> shift & 0xff);
 }
 
+void append(std::string& bytes, const std::vector<Triangle>& triangles) {
+  for (const Triangle& t : triangles) {
+    bytes += static_cast<char>(3);
+    for (const std::uint32_t v : t) append(bytes, static_cast<std::int32_t>(v));
+  }
+}
+
 const std::string comment = "comment made with ";
 
 std::string header(const WaterMesh& mesh, const std::string& made_with) {
@@ -43,21 +50,17 @@ std::string body(const WaterMesh& mesh) {
     if (!mesh.velocities.empty())
       for (const float v : mesh.velocities[i]) append(bytes, v);
   }
-  for (const Triangle& t : mesh.triangles) {
-    bytes += static_cast<char>(3);
-    for (const std::uint32_t v : t) append(bytes, static_cast<std::int32_t>(v));
-  }
+  append(bytes, mesh.triangles);
   return bytes;
 }
 
-}  // namespace
-
-void write_water_mesh(const std::string& path, const WaterMesh& mesh, const std::string& made_with) {
+/// Beside its place first, then renamed.
+void write_file(const std::string& path, const std::string& content) {
   // Several processes may work on one folder: each has a file of its own.
   const std::string part = path + "." + std::to_string(getpid()) + ".part";
   {
     std::ofstream out(part, std::ios::binary | std::ios::trunc);
-    out << header(mesh, made_with) << body(mesh);
+    out << content;
     if (!out.flush()) {
       const std::string why = std::strerror(errno);
       std::remove(part.c_str());
@@ -70,6 +73,26 @@ void write_water_mesh(const std::string& path, const WaterMesh& mesh, const std:
     std::remove(part.c_str());
     throw OutputError(path + ": cannot be written: " + error.message());
   }
+}
+
+}  // namespace
+
+void write_water_mesh(const std::string& path, const WaterMesh& mesh, const std::string& made_with) {
+  write_file(path, header(mesh, made_with) + body(mesh));
+}
+
+void write_wet_mesh(const std::string& path, const SurfaceMotion& motion, Span<const float> wetness) {
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(motion.x_t1.size()) +
+      "\nproperty float x\nproperty float y\nproperty float z\nproperty float wetness\n"
+      "element face " +
+      std::to_string(motion.triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (std::size_t i = 0; i < motion.x_t1.size(); ++i) {
+    for (const double x : motion.x_t1[i]) append(bytes, static_cast<float>(x));
+    append(bytes, wetness[i]);
+  }
+  append(bytes, motion.triangles);
+  write_file(path, bytes);
 }
 
 std::string mesh_made_with(const std::string& path) {

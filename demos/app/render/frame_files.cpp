@@ -47,6 +47,12 @@ void write_particles(const std::string& path, const FrameData& frame) {
   data->GetPointData()->AddArray(velocity);
   add_scalars<vtkDoubleArray>(data, "density", frame.density);
   add_scalars<vtkDoubleArray>(data, "pressure", frame.pressure);
+  if (!frame.mass_ratio.empty()) {
+    std::vector<double> mass;
+    for (const float ratio : frame.mass_ratio)
+      mass.push_back(static_cast<double>(ratio) * frame.particle_mass);
+    add_scalars<vtkDoubleArray>(data, "mass", mass);
+  }
   vtkNew<vtkXMLPolyDataWriter> writer;
   writer->SetFileName(path.c_str());
   writer->SetInputData(data);

@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 
+#include "output/mesh_file.h"
 #include "render/frame_files.h"
 #include "render/make_frames.h"
 #include "render/picture.h"
@@ -28,15 +29,21 @@ class VtkFrames : public Frames {
  private:
   void write_files(int number, const FrameData& data) {
     write_particles(frame_path(options_.directory, "particles", number, "vtp"), data);
-    write_meshes("cloth_", number, data.cloth);
-    write_meshes("body_", number, data.bodies);
+    write_meshes("cloth_", number, data.cloth, data.wetness);
+    write_meshes("body_", number, data.bodies, {});
     write_series(options_.directory, times_);
   }
 
-  void write_meshes(const std::string& kind, int number, const std::vector<const SurfaceMotion*>& surfaces) {
-    for (std::size_t k = 0; k < surfaces.size(); ++k)
-      if (surfaces[k] != nullptr)
-        write_mesh(frame_path(options_.directory, kind + std::to_string(k), number, "ply"), *surfaces[k]);
+  void write_meshes(const std::string& kind, int number, const std::vector<const SurfaceMotion*>& surfaces,
+                    const std::vector<std::vector<float>>& wetness) {
+    for (std::size_t k = 0; k < surfaces.size(); ++k) {
+      if (surfaces[k] == nullptr) continue;
+      const std::string path = frame_path(options_.directory, kind + std::to_string(k), number, "ply");
+      if (k < wetness.size() && !wetness[k].empty())
+        write_wet_mesh(path, *surfaces[k], wetness[k]);
+      else
+        write_mesh(path, *surfaces[k]);
+    }
   }
 
   FrameOptions options_;

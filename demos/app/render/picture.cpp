@@ -309,8 +309,10 @@ Picture::~Picture() = default;
 void Picture::show(const FrameData& data) {
   impl_->water.update(data);
   impl_->water_mesh.update(data.water_mesh);
-  for (std::size_t i = 0; i < impl_->cloth.size(); ++i) impl_->cloth[i]->update(data.cloth[i]);
-  for (std::size_t i = 0; i < impl_->bodies.size(); ++i) impl_->bodies[i]->update(data.bodies[i]);
+  for (std::size_t i = 0; i < impl_->cloth.size(); ++i)
+    impl_->cloth[i]->update(
+        data.cloth[i], i < data.wetness.size() ? Span<const float>(data.wetness[i]) : Span<const float>());
+  for (std::size_t i = 0; i < impl_->bodies.size(); ++i) impl_->bodies[i]->update(data.bodies[i], {});
   char text[160];
   std::snprintf(text, sizeof text, "%s   t = %.3f s   %zu particles   %llu crossings", impl_->name.c_str(),
                 data.t, data.position.size(), static_cast<unsigned long long>(data.crossings));

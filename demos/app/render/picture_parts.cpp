@@ -9,6 +9,7 @@
 #include <vtkProperty.h>
 #include <vtkSphereSource.h>
 #include <vtkTextProperty.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -250,9 +251,25 @@ void DrawnSurface::show(const std::optional<Slice>& slice, const Vec3& lift) {
   draw_cut(*slice, motion_->x_t1, motion_->triangles, lift, cut_lines_);
 }
 
-void DrawnSurface::update(const SurfaceMotion* motion) {
+/// One colour for both sides: scalars replace that of the back, too.
+void DrawnSurface::darken(Span<const float> wetness) {
+  vtkMapper* const mapper = actor_->GetMapper();
+  mapper->SetScalarVisibility(!wetness.empty());
+  if (wetness.empty()) return;
+  vtkNew<vtkUnsignedCharArray> colours;
+  colours->SetNumberOfComponents(3);
+  for (const float s : wetness) {
+    const double light = 255 * (1 - 0.6 * static_cast<double>(std::min(std::max(s, 0.0f), 1.0f)));
+    const double colour[3] = {light * 0.90, light * 0.68, light * 0.54};
+    colours->InsertNextTuple(colour);
+  }
+  data_->GetPointData()->SetScalars(colours);
+}
+
+void DrawnSurface::update(const SurfaceMotion* motion, Span<const float> wetness) {
   motion_ = motion;
   if (motion == nullptr) return;
+  darken(wetness);
   const auto points = to_vtk(motion->x_t1, VTK_FLOAT);
   data_->SetPoints(points);
   border_->SetPoints(points);

@@ -56,7 +56,8 @@ class DrawnWater {
 class DrawnSurface {
  public:
   explicit DrawnSurface(bool is_cloth);
-  void update(const SurfaceMotion* motion);
+  /// `wetness`: saturation per node, which darkens it; empty = dry.
+  void update(const SurfaceMotion* motion, Span<const float> wetness);
   /// The whole surface, or its line, moved by `lift` [m]; after update(), while its data lives.
   void show(const std::optional<Slice>& slice, const Vec3& lift);
   vtkActor* actor() { return actor_; }
@@ -65,6 +66,8 @@ class DrawnSurface {
   vtkActor* cut() { return cut_; }
 
  private:
+  void darken(Span<const float> wetness);
+
   bool is_cloth_, built_ = false;
   const SurfaceMotion* motion_ = nullptr;
   vtkNew<vtkPolyData> data_, border_, pinned_, cut_lines_;

@@ -148,13 +148,20 @@ Json energy(const RunSummary& s) {
 
 Json mass(const RunSummary& s) {
   const World& world = s.simulation.world();
-  const double alive = world.particle_mass() * static_cast<double>(world.particle_count());
+  const Totals& t = s.totals;
+  const double fluid = t.mass_emitted - t.mass_removed - t.mass_absorbed + t.mass_released;
+  const double cloth = t.mass_absorbed - t.mass_released - t.mass_dried - t.mass_lost;
   return {{"particle", world.particle_mass()},
-          {"emitted", s.totals.mass_emitted},
-          {"alive", alive},
-          {"removed", s.totals.mass_removed},
-          {"absorbed", 0.0},
-          {"residual", s.totals.mass_emitted - s.totals.mass_removed - alive}};
+          {"emitted", t.mass_emitted},
+          {"alive", world.fluid_mass()},
+          {"removed", t.mass_removed},
+          {"absorbed", t.mass_absorbed},
+          {"released", t.mass_released},
+          {"dried", t.mass_dried},
+          {"lost_with_meshes", t.mass_lost},
+          {"in_cloth", world.absorbed_mass()},
+          {"residual", fluid - world.fluid_mass()},
+          {"residual_in_cloth", cloth - world.absorbed_mass()}};
 }
 
 std::uint64_t peak_memory_bytes() {
@@ -190,9 +197,13 @@ Json make_report(const RunSummary& s) {
   report["simulated_seconds"] = t.simulated;
   report["wall_seconds"] = s.wall_seconds;
   report["seconds"] = seconds(s);
-  report["particles"] = {{"emitted", t.emitted}, {"alive", s.simulation.world().particle_count()},
-                         {"removed", t.removed}, {"removed_too_fast", t.removed_too_fast},
-                         {"absorbed", 0},        {"blocked_starts", t.blocked_starts}};
+  report["particles"] = {{"emitted", t.emitted},
+                         {"alive", s.simulation.world().particle_count()},
+                         {"removed", t.removed},
+                         {"removed_too_fast", t.removed_too_fast},
+                         {"absorbed", t.absorbed},
+                         {"released", t.released},
+                         {"blocked_starts", t.blocked_starts}};
   report["contact"] = contact(s);
   if (s.scene.water_mesh) report["surface"] = surface(s.meshes);
   report["density_error"] = {{"mean", t.density_error_sum / steps}, {"max", t.density_error_max}};

@@ -7,6 +7,7 @@
 #include <regex>
 
 #include "checks/acceptance.h"
+#include "hosts/scene_effects.h"
 #include "hosts/step_plan.h"
 #include "output/frame_path.h"
 #include "output/mesh_file.h"
@@ -140,7 +141,14 @@ class Run {
     data.velocity = world.motions();
     data.density = world.densities();
     data.pressure = world.pressures();
-    for (std::size_t i = 0; i < scene_.cloth.size(); ++i) data.cloth.push_back(simulation_->cloth(i));
+    data.mass_ratio = world.mass_ratios();
+    data.particle_mass = world.particle_mass();
+    for (std::size_t i = 0; i < scene_.cloth.size(); ++i) {
+      const SurfaceMotion* const cloth = simulation_->cloth(i);
+      data.cloth.push_back(cloth);
+      data.wetness.push_back(cloth ? saturation(scene_, i, simulation_->models()[i], *cloth)
+                                   : std::vector<float>());
+    }
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) data.bodies.push_back(simulation_->body(i));
     data.crossings = totals_.contact.crossings_found_by_verify;
     std::optional<MadeMesh> made;

@@ -7,5 +7,7 @@
 namespace oilskin::demo {
 
 void describe(Fields& f, SceneEffects& effects);
+/// The keys of a fabric, among others of an object.
+void describe(Fields& f, Fabric& fabric);
 
 }  // namespace oilskin::demo

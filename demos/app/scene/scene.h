@@ -11,6 +11,7 @@
 #include "oilskin/implicit_viscosity.h"
 #include "oilskin/reconstruction.h"
 #include "oilskin/settings.h"
+#include "oilskin/wetting.h"
 #include "scene/fields.h"
 
 namespace oilskin::demo {
@@ -75,6 +76,8 @@ struct Cloth {
   int substeps = 8;  ///< of Bullet per dt; the same for every cloth of a scene
   int iterations = 4;
   bool bend_links = false;  ///< links across edges as well
+  bool waterproof = false;
+  std::optional<Fabric> fabric;  ///< absent: that of effects.wetting
   SurfaceSettings surface;
 };
 
@@ -185,6 +188,7 @@ struct Pictures {
 /// The effects that a scene names; an absent one is not simulated.
 struct SceneEffects {
   std::optional<ImplicitViscositySettings> viscosity;
+  std::optional<WettingSettings> wetting;
 };
 
 struct Scene {

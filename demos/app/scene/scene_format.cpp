@@ -143,6 +143,8 @@ void describe(Fields& f, Cloth& c) {
   f.integer("substeps", c.substeps, between(1, 10000));
   f.integer("iterations", c.iterations, between(1, 10000));
   f.boolean("bend_links", c.bend_links);
+  f.boolean("waterproof", c.waterproof);
+  f.optional_object("fabric", c.fabric, [](Fields& g, Fabric& fabric) { describe(g, fabric); });
   describe(f, c.surface);
 }
 
