@@ -5,10 +5,12 @@
 
 #include "core/archive.h"
 #include "core/refuse.h"
+#include "effects/support_memory.h"
 #include "effects/viscous_system.h"
 
 namespace oilskin {
 
+using effects::SupportMemory;
 using effects::ViscousSystem;
 using Vector = ViscousSystem::Vector;
 
@@ -55,6 +57,10 @@ ImplicitViscosity::ImplicitViscosity(const ImplicitViscositySettings& settings)
     : settings_(settings), status_(settings.validate()), workspace_(std::make_unique<Workspace>()) {}
 
 ImplicitViscosity::~ImplicitViscosity() = default;
+
+std::vector<double> ImplicitViscosity::node_values() const {
+  return std::vector<double>(effects::SupportMemory::channels, 0);
+}
 
 Status ImplicitViscosity::set_settings(const ImplicitViscositySettings& settings) {
   Status status = settings.validate();
@@ -135,13 +141,14 @@ void ImplicitViscosity::Workspace::apply(EffectForces& f, double share) {
     f.acceleration[i] += acceleration;
     for (std::size_t c = 0; c < 3; ++c) last[c][i] = acceleration[static_cast<Eigen::Index>(c)];
   });
-  system.react(x, share);
+  system.react(x, drag, share);
 }
 
 void ImplicitViscosity::act(EffectForces& f) {
   report_ = {};
   if (!status_.ok() || f.id.empty()) return;
   Workspace& w = *workspace_;
+  SupportMemory::learn(f);
   w.system.build(f, settings_.coefficient);
   w.guess(f);
   report_ = w.solve(settings_);

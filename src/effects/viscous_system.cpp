@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/assert.h"
+#include "effects/support_memory.h"
 
 namespace oilskin::effects {
 
@@ -66,7 +66,10 @@ std::uint32_t ViscousSystem::unknown_of(std::size_t surface, std::uint32_t node)
   if (unknown[node] == none) {
     unknown[node] = static_cast<std::uint32_t>(size());
     weight_.push_back(std::max(mass, lightest_node));
-    start_.push_back((s.x_t1[node] - s.x_t0[node]) / forces_->dt);
+    const Vec3 support = SupportMemory::support(*forces_, surface, node);
+    start_.push_back((s.x_t1[node] - s.x_t0[node]) / forces_->dt +
+                     forces_->dt / (weight_.back() * forces_->particle_mass) * support);
+    free_nodes_.push_back({surface, node});
   }
   return unknown[node];
 }
@@ -92,6 +95,7 @@ void ViscousSystem::add_wall(const VisibleWall& wall, double coefficient) {
 
 void ViscousSystem::find_walls(double coefficient) {
   walls_.clear();
+  free_nodes_.clear();
   wall_begin_.assign(1, 0);
   node_unknown_.assign(forces_->surfaces.size(), {});
   for (std::size_t i = 0; i < particles_; ++i) {
@@ -144,7 +148,7 @@ void ViscousSystem::drag(const Vector& x, Vector& result, bool walls_move) const
   result.assign(size(), Vec3::Zero());
   forces_->for_each(particles_, [&](std::size_t i) {
     Vec3 sum = Vec3::Zero();
-    const Vec3 own = x[i];
+    const Vec3& own = x[i];
     for (std::size_t k = pair_begin_[i]; k < pair_begin_[i + 1]; ++k) {
       const Pair& p = pairs_[k];
       sum += weight_[p.other] * p.s.dot(own - x[p.other]) * p.s;
@@ -207,13 +211,19 @@ double ViscousSystem::work_of_walls(const Vector& x) const {
   return work;
 }
 
-void ViscousSystem::react(const Vector& x, double share) {
+void ViscousSystem::react(const Vector& x, const Vector& drag, double share) {
   for (std::size_t i = 0; i < particles_; ++i)
     for (std::size_t w = wall_begin_[i]; w < wall_begin_[i + 1]; ++w) {
       const WallTerm& t = walls_[w];
       const double size = share * forces_->mass(i) / forces_->dt;
       forces_->push(t.wall->surface, t.wall->nodes, t.wall->weights, size * traction(t, i, x, true));
     }
+  for (std::size_t k = 0; k < free_nodes_.size(); ++k) {
+    const std::size_t unknown = particles_ + k;
+    const double mass = weight_[unknown] * forces_->particle_mass;
+    SupportMemory::record(*forces_, free_nodes_[k].surface, free_nodes_[k].node,
+                          -share * mass / forces_->dt * drag[unknown]);
+  }
 }
 
 }  // namespace oilskin::effects

@@ -34,8 +34,8 @@ class ViscousSystem {
   double rounding() const;
   /// Work over m0 that prescribed nodes do on the liquid, of the velocities x.
   double work_of_walls(const Vector& x) const;
-  /// Pushes the surfaces with `share` of the reaction of the velocities x.
-  void react(const Vector& x, double share);
+  /// Pushes the surfaces with `share` of the reaction of the velocities x, whose drag() is `drag`.
+  void react(const Vector& x, const Vector& drag, double share);
 
  private:
   static constexpr std::uint32_t none = UINT32_MAX;
@@ -49,6 +49,11 @@ class ViscousSystem {
     double along, across;               // dt times the rates of (V.4)
     Vec3 base;                          // velocity by prescribed nodes [m/s]
     std::array<std::uint32_t, 3> node;  // unknown, or none
+  };
+
+  struct FreeNode {
+    std::size_t surface;
+    std::uint32_t node;
   };
 
   double ratio(std::size_t i) const { return forces_->mass_ratio.empty() ? 1 : forces_->mass_ratio[i]; }
@@ -70,6 +75,7 @@ class ViscousSystem {
   std::vector<WallTerm> walls_;
   std::vector<std::size_t> wall_begin_;
   std::vector<std::vector<std::uint32_t>> node_unknown_;  // per surface and node
+  std::vector<FreeNode> free_nodes_;                      // in the order of their unknowns
   std::vector<double> weight_;                            // mass over m0
   Vector start_;
   std::vector<Eigen::Matrix3d> inverse_diagonal_;

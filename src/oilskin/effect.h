@@ -7,6 +7,7 @@
 #include <string>
 
 #include "oilskin/contact.h"
+#include "oilskin/settings.h"
 
 namespace oilskin {
 
@@ -155,6 +156,12 @@ class Effect {
 
   /// Whether act() reads EffectForces::walls(). Must not change.
   virtual bool needs_walls() const { return false; }
+  /// The longest interval [s] in which act() is stable for such a fluid. Longer steps are cut into fluid
+  /// sub-steps, as far as FluidSettings::max_substeps allows; a message says so where it does not. A value
+  /// that is not > 0 counts as no limit.
+  virtual double longest_interval(const FluidSettings&) const {
+    return std::numeric_limits<double>::infinity();
+  }
 
   /// Whether exchange() changes masses. Must not change.
   virtual bool changes_masses() const { return false; }

@@ -35,7 +35,7 @@ struct ImplicitViscosityReport {
   double applied = 1;
 };
 
-/// Viscosity, integrated implicitly: (V.1) to (V.9) of docs/theory/effects_viscosity.md. The pair term is
+/// Viscosity, integrated implicitly: (V.1) to (V.10) of docs/theory/effects_viscosity.md. The pair term is
 /// that of FluidSettings::viscosity (F.10), after [Monaghan2005], solved with conjugate gradients as in
 /// [Weiler2018]. Stable at any step. It never makes energy, whether it converged or not. Pair forces conserve
 /// linear and angular momentum up to rounding.
@@ -61,6 +61,8 @@ class ImplicitViscosity : public Effect {
   std::string name() const override { return "viscosity"; }
   /// The acceleration of the last interval [m/s²], three components: where the next solution starts.
   std::vector<double> particle_values() const override { return {0, 0, 0}; }
+  /// What the surface's host holds of the drag (V.10): forces [N] and a velocity [m/s].
+  std::vector<double> node_values() const override;
   bool needs_walls() const override { return true; }
   void act(EffectForces& forces) override;
   /// The settings.

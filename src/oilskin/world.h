@@ -157,7 +157,8 @@ class World {
   ///     interval;
   ///   - 0.035 H²/ν × max_substeps (of the lattice; [Morris1997] has 0.125; less beside XSPH, (F.66)), and
   ///   with
-  ///     mcg03 0.4 H/(√k + v) × max_substeps.
+  ///     mcg03 0.4 H/(√k + v) × max_substeps;
+  ///   - what the effects state, Effect::longest_interval(), × max_substeps.
   double suggested_dt(double largest) const;
   /// The report of the last step.
   const StepReport& report() const;

@@ -181,6 +181,15 @@ bool Effects::need_walls() const {
   return std::any_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.effect->needs_walls(); });
 }
 
+Effects::Limit Effects::longest_interval(const FluidSettings& fluid) const {
+  Limit limit;
+  for (const Slot& s : slots_) {
+    const double interval = s.effect->longest_interval(fluid);
+    if (interval > 0 && interval < limit.interval) limit = {interval, s.name};
+  }
+  return limit;
+}
+
 const Effects::Slot* Effects::find(const Effect& effect) const {
   for (const Slot& s : slots_)
     if (s.effect == &effect) return &s;

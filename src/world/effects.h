@@ -43,6 +43,12 @@ class Effects {
   bool empty() const { return slots_.empty(); }
   bool need_walls() const;
   bool change_masses() const;
+  /// The shortest of the effects' longest intervals, and whose it is.
+  struct Limit {
+    double interval = std::numeric_limits<double>::infinity();  ///< [s]
+    std::string name;
+  };
+  Limit longest_interval(const FluidSettings& fluid) const;
   std::size_t node_value_count() const {
     return slots_.empty() ? 0 : slots_.back().first_node_value + slots_.back().node_start.size();
   }

@@ -146,21 +146,35 @@ void World::Impl::remove_invalid_particles(StepContext& step) {
   OILSKIN_ASSERT(all_finite(particles.position) && all_finite(particles.velocity));
 }
 
-/// More parts than max_substeps are needed: which limit it is, with the numbers.
-void World::Impl::report_instability(StepContext& step) const {
-  const FluidSettings& f = fluid_settings;
-  const double part = step.dt / step.report.substeps;
-  if (part <= fluid::longest_viscous_interval(f)) {
-    step.report.flags |= flag_sound_too_fast;
-    return;
-  }
-  step.report.flags |= flag_viscosity_limited;
+namespace {
+
+/// More sub-steps are needed than max_substeps, which leaves steps of `part` [s].
+template <class... Rest>
+void report_limit(StepContext& step, const std::string& cause, double longest, int maximum,
+                  const Rest&... rest) {
   std::ostringstream text;
-  text << "fluid.viscosity " << f.viscosity << " m²/s at dt " << step.dt << " s needs "
-       << world::parts_needed(step.dt, fluid::longest_viscous_interval(f))
-       << " fluid sub-steps; max_substeps is " << f.max_substeps << ", so "
-       << fluid::viscous_step(f, part) / part << " m²/s was applied";
+  text << cause << " at dt " << step.dt << " s needs " << world::parts_needed(step.dt, longest)
+       << " fluid sub-steps; max_substeps is " << maximum << ", so ";
+  (text << ... << rest);
   step.report.messages.push_back(text.str());
+}
+
+}  // namespace
+
+/// More parts than max_substeps are needed: which limit it is, with the numbers.
+void World::Impl::report_instability(StepContext& step, const world::Speeds& found) const {
+  const FluidSettings& f = fluid_settings;
+  const double part = step.dt / step.report.substeps, viscous = fluid::longest_viscous_interval(f);
+  const world::Effects::Limit effect = effects.longest_interval(f);
+  if (part > effect.interval)
+    report_limit(step, "the effect " + effect.name, effect.interval, f.max_substeps, "it may be unstable");
+  if (part > fluid::longest_sound_interval(f, found.fluid)) step.report.flags |= flag_sound_too_fast;
+  if (part <= viscous) return;
+  step.report.flags |= flag_viscosity_limited;
+  std::ostringstream cause;
+  cause << "fluid.viscosity " << f.viscosity << " m²/s";
+  report_limit(step, cause.str(), viscous, f.max_substeps, fluid::viscous_step(f, part) / part,
+               " m²/s was applied");
 }
 
 void World::Impl::choose_substeps(StepContext& step) const {
@@ -175,7 +189,7 @@ void World::Impl::choose_substeps(StepContext& step) const {
   count = world::substep_count(found, dt, distance, maximum);
   count =
       std::max(count, static_cast<int>(std::min(std::max(needed, at_rest), static_cast<double>(maximum))));
-  if (needed > count) report_instability(step);
+  if (needed > count) report_instability(step, found);
   OILSKIN_ASSERT(count >= 1 && count <= maximum);
   step.paths.begin(surfaces, count, dt / count);
 }

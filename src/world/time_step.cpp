@@ -33,7 +33,8 @@ world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved
 double World::Impl::stable_parts(const world::Speeds& found, double dt) const {
   const FluidSettings& f = fluid_settings;
   return world::parts_needed(
-      dt, std::min(fluid::longest_viscous_interval(f), fluid::longest_sound_interval(f, found.fluid)));
+      dt, std::min({fluid::longest_viscous_interval(f), fluid::longest_sound_interval(f, found.fluid),
+                    effects.longest_interval(f).interval}));
 }
 
 double World::Impl::resting_interval() const {
@@ -54,6 +55,7 @@ double World::Impl::longest_dt(double largest) const {
   dt = std::min(dt, parts * fluid::longest_viscous_interval(f));
   dt = std::min(dt, parts * fluid::longest_sound_interval(f, found.fluid));
   dt = std::min(dt, parts * resting_interval());
+  dt = std::min(dt, parts * effects.longest_interval(f).interval);
   OILSKIN_ASSERT(dt > 0);
   return dt;
 }

@@ -59,7 +59,7 @@ struct World::Impl {
   void gather(world::StepContext& step);
   void remove_invalid_particles(world::StepContext& step);
   void choose_substeps(world::StepContext& step) const;
-  void report_instability(world::StepContext& step) const;
+  void report_instability(world::StepContext& step, const world::Speeds& found) const;
   void run_interval(world::IntervalContext& interval);
   void emit(world::IntervalContext& interval);
   void predict_motion(world::IntervalContext& interval) const;

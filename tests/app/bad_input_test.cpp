@@ -111,15 +111,18 @@ TEST(BadInput, cloths_of_one_world_share_their_sub_steps) {
 }
 
 TEST(BadInput, effects_are_known_once_and_within_range) {
-  expect_refused(R"({"effects": {"adhesion": {}}})", {"effects.adhesion"});
   expect_refused(R"({"effects": {"weting": {}}})", {"effects.weting", "wetting"});
   expect_refused(R"({"effects": {"wetting": {}, "wetting": {}}})", {"effects", "wetting"});
   expect_refused(R"({"effects": {"wetting": {"capacity": 0}}})", {"effects.wetting.capacity"});
   expect_refused(R"({"effects": {"wetting": {"textile": "silk"}}})", {"effects.wetting.textile", "cotton"});
   expect_refused(R"({"effects": {"wetting": {"absorption": -1}}})", {"effects.wetting.absorption"});
   expect_refused(R"({"effects": {"viscosity": {"coefficient": -1}}})", {"effects.viscosity.coefficient"});
-  expect_refused(R"({"effects": {"surface_tension": {"coefficient": -1}}})", {"effects.surface_tension"});
   expect_refused(R"({"acceptance": {"wetting": {}}})", {"acceptance.wetting", "effects.wetting"});
+  expect_refused(R"({"effects": {"adhesion": {}}})", {"effects.adhesion", "contact_angle"});
+  expect_refused(R"({"effects": {"surface_tension": {"coefficient": 0}}})",
+                 {"effects.surface_tension.coefficient"});
+  expect_refused(R"({"effects": {"surface_tension": {"contact_angle": 181}}})",
+                 {"effects.surface_tension.contact_angle"});
 }
 
 TEST(BadInput, surfaces_out_of_range_are_refused_before_anything_is_computed) {

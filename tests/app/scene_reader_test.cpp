@@ -76,6 +76,7 @@ Scene everything() {
   body.shape = *mesh.mesh;
   box.motion.stop = 3;
   scene.bodies = {box, sphere, plane, body, tank};
+  scene.effects.surface_tension.emplace().contact_angle = 40;
   scene.acceptance = Json::parse(R"({
     "min_emitted": 1, "min_over_rim": 1, "vertical_momentum": 0.03, "sag_below_dry": 0.02, "max_stretch": 2,
     "slip_ratio": {}, "pin_reaction": {}, "dry_shadow": {}, "pool_level": {}, "pool_calm": {},

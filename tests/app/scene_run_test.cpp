@@ -18,6 +18,7 @@ struct Short {
 
 const Short shortened[] = {{"jet", "0.1"},
                            {"slip", "0.22"},
+                           {"honey", "0.15"},
                            {"vee", "0.14"},
                            {"rain", "0.3"},
                            {"bowl", "0.15"},
@@ -26,6 +27,7 @@ const Short shortened[] = {{"jet", "0.1"},
                            {"dam_break", "0.05"},
                            {"two_sided", "0.15", "cloth.0.pins.1.release=0.02"},
                            {"bag", "0.2", "fluid.spacing=0.012"},
+                           {"drop", "0.012"},
                            {"crumple", "0.2", "cloth.0.center=[0, 0.225, 0]"}};
 
 std::string name_of(const testing::TestParamInfo<Short>& info) {
@@ -111,6 +113,13 @@ TEST(Checks, the_dam_break_fails_when_it_ends_too_soon_or_is_another) {
   const std::string coarse = "fluid.spacing=0.0057", many = "acceptance.min_emitted=1";
   EXPECT_EQ(check_of("dam_break", {coarse, many, "duration=0.1"}, "dam_front"), false);
   EXPECT_EQ(check_of("dam_break", {coarse, many, "acceptance.dam_break.width=0.04"}, "dam_front"), false);
+}
+
+// A drop stays under the sheet by its surface tension alone.
+TEST(Checks, the_drop_falls_off_the_sheet_that_it_does_not_wet) {
+  EXPECT_EQ(check_of("drop", {}, "at_rest.0"), true);
+  EXPECT_EQ(check_of("drop", {"effects.surface_tension.contact_angle=180"}, "at_rest.0"), false);
+  EXPECT_EQ(check_of("drop", {"effects={}"}, "at_rest.0"), false);
 }
 
 // Water that floats, and water that moves.

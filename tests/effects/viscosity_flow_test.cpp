@@ -81,23 +81,20 @@ const Case mirrored_0p01{"mirrored_0p01", BoundaryModel::mirrored, 0.01, 0.5};
 const Case mirrored_0p1{"mirrored_0p1", BoundaryModel::mirrored, 0.1, 0.6};
 const Case mirrored_1{"mirrored_1", BoundaryModel::mirrored, 1, 1.2};
 const Case contact_thin{"contact_thin", BoundaryModel::contact_only, 1e-3, 0.2};
-const Case mirrored_thin{"mirrored_thin", BoundaryModel::mirrored, 1e-3, 0.5};
 const Case contact_wide{"contact_wide", BoundaryModel::contact_only, 0.1, 0.6, 2.5};
-const Case contact_narrow{"contact_narrow", BoundaryModel::contact_only, 0.1, 0.6, 1.6};
 const Case mirrored_wide{"mirrored_wide", BoundaryModel::mirrored, 0.1, 0.6, 2.5};
-const Case mirrored_narrow{"mirrored_narrow", BoundaryModel::mirrored, 0.1, 0.6, 1.6};
 
 INSTANTIATE_TEST_SUITE_P(Cases, ImplicitPoiseuille, ::testing::Values(contact_1, mirrored_0p1, mirrored_1),
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Cases, ImplicitCouette, ::testing::Values(contact_0p1, mirrored_1), name_of);
+// At H = 1.6 dx (F.10) is not isotropic on a lattice.
 INSTANTIATE_TEST_SUITE_P(Long, ImplicitPoiseuille,
                          ::testing::Values(contact_0p01, contact_0p1, mirrored_0p01, contact_thin,
-                                           mirrored_thin, contact_wide, contact_narrow, mirrored_wide,
-                                           mirrored_narrow),
+                                           contact_wide, mirrored_wide),
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Long, ImplicitCouette,
                          ::testing::Values(contact_0p01, contact_1, mirrored_0p01, mirrored_0p1,
-                                           mirrored_wide, mirrored_narrow),
+                                           mirrored_wide),
                          name_of);
 
 }  // namespace

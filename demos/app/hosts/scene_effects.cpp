@@ -22,6 +22,8 @@ std::unique_ptr<Wetting> make_wetting(const Scene& scene, Span<const SurfaceId> 
 EffectList add_effects(const Scene& scene, Span<const SurfaceId> cloth, World& world) {
   EffectList effects;
   if (scene.effects.wetting) effects.push_back(make_wetting(scene, cloth));
+  if (scene.effects.surface_tension)
+    effects.push_back(std::make_unique<SurfaceTension>(*scene.effects.surface_tension));
   // Sees the forces of those before it.
   if (scene.effects.viscosity)
     effects.push_back(std::make_unique<ImplicitViscosity>(*scene.effects.viscosity));

@@ -5,8 +5,13 @@ namespace {
 
 /// Ignoring an effect would pass for simulating it.
 void refuse_later_effects(Fields& f) {
-  for (const char* effect : {"surface_tension", "adhesion"})
-    if (f.raw(effect) != nullptr) f.fail(effect, "is not simulated by this version; leave it out");
+  if (f.raw("adhesion") != nullptr)
+    f.fail("adhesion", "is part of surface_tension: its contact_angle says how far the water adheres");
+}
+
+void describe_surface_tension(Fields& f, SurfaceTensionSettings& s) {
+  f.number("coefficient", s.coefficient, positive());
+  f.number("contact_angle", s.contact_angle, between(0, 180));
 }
 
 void describe_viscosity(Fields& f, ImplicitViscositySettings& s) {
@@ -58,6 +63,7 @@ void describe(Fields& f, SceneEffects& effects) {
   f.optional_object("wetting", effects.wetting,
                     [](Fields& g, WettingSettings& s) { describe_wetting(g, s); });
   if (f.reading()) refuse_later_effects(f);
+  f.optional_object("surface_tension", effects.surface_tension, describe_surface_tension);
 }
 
 }  // namespace oilskin::demo

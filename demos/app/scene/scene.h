@@ -11,6 +11,7 @@
 #include "oilskin/implicit_viscosity.h"
 #include "oilskin/reconstruction.h"
 #include "oilskin/settings.h"
+#include "oilskin/surface_tension.h"
 #include "oilskin/wetting.h"
 #include "scene/fields.h"
 
@@ -189,6 +190,7 @@ struct Pictures {
 struct SceneEffects {
   std::optional<ImplicitViscositySettings> viscosity;
   std::optional<WettingSettings> wetting;
+  std::optional<SurfaceTensionSettings> surface_tension;
 };
 
 struct Scene {

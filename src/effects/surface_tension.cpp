@@ -1,0 +1,130 @@
+#include "oilskin/surface_tension.h"
+
+#include <cmath>
+
+#include "core/archive.h"
+#include "core/refuse.h"
+#include "effects/tension_model.h"
+
+namespace oilskin {
+
+using effects::LackKernel;
+using effects::SlopeKernel;
+
+namespace {
+
+double volume(const EffectForces& f, std::size_t i) {
+  return f.mass(i) / f.rest_density;
+}
+
+}  // namespace
+
+Status SurfaceTensionSettings::validate() const {
+  if (!(std::isfinite(coefficient) && coefficient > 0))
+    return refuse_value("surface_tension.coefficient", coefficient, "finite and > 0 N/m");
+  if (!(contact_angle >= 0 && contact_angle <= 180))
+    return refuse_value("surface_tension.contact_angle", contact_angle, "0 … 180 degrees");
+  return {};
+}
+
+SurfaceTension::SurfaceTension(const SurfaceTensionSettings& settings)
+    : settings_(settings), status_(settings.validate()) {}
+
+Status SurfaceTension::set_settings(const SurfaceTensionSettings& settings) {
+  const Status status = settings.validate();
+  if (!status.ok()) return status;
+  settings_ = settings;
+  status_ = status;
+  return {};
+}
+
+double SurfaceTension::longest_interval(const FluidSettings& fluid) const {
+  if (!status_.ok()) return Effect::longest_interval(fluid);
+  return effects::longest_interval *
+         std::sqrt(fluid.rest_density * std::pow(fluid.spacing, 3) / settings_.coefficient);
+}
+
+void SurfaceTension::act(EffectForces& f) {
+  if (!status_.ok()) return;
+  lack_.resize(f.id.size());
+  slope_.resize(f.id.size());
+  f.for_each(f.id.size(), [&](std::size_t i) { find_border(f, i); });
+  f.for_each(f.id.size(), [&](std::size_t i) { f.acceleration[i] += pair_acceleration(f, i); });
+  act_with_walls(f);
+}
+
+/// d_i and g_i (S.1), (S.2). A wall counts as a part of the fluid that it would be, were it fluid.
+void SurfaceTension::find_border(const EffectForces& f, std::size_t i) {
+  const double h = f.support_radius, of_wall = effects::wall_parts(settings_.contact_angle).fluid;
+  double mass = volume(f, i) * LackKernel::value(0);
+  Vec3 slope = Vec3::Zero();
+  for (std::uint32_t j : f.neighbours(i)) {
+    const Vec3 d = (f.position[i] - f.position[j]) / h;
+    const double q = d.norm(), v = volume(f, j);
+    mass += v * LackKernel::value(q);
+    slope += v * SlopeKernel::first(q) * d;
+  }
+  mass /= h * h * h;
+  slope /= h * h * h;
+  for (const VisibleWall& w : f.walls(i)) {
+    mass += of_wall * w.share * LackKernel::half_space(w.distance / h);
+    slope -= of_wall * w.share * SlopeKernel::plane(w.distance / h) * w.normal;
+  }
+  lack_[i] = std::max(0.0, 1 - effects::tolerated_lack - mass);
+  slope_[i] = slope;
+}
+
+/// (S.4) and (S.5): each part changes sign with the order of the pair.
+Vec3 SurfaceTension::pair_acceleration(const EffectForces& f, std::size_t i) const {
+  constexpr double of_lack = effects::energy_of_lack, of_slope = effects::energy_of_slope;
+  Vec3 force = Vec3::Zero();
+  for (std::uint32_t j : f.neighbours(i)) {
+    const Vec3 d = (f.position[i] - f.position[j]) / f.support_radius, dg = slope_[i] - slope_[j];
+    const double q = d.norm();
+    const double along = of_lack * (lack_[i] + lack_[j]) * LackKernel::slope_over_q(q) -
+                         of_slope * SlopeKernel::second(q) * d.dot(dg) - effects::cohesion_over_q(q);
+    force += volume(f, j) * (along * d - of_slope * SlopeKernel::first(q) * dg);
+  }
+  return effects::calibration * settings_.coefficient / (std::pow(f.support_radius, 5) * f.rest_density) *
+         force;
+}
+
+/// (S.6) and (S.7).
+Vec3 SurfaceTension::wall_force(const EffectForces& f, std::size_t i, const VisibleWall& w) const {
+  const double z = w.distance / f.support_radius;
+  const effects::WallParts parts = effects::wall_parts(settings_.contact_angle);
+  const double towards =
+      parts.attraction * effects::half_space_attraction(z) +
+      parts.fluid * effects::energy_of_lack * lack_[i] * LackKernel::plane(z) -
+      parts.fluid * effects::energy_of_slope * SlopeKernel::plane_derivative(z) * w.normal.dot(slope_[i]);
+  const double unit =
+      effects::calibration * settings_.coefficient * volume(f, i) / (f.support_radius * f.support_radius);
+  return -unit * w.share * towards * w.normal;
+}
+
+void SurfaceTension::act_with_walls(EffectForces& f) const {
+  for (std::size_t i = 0; i < f.id.size(); ++i)
+    for (const VisibleWall& w : f.walls(i)) {
+      const Vec3 force = wall_force(f, i, w);
+      f.acceleration[i] += force / f.mass(i);
+      f.push(w.surface, w.nodes, w.weights, -force);
+    }
+}
+
+std::vector<std::uint8_t> SurfaceTension::save() const {
+  std::vector<std::uint8_t> bytes;
+  Archive archive(bytes);
+  double coefficient = settings_.coefficient, angle = settings_.contact_angle;
+  archive.values(coefficient, angle);
+  return bytes;
+}
+
+Status SurfaceTension::restore(Span<const std::uint8_t> saved) {
+  Archive archive(saved);
+  SurfaceTensionSettings read;
+  archive.values(read.coefficient, read.contact_angle);
+  if (!archive.ok() || archive.left() > 0) return Status::refused("its settings are damaged");
+  return set_settings(read);
+}
+
+}  // namespace oilskin
