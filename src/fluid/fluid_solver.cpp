@@ -102,11 +102,14 @@ void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles
   }
 }
 
-const WallGeometry& FluidSolver::find_visible_walls(double dt, const Vec3& gravity,
+const WallGeometry& FluidSolver::find_visible_walls(double reach, double dt, const Vec3& gravity,
                                                     const Particles& particles,
                                                     Span<SurfaceMotion* const> surfaces,
                                                     Span<const MeshTopology* const> topologies) {
   StepState& state = impl_->state;
+  const WallGeometry& of_boundary = state.boundary.geometry();
+  if (impl_->settings.boundary == BoundaryModel::mirrored && reach <= of_boundary.reach(support_radius()))
+    return of_boundary;
   impl_->visible_walls.find(
       {dt, particle_mass(), support_radius(), gravity.stableNormalized(),
        Span<const Vec3>(particles.position.data(), state.size()), state.neighbours, surfaces, topologies},

@@ -37,10 +37,10 @@ class FluidSolver {
   void apply_surfaces(double dt, const Vec3& gravity, const Particles& particles,
                       Span<SurfaceMotion* const> surfaces, Span<const MeshTopology* const> topologies,
                       StageSeconds& seconds);
-  /// After apply_surfaces(), with the same arguments: the parts of the surfaces that each particle sees
-  /// within H. Valid until the next prepare().
-  const WallGeometry& find_visible_walls(double dt, const Vec3& gravity, const Particles& particles,
-                                         Span<SurfaceMotion* const> surfaces,
+  /// After apply_surfaces(), with the same arguments: the parts of the surfaces that each particle sees, at
+  /// least those within `reach` [m] and H. Valid until the next prepare().
+  const WallGeometry& find_visible_walls(double reach, double dt, const Vec3& gravity,
+                                         const Particles& particles, Span<SurfaceMotion* const> surfaces,
                                          Span<const MeshTopology* const> topologies);
 
   /// Load memory of the boundary terms: the hosts' response to the load of the last step, and the load of

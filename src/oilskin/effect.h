@@ -154,8 +154,9 @@ class Effect {
   /// them.
   virtual std::vector<double> node_values() const { return {}; }
 
-  /// Whether act() reads EffectForces::walls(). Must not change.
-  virtual bool needs_walls() const { return false; }
+  /// From how far on act() reads EffectForces::walls() [dx], ≥ 0; H or more: all of them, 0: none. Must not
+  /// change. Without it walls are not searched; up to half of H the boundary terms have found them.
+  virtual double wall_reach() const { return 0; }
   /// The longest interval [s] in which act() is stable for such a fluid. Longer steps are cut into fluid
   /// sub-steps, as far as FluidSettings::max_substeps allows; a message says so where it does not. A value
   /// that is not > 0 counts as no limit.

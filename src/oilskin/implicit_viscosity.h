@@ -2,6 +2,7 @@
 /// Implicit viscosity: thick liquids such as honey at any step.
 #pragma once
 
+#include <limits>
 #include <memory>
 
 #include "oilskin/effect.h"
@@ -63,7 +64,7 @@ class ImplicitViscosity : public Effect {
   std::vector<double> particle_values() const override { return {0, 0, 0}; }
   /// What the surface's host holds of the drag (V.10): forces [N] and a velocity [m/s].
   std::vector<double> node_values() const override;
-  bool needs_walls() const override { return true; }
+  double wall_reach() const override { return std::numeric_limits<double>::infinity(); }
   void act(EffectForces& forces) override;
   /// The settings.
   std::vector<std::uint8_t> save() const override;

@@ -2,6 +2,8 @@
 /// An effect: the surface tension of the fluid, and how far it wets surfaces.
 #pragma once
 
+#include <limits>
+
 #include "oilskin/effect.h"
 
 namespace oilskin {
@@ -37,7 +39,7 @@ class SurfaceTension : public Effect {
   Status set_settings(const SurfaceTensionSettings& settings);
 
   std::string name() const override { return "surface_tension"; }
-  bool needs_walls() const override { return true; }
+  double wall_reach() const override { return std::numeric_limits<double>::infinity(); }
   void act(EffectForces& f) override;
   /// What the shortest capillary waves allow (S.9) [s].
   double longest_interval(const FluidSettings& fluid) const override;

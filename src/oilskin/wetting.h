@@ -83,7 +83,7 @@ class Wetting : public Effect {
 
   std::string name() const override { return "wetting"; }
   std::vector<double> node_values() const override;
-  bool needs_walls() const override { return true; }
+  double wall_reach() const override { return 0.9; }
   bool changes_masses() const override { return true; }
   void act(EffectForces& f) override;
   void exchange(EffectExchange& e) override;

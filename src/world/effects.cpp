@@ -177,8 +177,10 @@ bool Effects::change_masses() const {
   return std::any_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.effect->changes_masses(); });
 }
 
-bool Effects::need_walls() const {
-  return std::any_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.effect->needs_walls(); });
+double Effects::wall_reach() const {
+  double reach = 0;
+  for (const Slot& s : slots_) reach = std::max(reach, s.effect->wall_reach());
+  return reach;
 }
 
 Effects::Limit Effects::longest_interval(const FluidSettings& fluid) const {

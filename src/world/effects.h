@@ -41,7 +41,8 @@ class Effects {
   };
 
   bool empty() const { return slots_.empty(); }
-  bool need_walls() const;
+  /// The largest of the effects [dx].
+  double wall_reach() const;
   bool change_masses() const;
   /// The shortest of the effects' longest intervals, and whose it is.
   struct Limit {

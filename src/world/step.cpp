@@ -114,9 +114,9 @@ void World::Impl::act(IntervalContext& interval) {
   world::ActiveSurfaces& surfaces = interval.step.surfaces;
   for (world::Attachment* a : surfaces.attachment) effects.fill(*a);
   std::optional<world::VisibleWalls> walls;
-  if (effects.need_walls())
-    walls.emplace(fluid->find_visible_walls(interval.dt, settings.gravity, state.particles, surfaces.motion,
-                                            surfaces.topology),
+  if (const double reach = effects.wall_reach(); reach > 0)
+    walls.emplace(fluid->find_visible_walls(reach * fluid_settings.spacing, interval.dt, settings.gravity,
+                                            state.particles, surfaces.motion, surfaces.topology),
                   surfaces.motion, fluid->support_radius());
   effects.act({interval, state.particles, *fluid, fluid_settings, settings.gravity, *workers,
                walls ? &*walls : nullptr});

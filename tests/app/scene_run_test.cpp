@@ -28,6 +28,7 @@ const Short shortened[] = {{"jet", "0.1"},
                            {"two_sided", "0.15", "cloth.0.pins.1.release=0.02"},
                            {"bag", "0.2", "fluid.spacing=0.012"},
                            {"drop", "0.012"},
+                           {"wet", "0.3"},
                            {"crumple", "0.2", "cloth.0.center=[0, 0.225, 0]"}};
 
 std::string name_of(const testing::TestParamInfo<Short>& info) {
@@ -120,6 +121,17 @@ TEST(Checks, the_drop_falls_off_the_sheet_that_it_does_not_wet) {
   EXPECT_EQ(check_of("drop", {}, "at_rest.0"), true);
   EXPECT_EQ(check_of("drop", {"effects.surface_tension.contact_angle=180"}, "at_rest.0"), false);
   EXPECT_EQ(check_of("drop", {"effects={}"}, "at_rest.0"), false);
+}
+
+// Fig. 9 of [Huber2013]: the cloth soaks, and sags lower than dry.
+TEST(Checks, wet_cloth_absorbs_drips_and_waterproof_cloth_does_not) {
+  const std::string coarse = "fluid.spacing=0.008", grid = "cloth.0.grid=[25, 25]", end = "duration=1.2";
+  const std::string soaks = R"(acceptance={"wetting": {"min_absorbed": 0.01, "min_released": 1}})";
+  const std::string thin = "effects.wetting.capacity=0.1";
+  for (const char* check : {"absorbed", "released"}) {
+    EXPECT_EQ(check_of("wet", {coarse, grid, end, soaks, thin}, check), true) << check;
+    EXPECT_EQ(check_of("wet", {coarse, grid, end, soaks, "cloth.0.waterproof=true"}, check), false) << check;
+  }
 }
 
 // Water that floats, and water that moves.

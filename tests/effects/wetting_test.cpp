@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "support/mock_cloth.h"
+#include "support/static_mesh.h"
 #include "support/world_helpers.h"
 
 namespace oilskin {
@@ -47,15 +48,18 @@ double sum(Span<const double> values) {
 
 /// Water, a sheet that absorbs, and their ledger.
 struct WetScene {
-  test::MockCloth<double> cloth{sheet()};
+  test::MockCloth<double> cloth;
   Wetting wetting;
   World world;
   SurfaceId id;
   double emitted = 0, removed = 0, dried = 0, lost = 0;
   std::uint64_t absorbed = 0, released = 0;
 
-  explicit WetScene(const WettingSettings& settings, const Vec3& gravity = Vec3::Zero(), int threads = 1)
-      : wetting(settings), world(world_settings(gravity, threads), FluidSettings(), verified()) {
+  explicit WetScene(const WettingSettings& settings, const Vec3& gravity = Vec3::Zero(), int threads = 1,
+                    const GridShape& shape = sheet())
+      : cloth(shape),
+        wetting(settings),
+        world(world_settings(gravity, threads), FluidSettings(), verified()) {
     cloth.gravity = gravity;
     EXPECT_TRUE(world.attach(cloth, sheet_settings(), &id).ok());
     EXPECT_TRUE(world.add_effect(wetting).ok());
@@ -182,6 +186,80 @@ TEST(Wetting, a_soaked_sheet_drips_as_much_as_it_is_fed) {
   EXPECT_GT(s.released - released, 100u);
   EXPECT_NEAR(dripped / fed, 1, 0.02) << "absorbed " << before << " then " << s.world.absorbed_mass();
   EXPECT_LE(std::abs(s.missing()), 1e-12 * s.emitted);
+}
+
+/// A strip that hangs into water: the liquid in it rises until its suction carries its weight.
+TEST(Wetting, a_sheet_hung_in_a_reservoir_is_saturated_as_its_height_allows) {
+  constexpr double rise = 0.08, depth = 0.03;
+  WettingSettings settings;
+  settings.fabric.diffusivity = 0.02;
+  settings.fabric.mobility_exponent = 1;
+  settings.fabric.capillary_rise = rise;
+  settings.fabric.saturation_limit = 1;
+  settings.absorption = 20;
+  GridShape strip;
+  strip.nu = 6;
+  strip.nv = 31;
+  strip.origin = Vec3(-0.025, 0.004, 0);
+  strip.u = Vec3(0.05, 0, 0);
+  strip.v = Vec3(0, 0.15, 0);
+  WetScene s(settings, Vec3(0, -9.81, 0), 1, strip);
+  for (double& u : s.cloth.inverse_mass) u = 0;
+  ASSERT_TRUE(s.wetting.set_fabric(s.id, settings.fabric).ok());
+  test::StaticMesh tank;
+  tank.add_box({Vec3(-0.03, 0, -0.03), Vec3(0.03, 0.2, 0.03)}, 0.06);
+  ASSERT_TRUE(s.world.attach(tank, sheet_settings(), nullptr).ok());
+  BoxEmitter water;
+  water.box = {Vec3(-0.03, 0, -0.03), Vec3(0.03, depth, 0.03)};
+  ASSERT_TRUE(s.world.add_emitter(water).ok());
+  for (int k = 0; k < 900; ++k) s.step(4e-3);
+  EXPECT_LE(std::abs(s.missing()), 1e-12 * s.emitted);
+  const Span<const double> absorbed = s.world.absorbed(s.id), capacity = s.wetting.capacity(s.id);
+  ASSERT_EQ(absorbed.size(), s.cloth.x.size());
+  double worst = 0;
+  for (std::size_t i = 0; i < absorbed.size(); ++i) {
+    const double z = s.cloth.x[i].y() - depth;
+    if (std::abs(z) < 0.01) continue;  // the surface of the water, two particles wide
+    const double expected = std::min(1.0, std::max(0.0, 1 - z / rise));
+    worst = std::max(worst, std::abs(absorbed[i] / capacity[i] - expected));
+  }
+  EXPECT_LT(worst, 0.08);
+}
+
+/// Variances of the liquid along both sides of a sheet [m²].
+std::array<double, 2> variances(const WetScene& s) {
+  const Span<const double> m = s.world.absorbed(s.id);
+  double total = 0;
+  Vec3 mean = Vec3::Zero(), square = Vec3::Zero();
+  for (std::size_t i = 0; i < m.size(); ++i) {
+    total += m[i];
+    mean += m[i] * s.cloth.x[i];
+    square += m[i] * s.cloth.x[i].cwiseProduct(s.cloth.x[i]);
+  }
+  mean /= total;
+  const Vec3 variance = square / total - mean.cwiseProduct(mean);
+  return {variance.x(), variance.z()};
+}
+
+TEST(Wetting, a_spot_spreads_as_an_ellipse_along_the_warp) {
+  WettingSettings settings = thirsty();
+  settings.fabric.capacity = 20;
+  settings.fabric.diffusivity = 1e-4;
+  settings.fabric.mobility_exponent = 0;
+  settings.fabric.capillary_rise = 1e12;
+  settings.fabric.anisotropy = 4;
+  WetScene s(settings, Vec3(0, -9.81, 0));
+  for (double& u : s.cloth.inverse_mass) u = 0;
+  ASSERT_TRUE(s.wetting.set_fabric(s.id, settings.fabric).ok());
+  s.add_block(3, Vec3(-0.005, 0.003, -0.005), Vec3::Zero());
+  for (int k = 0; k < 200; ++k) s.step(1e-3);
+  ASSERT_EQ(s.world.particle_count(), 0u);
+  const std::array<double, 2> before = variances(s);
+  for (int k = 0; k < 100; ++k) s.step(1e-2);
+  const std::array<double, 2> after = variances(s);
+  EXPECT_NEAR((after[0] - before[0]) / (after[1] - before[1]), 4, 0.1);
+  // The mean of both is 2 D₀ t.
+  EXPECT_NEAR(0.5 * (after[0] - before[0] + after[1] - before[1]), 2e-4, 1e-5);
 }
 
 TEST(Wetting, drops_wait_for_a_free_place) {

@@ -28,6 +28,7 @@ class Boundary {
   const std::vector<WallPoint>& points() const { return geometry_.points(); }
   Span<const ImagePlane> images_of(std::size_t point) const { return geometry_.images_of(point); }
   const std::vector<Wall>& walls() const { return geometry_.walls(); }
+  const WallGeometry& geometry() const { return geometry_; }
   /// Index into points(), or none. Valid for every particle if !empty().
   std::uint32_t point_of(std::size_t particle) const { return geometry_.point_of()[particle]; }
 

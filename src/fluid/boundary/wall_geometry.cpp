@@ -21,6 +21,7 @@ std::size_t chunks_of(std::size_t points) {
 void WallGeometry::clear() {
   points_.clear();
   walls_.clear();
+  point_of_.clear();
 }
 
 /// Most points see the whole of each triangle near them, which a test of the neighbours in the mesh shows.

@@ -78,6 +78,8 @@ class WallGeometry {
   void find(const BoundaryInput& input, const Workers& workers);
   void clear();
 
+  /// Of the walls that it finds [m].
+  double reach(double support_radius) const { return image_.reach(support_radius); }
   const std::vector<WallPoint>& points() const { return points_; }
   const std::vector<Wall>& walls() const { return walls_; }  ///< in the order of points
   Span<const ImagePlane> images_of(std::size_t point) const {
