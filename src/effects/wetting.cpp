@@ -122,7 +122,7 @@ WettedCloth* Wetting::Impl::cloth_of(const EffectExchange& e, std::size_t surfac
   return cloth == cloths.end() ? nullptr : cloth->second.get();
 }
 
-/// In the order of the particles: who comes first fills the last room.
+/// In the order of the particles: who comes first fills the last place.
 void Wetting::Impl::absorb(EffectExchange& e) const {
   const double area = e.spacing * e.spacing;
   for (const Touching& t : touching_particles) {

@@ -70,6 +70,7 @@ class EffectInterval {
 struct VisibleWall {
   /// Index into EffectInterval::surfaces.
   std::uint32_t surface = 0;
+  /// Of the triangle.
   std::array<std::uint32_t, 3> nodes{};
   /// Barycentric, of the closest point, Σ = 1.
   std::array<double, 3> weights{};
@@ -108,8 +109,10 @@ class EffectForces : public EffectInterval {
 struct Release {
   /// Index into EffectInterval::surfaces.
   std::size_t surface = 0;
-  /// Where the particle shall start [m], and a point of the surface from which the way there must be free.
-  Vec3 position = Vec3::Zero(), from = Vec3::Zero();
+  /// Where the particle is to start [m].
+  Vec3 position = Vec3::Zero();
+  /// A point at the surface from which the way there must be free [m].
+  Vec3 from = Vec3::Zero();
   /// What each node gives [kg]; together particle_mass.
   std::vector<std::pair<std::uint32_t, double>> nodes;
 };

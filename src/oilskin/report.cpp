@@ -62,7 +62,8 @@ FluidReport worst_of(const FluidReport& a, const FluidReport& b) {
 
 Vec3 StepReport::momentum_residual() const {
   return momentum_after - momentum_before - momentum_emitted + momentum_removed + momentum_absorbed -
-         momentum_released - momentum_gravity - momentum_effects + contact.impulse_on_free_nodes + contact.impulse_on_prescribed;
+         momentum_released - momentum_gravity - momentum_effects + contact.impulse_on_free_nodes +
+         contact.impulse_on_prescribed;
 }
 
 std::vector<std::string> flag_texts(std::uint32_t flags) {
