@@ -55,6 +55,10 @@ enum class ObstacleMode {
   /// visible. For closed obstacles that are drawn opaque. An open sheet lies inside the mesh, and water shows
   /// on its dry side.
   overlap,
+  /// As `touch` where an obstacle is wet (`ObstacleMesh::saturation`), as `gap` where it is dry, and without
+  /// a
+  /// step between them.
+  wet,
 };
 
 /// Options of the reconstruction.
@@ -74,8 +78,13 @@ struct ReconstructionOptions {
   ObstacleMode contact = ObstacleMode::gap;
   /// [m], 0 … 1 spacing: the smallest distance between mesh and obstacles; may be smaller than a cell.
   double gap = 0;
-  /// Touch, overlap: in spacings, 0 … 1.5.
+  /// Touch, overlap, wet: in spacings, 0 … 1.5.
   double touch_range = 1;
+  /// Wet: the saturation from which on an obstacle is wet, 0 … 1.
+  double wet_saturation = 0.5;
+  /// Wet: the width of the transition in saturation, as a fraction of `wet_saturation`, 0 … 1. An obstacle is
+  /// dry up to the saturation (1 − `wet_blend`) `wet_saturation`. With 0 the mesh has a step.
+  double wet_blend = 0.5;
   /// Overlap: [m], 0 … 1 spacing.
   double overlap_depth = 0;
 
@@ -110,6 +119,9 @@ struct ObstacleMesh {
   Span<const Vec3> vertices;
   /// Indices of vertices.
   Span<const Triangle> triangles;
+  /// Wet: the fraction of the pores that holds water, as many as vertices, or none; finite. Linear over a
+  /// triangle. An obstacle without it is dry.
+  Span<const float> saturation = {};
 };
 
 /// Particles and obstacles.

@@ -98,6 +98,7 @@ struct CutEdge {
 struct NearBlock {
   std::vector<std::uint32_t> triangles;  ///< those within reach of the block, ascending
   std::vector<float> distance;     ///< per node [cells], infinite beyond the band; empty: infinite everywhere
+  std::vector<float> wetness;      ///< per node: 1 at a wet obstacle, 0 at a dry one; empty: 0 everywhere
   std::vector<CutEdge> cut_edges;  ///< ascending
   std::array<std::array<std::uint64_t, side>, 3>
       cut{};  ///< per axis and slice, a bit per node: its edge is cut

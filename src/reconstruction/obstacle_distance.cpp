@@ -199,7 +199,75 @@ void keep_crossings(std::vector<Hit>& hits, NearBlock& near) {
   }
 }
 
+/// Triangles closer than the nearest one by less than this are as near [cells]: rounding of distances.
+constexpr double as_near = 1e-4;
+
+/// Raises the wetness of the nodes that a triangle influences.
+class NodeWetness {
+ public:
+  NodeWetness(const WetRule& rule, NearBlock& near) : rule_(rule), near_(near) {}
+
+  void add(const Corners& c, const std::array<float, 3>& saturation) {
+    const Bounds bounds(c);
+    if (!bounds.reaches_block(rule_.range + rule_.fade)) return;
+    const Covered s(bounds, rule_.range + rule_.fade);
+    if (s.empty()) return;
+    const TrianglePlanes planes(c);
+    const unsigned covered = (2u << s.last[0]) - (1u << s.first[0]);
+    for (int k = s.first[2]; k <= s.last[2]; ++k)
+      for (int j = s.first[1]; j <= s.last[1]; ++j) {
+        const F8 farthest = F8::load(&near_.distance[std::size_t(node_index(0, j, k))]) +
+                            static_cast<float>(rule_.fade + 2 * as_near);
+        const std::uint32_t may = covered & ~greater_mask(planes.row(j, k).min_squared, farthest * farthest);
+        for (std::uint32_t bits = may; bits != 0; bits &= bits - 1)
+          raise(__builtin_ctz(bits), j, k, c, saturation);
+      }
+  }
+
+ private:
+  void raise(int i, int j, int k, const Corners& c, const std::array<float, 3>& saturation) {
+    const auto n = std::size_t(node_index(i, j, k));
+    const double nearest = near_.distance[n];
+    if (!(nearest < rule_.range)) return;
+    const ClosestPoint at = closest_point(Vec3(i, j, k), c[0], c[1], c[2]);
+    const double beyond = std::max(0.0, at.distance - nearest - as_near);
+    if (!(beyond < rule_.fade)) return;
+    double s = 0;
+    for (std::size_t corner = 0; corner < 3; ++corner) s += at.weights[corner] * double(saturation[corner]);
+    const double wet = rule_.share(s) * (1 - beyond / rule_.fade);
+    if (near_.wetness.empty()) near_.wetness.assign(nodes, 0.0f);
+    near_.wetness[n] = std::max(near_.wetness[n], static_cast<float>(wet));
+  }
+
+  const WetRule& rule_;
+  NearBlock& near_;
+};
+
 }  // namespace
+
+double WetRule::share(double saturation) const {
+  if (saturation >= wet_from) return 1;
+  if (saturation <= dry_to) return 0;
+  const double t = (saturation - dry_to) / (wet_from - dry_to);
+  return t * t * (3 - 2 * t);
+}
+
+void measure_wetness(const Obstacles& obstacles, const Vec3& origin, double cell, const WetRule& rule,
+                     NearBlock& near) {
+  OILSKIN_ASSERT(near.wetness.empty() && rule.range >= 0);
+  if (near.distance.empty() || rule.range == 0) return;
+  OILSKIN_ASSERT(rule.fade > 0);
+  NodeWetness wetness(rule, near);
+  for (std::uint32_t t : near.triangles) {
+    const Triangle& i = obstacles.indices(t);
+    const std::array<float, 3> s = {obstacles.saturation(i[0]), obstacles.saturation(i[1]),
+                                    obstacles.saturation(i[2])};
+    if (rule.share(std::max({s[0], s[1], s[2]})) == 0) continue;
+    Corners c = obstacles.corners(t);
+    for (Vec3& x : c) x = (x - origin) / cell;
+    wetness.add(c, s);
+  }
+}
 
 void measure_obstacles(const Obstacles& obstacles, const Vec3& origin, double cell, double band,
                        bool cut_edges, NearBlock& near) {

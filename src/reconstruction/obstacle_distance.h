@@ -11,4 +11,18 @@ namespace oilskin::reconstruction {
 void measure_obstacles(const Obstacles& obstacles, const Vec3& origin, double cell, double band,
                        bool cut_edges, NearBlock& near);
 
+/// Where an obstacle counts as wet, mode `wet`.
+struct WetRule {
+  double dry_to = 0, wet_from = 0;  ///< saturations
+  double range = 0;                 ///< T [cells]
+  double fade = 0;  ///< triangles farther than the nearest one by this have no influence [cells]
+
+  /// 0 at dry_to and below, 1 at wet_from and above (R.25).
+  double share(double saturation) const;
+};
+
+/// Fills NearBlock::wetness (R.26) at nodes nearer than the range. Needs the distances.
+void measure_wetness(const Obstacles& obstacles, const Vec3& origin, double cell, const WetRule& rule,
+                     NearBlock& near);
+
 }  // namespace oilskin::reconstruction

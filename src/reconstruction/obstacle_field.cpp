@@ -17,6 +17,9 @@ constexpr double clearance_margin = 0.15;
 /// A node nearer than this is on the obstacle, up to rounding [cells].
 constexpr float on_obstacle = 1e-4f;
 
+/// WetRule::fade as a fraction of the touch range: small, since a dry layer may lie over a wet one.
+constexpr double fade_of_range = 0.25;
+
 struct CellAt {
   std::uint32_t block = none;
   int i = 0, j = 0, k = 0;
@@ -37,6 +40,16 @@ std::uint8_t inside_corners(const Grid& grid, const CellAt& c) {
   return static_cast<std::uint8_t>(inside);
 }
 
+/// Mode `wet` measures distances as `touch` does, and triangles a little farther out have an influence.
+void set_wet_rule(const ReconstructionOptions& o, ContactParameters& p) {
+  p.wet.wet_from = o.wet_saturation;
+  p.wet.dry_to = (1 - o.wet_blend) * o.wet_saturation;
+  p.wet.range = p.touch_range;
+  p.wet.fade = fade_of_range * p.touch_range;
+  p.band = std::max(p.band, p.touch_range);
+  p.reach = std::max(p.reach, p.touch_range + p.wet.fade + 2 * on_obstacle);
+}
+
 }  // namespace
 
 ContactParameters contact_parameters(const ReconstructionOptions& o) {
@@ -54,10 +67,11 @@ ContactParameters contact_parameters(const ReconstructionOptions& o) {
   if (o.contact == ObstacleMode::overlap) p.band = std::max(p.band, std::max(p.touch_range, p.depth) + 1);
   // For visibility, for distances, and for corners that repair may set outside, which must have values.
   p.reach = std::max({o.kernel_radius / o.cell, p.band, o.gap / cell + 1.8});
+  if (o.contact == ObstacleMode::wet) set_wet_rule(o, p);
   return p;
 }
 
-float value_at_contact(const ContactParameters& p, float visible, float all, float distance) {
+float value_at_contact(const ContactParameters& p, float visible, float all, float distance, float wetness) {
   OILSKIN_ASSERT(distance >= 0);
   const auto clearance = static_cast<float>(p.clearance), range = static_cast<float>(p.touch_range);
   // A node on an obstacle sees no particle. The surface passes it at the clearance, as it does beside it.
@@ -72,6 +86,9 @@ float value_at_contact(const ContactParameters& p, float visible, float all, flo
       return std::max(visible, clearance - distance);
     case ObstacleMode::touch:
       return std::max(drawn, clearance - distance);
+    case ObstacleMode::wet:
+      return (1 - wetness) * std::max(visible, clearance - distance) +
+             wetness * std::max(drawn, clearance - distance);
     case ObstacleMode::overlap:
       return std::min(drawn, std::max(distance - static_cast<float>(p.depth), all - distance - range));
   }

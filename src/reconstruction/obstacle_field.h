@@ -1,6 +1,7 @@
 /// Changes of the field near obstacles, by ObstacleMode, and obstacles inside the water.
 #pragma once
 
+#include "reconstruction/obstacle_distance.h"
 #include "reconstruction/repair.h"
 
 namespace oilskin::reconstruction {
@@ -12,17 +13,20 @@ struct ContactParameters {
   double touch_range = 0;  ///< T [cells]
   double depth = 0;        ///< overlap depth [cells]
   double band = 0;         ///< distances are computed up to this [cells]
+  WetRule wet;             ///< of mode `wet`
   double reach = 0;        ///< obstacles farther than this from a block do not affect it [cells]
 
   bool uses_visibility() const { return mode != ObstacleMode::none; }
-  bool promises() const { return mode == ObstacleMode::gap || mode == ObstacleMode::touch; }
+  bool promises() const {
+    return mode == ObstacleMode::gap || mode == ObstacleMode::touch || mode == ObstacleMode::wet;
+  }
 };
 
 ContactParameters contact_parameters(const ReconstructionOptions& options);
 
-/// The value of a node at `distance` from obstacles, (R.10) to (R.14). `visible`: the field of the particles
-/// that the node sees; `all`: that of all particles, for overlap.
-float value_at_contact(const ContactParameters& p, float visible, float all, float distance);
+/// The value of a node at `distance` from obstacles, (R.10) to (R.14) and (R.27). `visible`: the field of the
+/// particles that the node sees; `all`: that of all particles, for overlap; `wetness`: 0 … 1, for wet.
+float value_at_contact(const ContactParameters& p, float visible, float all, float distance, float wetness);
 
 /// Is a piece of an obstacle inside the water? No triangle of the mesh intersects it, so one of its points
 /// decides.

@@ -1,6 +1,7 @@
 #include "reconstruction/obstacles.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/assert.h"
 #include "core/disjoint_sets.h"
@@ -24,6 +25,15 @@ Box box_of(const Corners& c) {
   return box;
 }
 
+Status validate_saturation(const ObstacleMesh& mesh, const std::string& name) {
+  const std::size_t count = mesh.saturation.size();
+  if (count != 0 && count != mesh.vertices.size())
+    return refuse(name, ": saturation has ", count, " values; there are ", mesh.vertices.size(), " vertices");
+  for (std::size_t v = 0; v < count; ++v)
+    if (!std::isfinite(mesh.saturation[v])) return refuse(name, ": saturation ", v, " is not finite");
+  return {};
+}
+
 }  // namespace
 
 Status validate_obstacles(const std::vector<ObstacleMesh>& obstacles) {
@@ -36,6 +46,7 @@ Status validate_obstacles(const std::vector<ObstacleMesh>& obstacles) {
       for (std::uint32_t i : mesh.triangles[t])
         if (i >= mesh.vertices.size())
           return refuse(name, ": triangle ", t, " names vertex ", i, "; there are ", mesh.vertices.size());
+    if (Status s = validate_saturation(mesh, name); !s.ok()) return s;
   }
   return {};
 }
@@ -66,12 +77,20 @@ Obstacles::Obstacles(Span<const ObstacleMesh> meshes, const Box& region) {
   for (const ObstacleMesh& mesh : meshes) {
     const auto first = static_cast<std::uint32_t>(vertices_.size());
     vertices_.insert(vertices_.end(), mesh.vertices.begin(), mesh.vertices.end());
+    add_saturation(mesh);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       if (!box_of(corners_of(mesh, t)).overlaps(region)) continue;
       const Triangle& i = mesh.triangles[t];
       triangles_.push_back({first + i[0], first + i[1], first + i[2]});
     }
   }
+}
+
+/// Of the mesh whose vertices were added last.
+void Obstacles::add_saturation(const ObstacleMesh& mesh) {
+  if (saturation_.empty() && mesh.saturation.empty()) return;
+  saturation_.resize(vertices_.size() - mesh.saturation.size(), -1.0f);
+  saturation_.insert(saturation_.end(), mesh.saturation.begin(), mesh.saturation.end());
 }
 
 std::vector<std::vector<std::uint32_t>> Obstacles::pieces() const {

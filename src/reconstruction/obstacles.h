@@ -8,7 +8,8 @@ namespace oilskin::reconstruction {
 
 using Corners = std::array<Vec3, 3>;
 
-/// Refuses vertices that are not finite and indices out of range.
+/// Refuses vertices and saturations that are not finite, indices out of range, and saturations of another
+/// number than vertices.
 Status validate_obstacles(const std::vector<ObstacleMesh>& obstacles);
 
 /// The largest displacement of a triangle's corners by rounding to float (R.18) [m].
@@ -34,6 +35,8 @@ class Obstacles {
     return {vertices_[i[0]], vertices_[i[1]], vertices_[i[2]]};
   }
   const Vec3& vertex(std::uint32_t v) const { return vertices_[v]; }
+  /// ObstacleMesh::saturation of a vertex; −1 if its mesh has none.
+  float saturation(std::uint32_t v) const { return saturation_.empty() ? -1.0f : saturation_[v]; }
   Box box(std::uint32_t t) const {
     Box box;
     for (std::uint32_t v : triangles_[t]) box.add(vertices_[v]);
@@ -51,7 +54,10 @@ class Obstacles {
  private:
   static Box everywhere() { return {Box().max, Box().min}; }
 
+  void add_saturation(const ObstacleMesh& mesh);
+
   std::vector<Vec3> vertices_;
+  std::vector<float> saturation_;  // empty if no mesh has one
   std::vector<Triangle> triangles_;
   proximity::SurfaceTree tree_;
 };

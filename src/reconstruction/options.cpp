@@ -22,10 +22,12 @@ Status ReconstructionOptions::validate() const {
     return refuse_value("particle_radius", particle_radius, "0.1 … 1 (spacings)");
   if (static_cast<int>(field) < 0 || static_cast<int>(field) > static_cast<int>(ReconstructionField::density))
     return refuse_value("field", static_cast<int>(field), "a ReconstructionField");
-  if (static_cast<int>(contact) < 0 || static_cast<int>(contact) > static_cast<int>(ObstacleMode::overlap))
+  if (static_cast<int>(contact) < 0 || static_cast<int>(contact) > static_cast<int>(ObstacleMode::wet))
     return refuse_value("contact", static_cast<int>(contact), "an ObstacleMode");
   if (!within(gap, 0, spacing)) return refuse_value("gap", gap, "0 … 1 spacing, in metres");
   if (!within(touch_range, 0, 1.5)) return refuse_value("touch_range", touch_range, "0 … 1.5 (spacings)");
+  if (!within(wet_saturation, 0, 1)) return refuse_value("wet_saturation", wet_saturation, "0 … 1");
+  if (!within(wet_blend, 0, 1)) return refuse_value("wet_blend", wet_blend, "0 … 1 (wet_saturation)");
   if (!within(overlap_depth, 0, spacing))
     return refuse_value("overlap_depth", overlap_depth, "0 … 1 spacing, in metres");
   if (smoothing_iterations < 0 || smoothing_iterations > 1000)

@@ -96,8 +96,9 @@ Status Reconstruction::find_narrow_band() {
   grid.inside = -field.particle_radius;
   if (Status s = find_blocks(particles, field, options.clip, grid, memory); !s.ok()) return s;
   find_near_triangles(obstacles, contact.reach, grid);
+  const std::size_t near_bytes = nodes * sizeof(float) * (contact.mode == ObstacleMode::wet ? 2 : 1);
   for (const NearBlock& near : grid.nears)
-    memory.add(double(sizeof(NearBlock) + 2048 + 4 * near.triangles.size()));
+    memory.add(double(sizeof(NearBlock) + near_bytes + 4 * near.triangles.size()));
   return choose_fields(particles, field, options.clip, grid, memory, workers);
 }
 
@@ -119,8 +120,9 @@ void Reconstruction::evaluate_block(std::uint32_t b, FieldBlock& evaluator, Near
     if (contact.mode == ObstacleMode::overlap) evaluator.evaluate(near, nullptr, all.data());
     if (!obstacle.distance.empty())
       for (std::size_t n = 0; n < nodes; ++n)
-        values[n] = value_at_contact(
-            contact, values[n], contact.mode == ObstacleMode::overlap ? all[n] : 0.0f, obstacle.distance[n]);
+        values[n] =
+            value_at_contact(contact, values[n], contact.mode == ObstacleMode::overlap ? all[n] : 0.0f,
+                             obstacle.distance[n], obstacle.wetness.empty() ? 0.0f : obstacle.wetness[n]);
   }
   if (options.clip)
     for (int n = 0; n < nodes; ++n) {
@@ -164,9 +166,11 @@ void Reconstruction::evaluate_field() {
   const std::vector<std::uint8_t> measured = blocks_at_values();
   workers.for_each(grid.blocks.size(), 8, [&](std::size_t b) {
     const Block& block = grid.blocks[b];
-    if (block.near != none && measured[b])
-      measure_obstacles(obstacles, grid.origin(block), cell, contact.band, contact.promises(),
-                        grid.nears[block.near]);
+    if (block.near == none || !measured[b]) return;
+    NearBlock& near = grid.nears[block.near];
+    measure_obstacles(obstacles, grid.origin(block), cell, contact.band, contact.promises(), near);
+    if (contact.mode == ObstacleMode::wet)
+      measure_wetness(obstacles, grid.origin(block), cell, contact.wet, near);
   });
   if (field.needs_volumes())
     volumes = particle_volumes(particles, field, blocks_with_needed_volumes(), workers);

@@ -37,30 +37,33 @@ TEST_P(Refused, with_the_field_and_the_mesh_stays) {
 
 INSTANTIATE_TEST_SUITE_P(
     Options, Refused,
-    testing::Values(Refusal{"spacing is 0;", [](ReconstructionOptions& o) { o.spacing = 0; }},
-                    Refusal{"spacing is nan;", [](ReconstructionOptions& o) { o.spacing = std::nan(""); }},
-                    Refusal{"cell is 0;", [](ReconstructionOptions& o) { o.cell = 0; }},
-                    Refusal{"cell is -1;", [](ReconstructionOptions& o) { o.cell = -1; }},
-                    Refusal{"cell is 1.5;", [](ReconstructionOptions& o) { o.cell = 1.5; }},
-                    Refusal{"kernel_radius is 1;", [](ReconstructionOptions& o) { o.kernel_radius = 1; }},
-                    Refusal{"particle_radius is 0;", [](ReconstructionOptions& o) { o.particle_radius = 0; }},
-                    Refusal{"field is 9;",
-                            [](ReconstructionOptions& o) { o.field = static_cast<ReconstructionField>(9); }},
-                    Refusal{"contact is -1;",
-                            [](ReconstructionOptions& o) { o.contact = static_cast<ObstacleMode>(-1); }},
-                    Refusal{"gap is -0.001;", [](ReconstructionOptions& o) { o.gap = -0.001; }},
-                    Refusal{"gap is 0.1;", [](ReconstructionOptions& o) { o.gap = 0.1; }},
-                    Refusal{"touch_range is 2;", [](ReconstructionOptions& o) { o.touch_range = 2; }},
-                    Refusal{"overlap_depth is 1;", [](ReconstructionOptions& o) { o.overlap_depth = 1; }},
-                    Refusal{"smoothing_iterations is -1;",
-                            [](ReconstructionOptions& o) { o.smoothing_iterations = -1; }},
-                    Refusal{"clip is 1;",
-                            [](ReconstructionOptions& o) {
-                              o.clip = Box{Vec3::Ones(), Vec3::Zero()};
-                            }},
-                    Refusal{"min_blob is -1;", [](ReconstructionOptions& o) { o.min_blob = -1; }},
-                    Refusal{"memory_limit is 0;", [](ReconstructionOptions& o) { o.memory_limit = 0; }},
-                    Refusal{"threads is -1;", [](ReconstructionOptions& o) { o.threads = -1; }}));
+    testing::Values(
+        Refusal{"spacing is 0;", [](ReconstructionOptions& o) { o.spacing = 0; }},
+        Refusal{"spacing is nan;", [](ReconstructionOptions& o) { o.spacing = std::nan(""); }},
+        Refusal{"cell is 0;", [](ReconstructionOptions& o) { o.cell = 0; }},
+        Refusal{"cell is -1;", [](ReconstructionOptions& o) { o.cell = -1; }},
+        Refusal{"cell is 1.5;", [](ReconstructionOptions& o) { o.cell = 1.5; }},
+        Refusal{"kernel_radius is 1;", [](ReconstructionOptions& o) { o.kernel_radius = 1; }},
+        Refusal{"particle_radius is 0;", [](ReconstructionOptions& o) { o.particle_radius = 0; }},
+        Refusal{"field is 9;",
+                [](ReconstructionOptions& o) { o.field = static_cast<ReconstructionField>(9); }},
+        Refusal{"contact is -1;",
+                [](ReconstructionOptions& o) { o.contact = static_cast<ObstacleMode>(-1); }},
+        Refusal{"gap is -0.001;", [](ReconstructionOptions& o) { o.gap = -0.001; }},
+        Refusal{"gap is 0.1;", [](ReconstructionOptions& o) { o.gap = 0.1; }},
+        Refusal{"touch_range is 2;", [](ReconstructionOptions& o) { o.touch_range = 2; }},
+        Refusal{"contact is 6;", [](ReconstructionOptions& o) { o.contact = static_cast<ObstacleMode>(6); }},
+        Refusal{"wet_saturation is 1.5;", [](ReconstructionOptions& o) { o.wet_saturation = 1.5; }},
+        Refusal{"wet_blend is -1;", [](ReconstructionOptions& o) { o.wet_blend = -1; }},
+        Refusal{"overlap_depth is 1;", [](ReconstructionOptions& o) { o.overlap_depth = 1; }},
+        Refusal{"smoothing_iterations is -1;", [](ReconstructionOptions& o) { o.smoothing_iterations = -1; }},
+        Refusal{"clip is 1;",
+                [](ReconstructionOptions& o) {
+                  o.clip = Box{Vec3::Ones(), Vec3::Zero()};
+                }},
+        Refusal{"min_blob is -1;", [](ReconstructionOptions& o) { o.min_blob = -1; }},
+        Refusal{"memory_limit is 0;", [](ReconstructionOptions& o) { o.memory_limit = 0; }},
+        Refusal{"threads is -1;", [](ReconstructionOptions& o) { o.threads = -1; }}));
 
 TEST(Input, arrays_and_obstacles_that_do_not_fit_are_refused_by_name) {
   WaterMesh mesh;
@@ -86,6 +89,12 @@ TEST(Input, arrays_and_obstacles_that_do_not_fit_are_refused_by_name) {
   const std::vector<Vec3> good = {Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY()};
   in.obstacles[0] = {good, beyond};
   EXPECT_EQ(message(in), "obstacle 0: triangle 0 names vertex 3; there are 3");
+  const std::vector<Triangle> face_of_good = {{0, 1, 2}};
+  const std::vector<float> short_by_one = {0, 1}, not_finite = {0, std::nanf(""), 1};
+  in.obstacles[0] = {good, face_of_good, short_by_one};
+  EXPECT_EQ(message(in), "obstacle 0: saturation has 2 values; there are 3 vertices");
+  in.obstacles[0].saturation = not_finite;
+  EXPECT_EQ(message(in), "obstacle 0: saturation 1 is not finite");
 }
 
 /// A triangle 4 mm under the two particles, one of its corners at x = `far`.

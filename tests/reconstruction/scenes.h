@@ -16,15 +16,21 @@ struct WaterScene {
   std::vector<Vec3> particles;
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
+  std::vector<float> saturation;  ///< of the vertices, or none
 
   ReconstructionInput input() const {
     ReconstructionInput in;
     in.positions = particles;
-    if (!triangles.empty()) in.obstacles.push_back({vertices, triangles});
+    if (!triangles.empty()) in.obstacles.push_back({vertices, triangles, saturation});
     return in;
   }
   std::vector<ObstacleMesh> obstacles() const { return input().obstacles; }
 
+  /// Gives each vertex the saturation `of(vertex)`.
+  void wet(const std::function<double(const Vec3&)>& of) {
+    saturation.clear();
+    for (const Vec3& v : vertices) saturation.push_back(static_cast<float>(of(v)));
+  }
   /// n × n cells over [0, 1]²; `at(u, v)` in metres.
   void add_sheet(int n, const std::function<Vec3(double, double)>& at) {
     const auto first = static_cast<std::uint32_t>(vertices.size());
