@@ -108,8 +108,10 @@ void CommandLine::add_mesh() {
   mesh->add_option("--frames", m.frames, "A:B, only these frames, both included (default: all)");
   mesh->add_option("--cell", m.cell, "edge of a grid cell [m] (default: the run's, or half a spacing)");
   mesh->add_option("--gap", m.gap, "between water and obstacles [m] (default: the run's, or 0)");
-  mesh->add_option("--mode", m.mode,
-                   "at obstacles: gap, touch, overlap, reset or none (default: the run's, or gap)");
+  mesh->add_option(
+      "--mode", m.mode,
+      "at obstacles: gap, touch, wet, overlap, reset or none (default: the run's, or gap; wet if "
+      "its cloth absorbed)");
   mesh->add_option("--smoothing", m.smoothing, "iterations (default: the run's, or 10)");
   mesh->add_option("--spacing", m.spacing, "of the particles [m] (default: as DIR/report.json says)");
   mesh->add_option("--out", m.out, "folder for surface_NNNN.ply (default: DIR)");

@@ -27,6 +27,8 @@ void read_report(const std::string& report, Plan& plan) {
   try {
     const Json settings = read_json_file(report).at("settings");
     plan.spacing = settings.at("fluid").at("spacing").get<double>();
+    // As in a scene.
+    if (settings.value("effects", Json::object()).contains("wetting")) plan.mesh.mode = ObstacleMode::wet;
     if (!settings.contains("surface")) return;
     if (!settings["surface"].is_object()) throw SceneError("settings.surface: must be an object");
     Fields fields = Fields::reader(settings["surface"], "settings.surface");
@@ -114,7 +116,8 @@ ReconstructionInput input_of(const StoredFrame& frame) {
   ReconstructionInput input;
   input.positions = frame.position;
   input.velocities = frame.velocity;
-  for (const StoredMesh& mesh : frame.obstacles) input.obstacles.push_back({mesh.vertices, mesh.triangles});
+  for (const StoredMesh& mesh : frame.obstacles)
+    input.obstacles.push_back({mesh.vertices, mesh.triangles, mesh.wetness});
   return input;
 }
 

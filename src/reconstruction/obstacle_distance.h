@@ -17,11 +17,11 @@ struct WetRule {
   double range = 0;                 ///< T [cells]
   double fade = 0;  ///< triangles farther than the nearest one by this have no influence [cells]
 
-  /// 0 at dry_to and below, 1 at wet_from and above (R.25).
+  /// 0 at dry_to and below, 1 at wet_from and above (R.26).
   double share(double saturation) const;
 };
 
-/// Fills NearBlock::wetness (R.26) at nodes nearer than the range. Needs the distances.
+/// Fills NearBlock::wetness (R.27) at nodes nearer than the range. Needs the distances.
 void measure_wetness(const Obstacles& obstacles, const Vec3& origin, double cell, const WetRule& rule,
                      NearBlock& near);
 

@@ -24,7 +24,7 @@ struct ContactParameters {
 
 ContactParameters contact_parameters(const ReconstructionOptions& options);
 
-/// The value of a node at `distance` from obstacles, (R.10) to (R.14) and (R.27). `visible`: the field of the
+/// The value of a node at `distance` from obstacles, (R.10) to (R.14) and (R.25). `visible`: the field of the
 /// particles that the node sees; `all`: that of all particles, for overlap; `wetness`: 0 … 1, for wet.
 float value_at_contact(const ContactParameters& p, float visible, float all, float distance, float wetness);
 

@@ -129,6 +129,8 @@ TEST(BadInput, surfaces_out_of_range_are_refused_before_anything_is_computed) {
   expect_refused(R"({"surface": {"cell": 0.5}})", {"surface", "cell"});
   expect_refused(R"({"surface": {"gap": -1}})", {"surface.gap"});
   expect_refused(R"({"surface": {"mode": "near"}})", {"surface.mode", "touch"});
+  expect_refused(R"({"surface": {"wet_saturation": 1.5}})", {"surface.wet_saturation"});
+  expect_refused(R"({"surface": {"wet_blend": -1}})", {"surface.wet_blend"});
 }
 
 TEST(BadInput, pins_that_hold_nothing_are_refused) {

@@ -75,6 +75,27 @@ TEST_F(Mesh, surfaces_of_the_run_itself_are_ones_of_its_options) {
   expect_refused({"--gap", "0.001"}, {"\"gap\":0.0005", "\"gap\":0.001"});
 }
 
+TEST_F(Mesh, the_wetness_that_the_run_stored_decides_where_the_mesh_meets_the_cloth) {
+  const Outcome run =
+      oilskin({"run", folder.path("pool.json"), "--out", folder.path("run"), "--frames-per-second", "100",
+               "--no-render", "--quiet", "--set", "duration=0.1", "--set", "effects.wetting.absorption=50",
+               "--set", "surface.smoothing=0"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string last = "surface_0010.ply";
+  const std::string stored = folder.read("run/" + last);
+  ASSERT_FALSE(stored.empty());
+  const auto made = [&](const std::string& mode) {
+    const Outcome outcome = mesh({"--mode", mode, "--out", folder.path(mode)});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    // The comment names the options; what follows is the mesh.
+    const std::string text = folder.read(mode + "/" + last);
+    return text.substr(text.find("element vertex"));
+  };
+  const std::string wet = made("wet");
+  EXPECT_NE(wet, made("touch"));
+  EXPECT_NE(wet, made("gap"));
+}
+
 TEST_F(Mesh, a_spacing_in_other_units_is_refused_with_the_numbers) {
   expect_refused({"--spacing", "10"}, {"--spacing", "is 10 m", "256 particles", "within 0.0"});
   expect_refused({"--spacing", "1e-05"}, {"--spacing", "is 1e-05 m", "within 0.0"});

@@ -39,6 +39,27 @@ TEST(PlyReader, reads_what_was_written) {
   EXPECT_EQ(demo::mesh_made_with(folder.path("no.ply")), "");
 }
 
+TEST(PlyReader, reads_the_wetness_of_cloth_as_the_run_wrote_it) {
+  const Folder folder;
+  SurfaceMotion cloth;
+  cloth.x_t1 = {Vec3(0, 0, 0), Vec3(0.5, 0, 0), Vec3(0, 0.25, 0)};
+  cloth.triangles = {{0, 1, 2}};
+  const std::vector<float> wetness = {0, 0.625f, 1.25f};
+  demo::write_wet_mesh(folder.path("cloth.ply"), cloth, wetness);
+  const demo::StoredMesh read = demo::read_ply(folder.path("cloth.ply"));
+  EXPECT_EQ(read.wetness, wetness);
+  EXPECT_EQ(read.vertices, cloth.x_t1);
+  EXPECT_EQ(read.triangles, cloth.triangles);
+  // Other meshes have none; nor is a property of the name with another type one.
+  bytes_of_mesh(folder);
+  EXPECT_TRUE(demo::read_ply(folder.path("mesh.ply")).wetness.empty());
+  std::string other = folder.read("cloth.ply");
+  other.replace(other.find("float wetness"), 13, "int32 wetness");
+  EXPECT_TRUE(demo::read_ply(folder.write("other.ply", other)).wetness.empty());
+  demo::write_wet_mesh(folder.path("bad.ply"), cloth, std::vector<float>{0, std::nanf(""), 1});
+  EXPECT_THROW(demo::read_ply(folder.path("bad.ply")), demo::SceneError);
+}
+
 TEST(PlyReader, every_truncation_is_refused_by_name) {
   const Folder folder;
   const std::string whole = bytes_of_mesh(folder);

@@ -115,6 +115,14 @@ TEST(SceneReader, defaults_survive_an_empty_file) {
   EXPECT_EQ(scene.fluid.spacing, FluidSettings().spacing);
 }
 
+TEST(SceneReader, where_cloth_is_wetted_the_water_mesh_meets_it_unless_the_scene_asks_for_another_mode) {
+  const auto mode = [](const char* text) { return read_scene(Json::parse(text), ".").water_mesh->mode; };
+  EXPECT_EQ(mode(R"({"surface": {}})"), ObstacleMode::gap);
+  EXPECT_EQ(mode(R"({"surface": {}, "effects": {"wetting": {}}})"), ObstacleMode::wet);
+  EXPECT_EQ(mode(R"({"surface": {"mode": "touch"}, "effects": {"wetting": {}}})"), ObstacleMode::touch);
+  EXPECT_EQ(mode(R"({"surface": {"mode": "wet"}})"), ObstacleMode::wet);
+}
+
 TEST(SceneReader, every_shipped_scene_reads) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(OILSKIN_SCENES)) {

@@ -1,4 +1,4 @@
-// Mode `wet`: the mesh meets an obstacle where it is wet, keeps the gap where it is dry, and has no step
+// Mode `wet`: the mesh touches an obstacle where it is wet, keeps the gap where it is dry, and has no step
 // between them.
 #include <gtest/gtest.h>
 
@@ -89,7 +89,7 @@ double steepest(const WaterMesh& mesh) {
   return steepest;
 }
 
-TEST(WetMesh, meets_the_sheet_over_its_wet_half_as_touch_and_keeps_the_gap_over_its_dry_half) {
+TEST(WetMesh, touches_the_sheet_over_its_wet_half_as_touch_and_keeps_the_gap_over_its_dry_half) {
   WaterScene s = layer();
   s.wet(ramp);
   for (const double cell : {0.5, 0.8}) {

@@ -11,7 +11,7 @@ namespace oilskin::demo {
 namespace {
 
 struct Property {
-  std::string name;
+  std::string name, type;
   std::size_t at = 0, size = 0;  // bytes within the vertex
 };
 
@@ -36,6 +36,7 @@ class PlyReader {
     read_header();
     StoredMesh mesh;
     read_vertices(mesh);
+    read_wetness(mesh);
     read_faces(mesh);
     return mesh;
   }
@@ -83,7 +84,7 @@ class PlyReader {
       if (of_vertices) {
         words >> name;
         if (size_of(type) == 0) fail("has vertices with a property of type \"" + type + "\"");
-        header_.properties.push_back({name, header_.stride, size_of(type)});
+        header_.properties.push_back({name, type, header_.stride, size_of(type)});
         header_.stride += size_of(type);
       } else {
         std::string count_type, index_type;
@@ -116,6 +117,19 @@ class PlyReader {
         if (axes[k].size == 8) std::memcpy(&mesh.vertices[i][k], at, 8);
         if (!std::isfinite(mesh.vertices[i][k])) fail("vertex " + std::to_string(i) + " is not finite");
       }
+  }
+
+  /// Of other types it is somebody else's.
+  void read_wetness(StoredMesh& mesh) const {
+    for (const Property& p : header_.properties) {
+      if (p.name != "wetness" || (p.type != "float" && p.type != "float32")) continue;
+      mesh.wetness.resize(header_.vertices);
+      for (std::size_t i = 0; i < header_.vertices; ++i) {
+        std::memcpy(&mesh.wetness[i], bytes_.data() + header_.end + i * header_.stride + p.at, sizeof(float));
+        if (!std::isfinite(mesh.wetness[i]))
+          fail("wetness of vertex " + std::to_string(i) + " is not finite");
+      }
+    }
   }
 
   void read_faces(StoredMesh& mesh) {

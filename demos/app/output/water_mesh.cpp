@@ -33,7 +33,7 @@ double median_nearest_distance(Span<const Vec3> positions) {
 }
 
 bool keeps_away(ObstacleMode mode) {
-  return mode == ObstacleMode::gap || mode == ObstacleMode::touch;
+  return mode == ObstacleMode::gap || mode == ObstacleMode::touch || mode == ObstacleMode::wet;
 }
 
 }  // namespace

@@ -163,9 +163,11 @@ class Run {
     ReconstructionInput input;
     input.positions = data.position;
     input.velocities = data.velocity;
-    for (const auto* list : {&data.cloth, &data.bodies})
-      for (const SurfaceMotion* s : *list)
-        if (s != nullptr) input.obstacles.push_back({s->x_t1, s->triangles});
+    for (std::size_t i = 0; i < data.cloth.size(); ++i)
+      if (const SurfaceMotion* const s = data.cloth[i]; s != nullptr)
+        input.obstacles.push_back({s->x_t1, s->triangles, data.wetness[i]});
+    for (const SurfaceMotion* s : data.bodies)
+      if (s != nullptr) input.obstacles.push_back({s->x_t1, s->triangles});
     MadeMesh made =
         make_mesh(input, reconstruction_options(*scene_.water_mesh, scene_.fluid.spacing, options_.threads));
     if (scene_.pictures.frames_per_second > 0)

@@ -27,6 +27,8 @@ ReconstructionOptions reconstruction_options(const WaterMeshSettings& wanted, do
   options.contact = wanted.mode;
   options.field = wanted.field;
   options.touch_range = wanted.touch_range;
+  options.wet_saturation = wanted.wet_saturation;
+  options.wet_blend = wanted.wet_blend;
   options.overlap_depth = wanted.overlap_depth;
   options.smoothing_iterations = wanted.smoothing;
   options.min_blob = wanted.min_blob;

@@ -144,16 +144,19 @@ struct PlacedMeshEmitter {
 
 using Emitter = std::variant<DiscEmitter, FilledBox, PlacedMeshEmitter, RainEmitter>;
 
-/// The water's surface as triangles, for every frame (oilskin/reconstruction.h).
+/// The water's surface as triangles, for every frame (oilskin/reconstruction.h). In a scene with wetting that
+/// gives no mode, the mode is `wet`.
 struct WaterMeshSettings {
   double cell = 0;  ///< edge of a grid cell [m]; 0 = half a spacing
   double gap = 0;   ///< to cloth and bodies [m]
   ObstacleMode mode = ObstacleMode::gap;
   ReconstructionField field = ReconstructionField::density_decay;
-  double touch_range = 1;    ///< in spacings
-  double overlap_depth = 0;  ///< [m]
-  int smoothing = 10;        ///< iterations
-  double min_blob = 0;       ///< in spacings³
+  double touch_range = 1;       ///< in spacings
+  double wet_saturation = 0.5;  ///< from which on cloth is wet
+  double wet_blend = 0.5;       ///< width of the transition, as a fraction of wet_saturation
+  double overlap_depth = 0;     ///< [m]
+  int smoothing = 10;           ///< iterations
+  double min_blob = 0;          ///< in spacings³
 };
 
 /// A cut through the scene: only water within the slab is shown, and of surfaces their lines in its middle

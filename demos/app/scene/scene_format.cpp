@@ -268,13 +268,16 @@ void describe(Fields& f, WaterMeshSettings& s) {
             {"reset", ObstacleMode::reset},
             {"gap", ObstacleMode::gap},
             {"touch", ObstacleMode::touch},
-            {"overlap", ObstacleMode::overlap}});
+            {"overlap", ObstacleMode::overlap},
+            {"wet", ObstacleMode::wet}});
   f.choice("field", s.field,
            {{"density_decay", ReconstructionField::density_decay},
             {"eigenvalue_decay", ReconstructionField::eigenvalue_decay},
             {"zhu_bridson", ReconstructionField::zhu_bridson},
             {"density", ReconstructionField::density}});
   f.number("touch_range", s.touch_range, between(0, 1.5));
+  f.number("wet_saturation", s.wet_saturation, between(0, 1));
+  f.number("wet_blend", s.wet_blend, between(0, 1));
   f.number("overlap_depth", s.overlap_depth, not_negative());
   f.integer("smoothing", s.smoothing, between(0, 1000));
   f.number("min_blob", s.min_blob, not_negative());
@@ -343,7 +346,10 @@ void describe(Fields& f, Scene& s) {
   f.object("contact", [&](Fields& g) { describe(g, s.contact); });
   f.box("kill_box", s.world.kill_box);
   f.object("effects", [&](Fields& g) { describe(g, s.effects); });
-  f.optional_object("surface", s.water_mesh, [](Fields& g, WaterMeshSettings& w) { describe(g, w); });
+  f.optional_object("surface", s.water_mesh, [&](Fields& g, WaterMeshSettings& w) {
+    if (g.reading() && s.effects.wetting) w.mode = ObstacleMode::wet;
+    describe(g, w);
+  });
   if (f.reading() && s.water_mesh)
     if (const Status status = check_mesh_settings(*s.water_mesh, s.fluid.spacing); !status.ok())
       f.fail("surface", status.message);
