@@ -100,7 +100,7 @@ class EffectForces : public EffectInterval {
   virtual Span<const VisibleWall> walls(std::size_t i) const = 0;
   /// A force [N] on a point of surfaces[surface], which acts on its nodes for the interval, like pressure.
   /// `weights`: barycentric, of the three nodes. From one thread at a time. A force that is not finite is
-  /// left out.
+  /// left out, as is one on a surface or node that does not exist.
   virtual void push(std::size_t surface, const std::array<std::uint32_t, 3>& nodes,
                     const std::array<double, 3>& weights, const Vec3& force) = 0;
 };
@@ -113,7 +113,7 @@ struct Release {
   Vec3 position = Vec3::Zero();
   /// A point at the surface from which the way there must be free [m].
   Vec3 from = Vec3::Zero();
-  /// What each node gives [kg]; together particle_mass.
+  /// What each node gives [kg]; together particle_mass, to 1e-12 of it.
   std::vector<std::pair<std::uint32_t, double>> nodes;
 };
 
@@ -124,8 +124,9 @@ class EffectExchange : public EffectInterval {
   Span<const Contact> contacts;
 
   // Exchange of liquid, for effects that say changes_masses(). Masses that are not finite or not positive are
-  // ignored. Mass and momentum of water and surfaces together are kept; the hosts weigh their nodes anew at
-  // the end of the step. From one thread at a time.
+  // ignored, as are calls that name a particle, a surface or a node that does not exist. Mass and momentum of
+  // water and surfaces together are kept; the hosts weigh their nodes anew at the end of the step. From one
+  // thread at a time.
 
   /// Particle i gives `mass` [kg] to each of three nodes, and keeps its velocity. Together at most what it
   /// has, then it ends. The mass of a particle is a number in single precision: what it gives differs from
@@ -137,7 +138,8 @@ class EffectExchange : public EffectInterval {
   /// At most what the node has [kg] leaves as vapour.
   virtual void dry(std::size_t surface, std::uint32_t node, double mass) = 0;
   /// At the end of the step, if the place is free: at least 2 δ from every surface and 0.7 dx from every
-  /// particle, with no triangle in the way. Else nothing happens, and the effect may ask again.
+  /// particle, inside the kill box, with no triangle in the way. Else nothing happens, and the effect may ask
+  /// again. So it is where a node has less than it shall give, or all together do not give a particle.
   virtual void release(const Release& release) = 0;
 };
 

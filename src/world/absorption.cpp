@@ -7,6 +7,7 @@
 #include "contact/predicates.h"
 #include "core/assert.h"
 #include "world/clearance.h"
+#include "world/numeric_range.h"
 
 namespace oilskin::world {
 
@@ -14,6 +15,9 @@ namespace {
 
 /// Least distance of a new particle from others [dx].
 constexpr double free_distance = 0.7;
+
+/// Of a particle's mass: what nodes give together may differ from it by rounding.
+constexpr double release_tolerance = 1e-12;
 
 LiquidChange& change_of(Attachment& a) {
   const std::size_t n = a.motion.x_t1.size();
@@ -53,11 +57,25 @@ std::vector<StandingSurface> at_end(const ActiveSurfaces& active) {
   return standing;
 }
 
-bool has_liquid(const Release& r, const Attachment& a) {
-  return std::all_of(r.nodes.begin(), r.nodes.end(), [&](const auto& node) {
-    return node.first < a.motion.absorbed_mass.size() && node.second >= 0 &&
-           node.second <= a.motion.absorbed_mass[node.first];
-  });
+/// Whether the nodes have what they shall give, and it is a particle. A node may be named twice.
+bool has_liquid(const Release& r, const Attachment& a, double particle_mass) {
+  const std::vector<double>& there = a.motion.absorbed_mass;
+  std::vector<std::pair<std::uint32_t, double>> nodes = r.nodes;
+  std::stable_sort(nodes.begin(), nodes.end(), [](auto& x, auto& y) { return x.first < y.first; });
+  double sum = 0, of_node = 0;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const auto& [node, mass] = nodes[k];
+    if (node >= there.size() || !(mass >= 0)) return false;
+    of_node = (k > 0 && nodes[k - 1].first == node ? of_node : 0) + mass;
+    if (of_node > there[node]) return false;
+    sum += mass;
+  }
+  return std::abs(sum - particle_mass) <= release_tolerance * particle_mass;
+}
+
+bool is_release(const Release& r, const ActiveSurfaces& active, double particle_mass) {
+  return r.surface < active.size() && is_in_range(r.position) && is_in_range(r.from) &&
+         has_liquid(r, *active.attachment[r.surface], particle_mass);
 }
 
 /// The velocity of what the nodes give together.
@@ -109,16 +127,15 @@ void release_particles(Span<const Release> releases, const ActiveSurfaces& activ
   const std::vector<std::uint8_t> blocked = find_blocked_points(at_end(active), places, workers);
   for (std::size_t k = 0; k < releases.size(); ++k) {
     const Release& r = releases[k];
-    OILSKIN_ASSERT(r.surface < active.size());
-    Attachment& a = *active.attachment[r.surface];
-    if (blocked[k] || !kill_box.contains(r.position) || !has_liquid(r, a) ||
+    if (blocked[k] || !is_release(r, active, particle_mass) || !kill_box.contains(r.position) ||
         !is_far_from_particles(particles, r.position, free_distance * spacing) ||
         !is_way_free(active, r.from, r.position))
       continue;
+    Attachment& a = *active.attachment[r.surface];
     const Vec3 velocity = velocity_of(r, a.motion);
     double sum = 0;
     for (const auto& [node, mass] : r.nodes) sum += take(a, node, mass);
-    OILSKIN_ASSERT(std::abs(sum - particle_mass) <= 1e-12 * particle_mass);
+    OILSKIN_ASSERT(std::abs(sum - particle_mass) <= 2 * release_tolerance * particle_mass);
     particles.push_back(next_id++, r.position, velocity, rest_density);
     ledger.released(velocity);
   }
@@ -135,7 +152,8 @@ std::vector<Vec3> add_momentum_of_liquid(Attachment& a) {
   for (std::size_t i = 0; i < arrived.size(); ++i) {
     if (m.inverse_mass[i] == 0 || arrived[i].isZero(0)) continue;
     const double own = 1 / m.inverse_mass[i] - (m.added_mass.empty() ? 0 : m.added_mass[i]);
-    const Vec3 dv = arrived[i] / (own + m.absorbed_mass[i] - c.before[i]);
+    const double dry = own - c.before[i];  // ≤ 0: the host does not weigh what its nodes hold
+    const Vec3 dv = arrived[i] / (dry > 0 ? own + m.absorbed_mass[i] - c.before[i] : own);
     m.velocity[i] += dv;
     m.impulse[i] += dv / m.inverse_mass[i];
   }

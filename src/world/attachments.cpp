@@ -184,8 +184,9 @@ Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box
     m.velocity_t0.clear();
     a.is_new = true;
     forget_load(a);
-    // A teleport keeps them.
-    if (gathered.new_surface || m.x_t1.size() != nodes_before) {
+    // A teleport keeps them. A mesh that was refused may have had another number of nodes.
+    const bool fits = m.absorbed_mass.empty() || m.absorbed_mass.size() == m.x_t1.size();
+    if (gathered.new_surface || m.x_t1.size() != nodes_before || !fits) {
       a.values.clear();
       report.mass_lost += std::accumulate(m.absorbed_mass.begin(), m.absorbed_mass.end(), 0.0);
       m.absorbed_mass.clear();

@@ -37,7 +37,7 @@ class View : public Base {
     return input_.particles.values[slot_.first_particle_value + channel];
   }
   Span<double> of_nodes(std::size_t surface, std::size_t channel) override {
-    OILSKIN_ASSERT(channel < slot_.node_start.size());
+    OILSKIN_ASSERT(surface < this->surfaces.size() && channel < slot_.node_start.size());
     return input_.interval.step.surfaces.attachment[surface]->values[slot_.first_node_value + channel];
   }
   void for_each(std::size_t count, const std::function<void(std::size_t)>& f) const override {
@@ -45,6 +45,13 @@ class View : public Base {
   }
 
  protected:
+  bool has_node(std::size_t surface, std::uint32_t node) const {
+    return surface < this->surfaces.size() && node < this->surfaces[surface]->x_t1.size();
+  }
+  bool has_nodes(std::size_t surface, const std::array<std::uint32_t, 3>& nodes) const {
+    return has_node(surface, nodes[0]) && has_node(surface, nodes[1]) && has_node(surface, nodes[2]);
+  }
+
   const Effects::Slot& slot_;
   const EffectInput& input_;
 
@@ -71,6 +78,7 @@ class Forces : public View<EffectForces> {
   }
   void push(std::size_t surface, const std::array<std::uint32_t, 3>& nodes,
             const std::array<double, 3>& weights, const Vec3& force) override {
+    if (!has_nodes(surface, nodes)) return;
     SurfaceMotion& s = *surfaces[surface];
     StepContext& step = input_.interval.step;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -97,10 +105,12 @@ class Exchange : public View<EffectExchange> {
   double absorb(std::size_t i, std::size_t surface, const std::array<std::uint32_t, 3>& nodes,
                 const std::array<double, 3>& mass) override;
   void transport(std::size_t surface, std::uint32_t from, std::uint32_t to, double mass) override {
-    if (changes_masses() && is_mass(mass)) world::transport(attachment(surface), from, to, mass);
+    if (!changes_masses() || !is_mass(mass) || from == to) return;
+    if (has_node(surface, from) && has_node(surface, to))
+      world::transport(attachment(surface), from, to, mass);
   }
   void dry(std::size_t surface, std::uint32_t node, double mass) override {
-    if (changes_masses() && is_mass(mass))
+    if (changes_masses() && is_mass(mass) && has_node(surface, node))
       input_.interval.step.report.mass_dried += take(attachment(surface), node, mass);
   }
   void release(const Release& release) override {
@@ -121,6 +131,7 @@ double Exchange::absorb(std::size_t i, std::size_t surface, const std::array<std
   double wanted = 0;
   for (double m : mass) wanted += is_mass(m) ? m : 0;
   if (!changes_masses() || i >= id.size() || interval.removed[i] || !(wanted > 0)) return 0;
+  if (!has_nodes(surface, nodes)) return 0;
   if (interval.mass_left.empty()) interval.mass_left = input_.particles.mass_ratio;
   mass_ratio = interval.mass_left;
   float& left = interval.mass_left[i];

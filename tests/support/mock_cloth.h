@@ -51,6 +51,10 @@ class MockCloth : public SurfaceHost {
   }
 
   void pin(std::size_t node) { inverse_mass[node] = 0; }
+  /// Of a pin: it weighs `dry_mass` [kg] and what it has absorbed.
+  void free_pin(std::size_t node, double dry_mass) {
+    inverse_mass[node] = static_cast<Scalar>(1 / (dry_mass + (absorbed_.empty() ? 0 : absorbed_[node])));
+  }
 
   Gathered gather(double dt, SurfaceMotion& motion) override {
     const int substeps = dt > 0 ? static_cast<int>(std::ceil(dt / stable_step())) : 0;
@@ -104,10 +108,10 @@ class MockCloth : public SurfaceHost {
     if (absorbed.size() != x.size()) return;
     absorbed_.resize(x.size(), 0);
     for (std::size_t i = 0; i < x.size(); ++i) {
-      if (inverse_mass[i] == 0 || absorbed[i] == absorbed_[i]) continue;
-      const double mass = 1 / static_cast<double>(inverse_mass[i]) + absorbed[i] - absorbed_[i];
-      inverse_mass[i] = static_cast<Scalar>(1 / mass);
+      const double change = absorbed[i] - absorbed_[i];
       absorbed_[i] = absorbed[i];
+      if (inverse_mass[i] == 0 || change == 0) continue;
+      inverse_mass[i] = static_cast<Scalar>(1 / (1 / static_cast<double>(inverse_mass[i]) + change));
     }
   }
 
