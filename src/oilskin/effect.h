@@ -130,7 +130,7 @@ class EffectExchange : public EffectInterval {
 
   /// Particle i gives `mass` [kg] to each of three nodes, and keeps its velocity. Together at most what it
   /// has, then it ends. The mass of a particle is a number in single precision: what it gives differs from
-  /// `mass` by rounding. Returns what it gave.
+  /// `mass` by rounding, and less than 2⁻²⁴ particle_mass does not remain. Returns what it gave.
   virtual double absorb(std::size_t i, std::size_t surface, const std::array<std::uint32_t, 3>& nodes,
                         const std::array<double, 3>& mass) = 0;
   /// At most what `from` has [kg] passes to the node `to`, with the velocity of `from`.

@@ -12,6 +12,9 @@ namespace {
 
 constexpr std::size_t chunk = 256;
 
+/// A particle with less than this part of a new one's mass is the rounding of what it gave: it ends.
+constexpr float least_ratio = 0x1p-24f;
+
 /// What both stages share. Base is EffectForces or EffectExchange.
 template <class Base>
 class View : public Base {
@@ -136,7 +139,8 @@ double Exchange::absorb(std::size_t i, std::size_t surface, const std::array<std
   mass_ratio = interval.mass_left;
   float& left = interval.mass_left[i];
   const double before = static_cast<double>(left);
-  left = wanted < before * particle_mass ? static_cast<float>(before - wanted / particle_mass) : 0.0f;
+  left = static_cast<float>(std::max(0.0, before - wanted / particle_mass));
+  if (left < least_ratio) left = 0;
   const double given = before - static_cast<double>(left);  // exact: both have single precision
   double rest = given * particle_mass;
   std::size_t last = 0;

@@ -252,9 +252,8 @@ TEST(Exchange, a_particle_gives_at_most_what_it_has_and_ends) {
   EXPECT_NEAR(s.world.absorbed(s.id)[7], 3e-6, 1e-7 * m);
 }
 
-// Rounding of the relative mass allows any float above 0.
-TEST(Exchange, particles_with_almost_no_mass_stay_finite) {
-  for (const float left : {1e-6f, 1e-20f, 1e-38f, 1e-45f}) {
+TEST(Exchange, particles_with_almost_no_mass_stay_finite_or_end) {
+  for (const float left : {1e-6f, 6e-8f, 5e-8f, 1e-20f, 1e-45f}) {
     WetSheet s;
     Script& script = s.script;
     script.call = [&](EffectExchange& e) {
@@ -275,6 +274,7 @@ TEST(Exchange, particles_with_almost_no_mass_stay_finite) {
       ASSERT_LE(r.momentum_residual().norm(), 1e-13);
     }
     EXPECT_NEAR(s.total(), before, 1e-14 * before);
+    EXPECT_EQ(s.world.particle_count(), left > 0x1p-24f ? 22u : 0u);
   }
 }
 
