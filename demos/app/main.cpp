@@ -1,4 +1,4 @@
-/// The program `oilskin`: list, run, ccd, mesh.
+/// The program `oilskin`: list, run, ccd, mesh, effects.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +8,7 @@
 #include <new>
 
 #include "ccd_command.h"
+#include "effects_command.h"
 #include "hosts/bullet_simulation.h"
 #include "mesh_command.h"
 #include "oilskin/version.h"
@@ -59,15 +60,17 @@ StepRange parse_steps(const std::string& text) {
 
 struct CommandLine {
   CLI::App app{"Leak-free water for Bullet's cloth", "oilskin"};
-  CLI::App *list = nullptr, *run = nullptr, *ccd = nullptr, *mesh = nullptr;
+  CLI::App *list = nullptr, *run = nullptr, *ccd = nullptr, *mesh = nullptr, *effects = nullptr;
   RunOptions options;
   MeshOptions mesh_options;
+  EffectsOptions effects_options;
   std::string trace_steps;
   bool render = false;
   std::vector<std::string> ccd_files;
 
   CommandLine();
   void add_mesh();
+  void add_effects();
 };
 
 CommandLine::CommandLine() {
@@ -97,6 +100,7 @@ CommandLine::CommandLine() {
   run->add_flag("--quiet", options.quiet, "print nothing but errors");
   run->add_option("--seed", options.seed, "of everything random");
   add_mesh();
+  add_effects();
 }
 
 void CommandLine::add_mesh() {
@@ -120,6 +124,24 @@ void CommandLine::add_mesh() {
   mesh->add_flag("--quiet", m.quiet, "print nothing but errors");
 }
 
+void CommandLine::add_effects() {
+  EffectsOptions& e = effects_options;
+  effects =
+      app.add_subcommand("effects", "what effects cost: time and memory of a scene with none, each and all");
+  effects->add_option("SCENE", e.scene,
+                      "a name from `oilskin list`, or a path to a scene file (default jet)");
+  effects->add_option("--out", e.out, "folder for tables, plot and reports (default out/NAME_effects)");
+  effects->add_option("--duration", e.duration, "simulated time of each run [s] (default 0.3)")
+      ->check(CLI::PositiveNumber);
+  effects->add_option("--threads", e.threads, "0 = all hardware threads")->check(CLI::Range(0, 1024));
+  effects->add_option("--repeat", e.repeat, "runs of each, in turn (default 3)")->check(CLI::Range(1, 1000));
+  effects->add_option("--set", e.set, "KEY=VALUE, one key of the scene, in all runs; may be repeated")
+      ->expected(1)
+      ->take_all();
+  effects->add_flag("--again", e.again, "repeat runs that are there with the same settings");
+  effects->add_flag("--quiet", e.quiet, "print nothing but errors");
+}
+
 int dispatch(CommandLine& line, char** argv) {
   if (*line.list) {
     list_scenes();
@@ -127,6 +149,7 @@ int dispatch(CommandLine& line, char** argv) {
   }
   if (*line.ccd) return ccd_command(line.ccd_files, std::cout, std::cerr);
   if (*line.mesh) return mesh_command(line.mesh_options);
+  if (*line.effects) return effects_command(line.effects_options);
   if (line.run->count("--render") > 0) line.options.render = line.render;
   if (!line.trace_steps.empty()) line.options.trace_steps = parse_steps(line.trace_steps);
   return run(line.options, argv);

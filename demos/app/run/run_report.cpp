@@ -196,6 +196,7 @@ Json make_report(const RunSummary& s) {
   report["substeps"] = t.substeps;
   report["simulated_seconds"] = t.simulated;
   report["wall_seconds"] = s.wall_seconds;
+  report["cpu_seconds"] = s.cpu_seconds;
   report["seconds"] = seconds(s);
   report["particles"] = {{"emitted", t.emitted},
                          {"alive", s.simulation.world().particle_count()},

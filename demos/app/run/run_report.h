@@ -19,6 +19,7 @@ struct RunSummary {
   const MeshTotals& meshes;
   int threads = 0;
   double wall_seconds = 0;
+  double cpu_seconds = 0;  ///< of all threads, user and system
   double output_seconds = 0;
   int signal = 0;  ///< that stopped the run, or 0
 };

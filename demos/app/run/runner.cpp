@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -29,6 +30,11 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Of all threads of this process, user and system.
+double cpu_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
 /// Frames of an earlier run must not stand beside those of this one.
@@ -84,6 +90,7 @@ class Run {
   int execute() {
     watch_signals();
     start_ = Clock::now();
+    cpu_at_start_ = cpu_seconds();
     write_frame();
     const SimulatedTime& time = simulation_->time();
     while (!plan_.done(time) && caught_signal() == 0) {
@@ -180,13 +187,13 @@ class Run {
   int finish() {
     memory_.finish();
     series_.finish();
-    const double wall = seconds_since(start_);
+    const double wall = seconds_since(start_), cpu = cpu_seconds() - cpu_at_start_;
     std::vector<CheckResult> checks;
     if (caught_signal() == 0)
       checks = acceptance_.results(
           {scene_, totals_, meshes_, memory_, *simulation_, simulation_options_, make_simulation_});
-    RunSummary summary{scene_,  totals_,          memory_, acceptance_,     checks,         *simulation_,
-                       meshes_, options_.threads, wall,    output_seconds_, caught_signal()};
+    RunSummary summary{scene_,  totals_,          memory_, acceptance_, checks,          *simulation_,
+                       meshes_, options_.threads, wall,    cpu,         output_seconds_, caught_signal()};
     write_report(make_report(summary), directory_);
     print_summary(checks, wall);
     if (caught_signal() != 0) return static_cast<int>(ExitCode::signalled) + caught_signal();
@@ -227,6 +234,7 @@ class Run {
   ResidentMemory memory_;
   StepPlan plan_;
   Clock::time_point start_;
+  double cpu_at_start_ = 0;  // [s]
   MeshTotals meshes_;
   double output_seconds_ = 0;
   int frame_number_ = 0;
