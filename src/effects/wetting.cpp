@@ -80,6 +80,7 @@ struct Wetting::Impl {
   WettingSettings settings;
   std::map<std::uint64_t, std::optional<Fabric>> fabrics;  // of surfaces with their own; none: waterproof
   double pending = 0;                                      // time for which liquid has not spread yet [s]
+  double gathering = 0;  // time for which drops have not gathered yet, 0 between steps [s]
 
   // Derived from the surfaces of the last interval
   std::map<std::uint64_t, std::unique_ptr<WettedCloth>> cloths;
@@ -93,6 +94,7 @@ struct Wetting::Impl {
   WettedCloth* cloth_of(const EffectExchange& e, std::size_t surface) const;
   void absorb(EffectExchange& e) const;
   void spread(EffectExchange& e);
+  void drip(EffectExchange& e);
   void visit(Archive& archive);
 };
 
@@ -138,14 +140,25 @@ void Wetting::Impl::absorb(EffectExchange& e) const {
 void Wetting::Impl::spread(EffectExchange& e) {
   pending += e.dt;
   if (pending < settings.transport_interval) return;
+  gathering += pending;
   for (std::size_t s = 0; s < e.surfaces.size(); ++s) {
     WettedCloth* cloth = cloth_of(e, s);
     if (cloth == nullptr || e.surfaces[s]->absorbed_mass.empty()) continue;
     cloth->spread(pending, s, e);
     cloth->dry(pending, settings.drying, s, e);
-    cloth->drip(pending, settings.dripping, s, e.of_nodes(s, gathered_channel), e);
   }
   pending = 0;
+}
+
+/// Once in a step: drops leave at its end, and what one has asked for must not be asked for again.
+void Wetting::Impl::drip(EffectExchange& e) {
+  if (!e.is_last || !(gathering > 0)) return;
+  for (std::size_t s = 0; s < e.surfaces.size(); ++s) {
+    const WettedCloth* cloth = cloth_of(e, s);
+    if (cloth == nullptr || e.surfaces[s]->absorbed_mass.empty()) continue;
+    cloth->drip(gathering, settings.dripping, s, e.of_nodes(s, gathered_channel), e);
+  }
+  gathering = 0;
 }
 
 void Wetting::Impl::visit(Archive& archive) {
@@ -220,6 +233,7 @@ void Wetting::exchange(EffectExchange& e) {
   impl_->find_cloths(e);
   impl_->absorb(e);
   impl_->spread(e);
+  impl_->drip(e);
 }
 
 std::vector<std::uint8_t> Wetting::save() const {
@@ -238,6 +252,7 @@ Status Wetting::restore(Span<const std::uint8_t> saved) {
   impl_->settings = read.settings;
   impl_->fabrics = read.fabrics;
   impl_->pending = read.pending;
+  impl_->gathering = 0;
   impl_->cloths.clear();
   return {};
 }

@@ -23,6 +23,8 @@ class EffectInterval {
   double dt = 0;
   /// Simulated time at its start [s].
   double time = 0;
+  /// Whether the step ends with it.
+  bool is_last = true;
   /// [m/s²]
   Vec3 gravity = Vec3::Zero();
   /// Of a new particle [kg].
@@ -137,7 +139,8 @@ class EffectExchange : public EffectInterval {
   virtual void transport(std::size_t surface, std::uint32_t from, std::uint32_t to, double mass) = 0;
   /// At most what the node has [kg] leaves as vapour.
   virtual void dry(std::size_t surface, std::uint32_t node, double mass) = 0;
-  /// At the end of the step, if the place is free: at least 2 δ from every surface and 0.7 dx from every
+  /// At the end of the step, if the place is free (until then the nodes hold what they shall give: ask in its
+  /// last interval): at least 2 δ from every surface and 0.7 dx from every
   /// particle, inside the kill box, with no triangle in the way. Else nothing happens, and the effect may ask
   /// again. So it is where a node has less than it shall give, or all together do not give a particle.
   virtual void release(const Release& release) = 0;

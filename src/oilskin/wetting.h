@@ -74,7 +74,8 @@ class Wetting : public Effect {
   const Status& status() const;
   /// The settings.
   const WettingSettings& settings() const;
-  /// The fabric of one surface, from the next step on. Refuses numbers out of range.
+  /// The fabric of one surface, from the next step on. Refuses numbers out of range. It is saved under the
+  /// number of `id`: a world that restores it must have given its surfaces the same numbers.
   Status set_fabric(SurfaceId id, const Fabric& fabric);
   /// A surface that absorbs nothing more, such as waterproof cloth. What it holds stays.
   void set_waterproof(SurfaceId id);

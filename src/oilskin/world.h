@@ -69,7 +69,8 @@ class World {
   /// thickness and the largest kill box that are accepted). The next step relocates particles closer than 2
   /// δ, or removes them.
   Status attach(SurfaceHost& host, const SurfaceSettings& settings, SurfaceId* id);
-  /// Detaches a surface. An unknown id is ignored.
+  /// Detaches a surface. An unknown id is ignored. Its liquid goes with it, and no report counts that:
+  /// absorbed() tells before how much.
   void detach(SurfaceId id);
   /// The number of attached surfaces.
   std::size_t surface_count() const;

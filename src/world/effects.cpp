@@ -23,6 +23,7 @@ class View : public Base {
     const IntervalContext& interval = input.interval;
     this->dt = interval.dt;
     this->time = interval.begin;
+    this->is_last = interval.is_last;
     this->gravity = input.gravity;
     this->particle_mass = input.fluid.particle_mass();
     this->mass_ratio = input.particles.mass_ratio;

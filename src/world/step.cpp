@@ -62,7 +62,7 @@ void World::Impl::run_step(StepContext& step) {
   choose_substeps(step);
   const double part = step.dt / step.report.substeps;
   for (int k = 0; k < step.report.substeps; ++k) {
-    IntervalContext interval(step, state.time + k * part, part, k == 0);
+    IntervalContext interval(step, state.time + k * part, part, k);
     run_interval(interval);
   }
   scatter(step);

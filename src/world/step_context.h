@@ -35,13 +35,14 @@ struct StepContext {
 /// live at the start in storage order, then those emitted in the interval. Ids, x_t0 and the velocities at
 /// the start are in WorldState::particles.
 struct IntervalContext {
-  IntervalContext(StepContext& s, double begin_time, double length, bool first)
-      : step(s), begin(begin_time), dt(length), is_first(first) {}
+  /// Number k of the intervals of the step.
+  IntervalContext(StepContext& s, double begin_time, double length, int k)
+      : step(s), begin(begin_time), dt(length), is_first(k == 0), is_last(k + 1 == s.report.substeps) {}
 
   // Input
   StepContext& step;
-  double begin, dt;  // [s]
-  bool is_first;     // of the step
+  double begin, dt;        // [s]
+  bool is_first, is_last;  // of the step
 
   // State
   std::size_t live = 0;              // particles that live at the start

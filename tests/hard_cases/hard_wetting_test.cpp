@@ -183,6 +183,43 @@ TEST(HardWetting, drops_wait_where_there_is_no_room) {
   c.below("largest speed [m/s]", all.speed, 3);
 }
 
+/// A soaked sheet of pins; a jet of 10 m/s beside it cuts each step of 16 ms into sub-steps.
+Found drip_in_substeps(int substeps, WetFound& found, double& driest) {
+  ClothSetup setup = wet_setup(PressureSolver::dfsph);
+  setup.fluid.max_substeps = substeps;
+  setup.pinned = true;
+  WettingSettings wetting = greedy();
+  wetting.absorption = 0;
+  wetting.dripping = 500;
+  const auto fill_scene = [&](WetScene& s) {
+    EXPECT_TRUE(s.wetting->set_fabric(s.ids[0], wetting.fabric).ok());
+    s.soak(1.4);
+    DiscEmitter jet;
+    jet.center = Vec3(-0.3, 0.2, -0.3);
+    jet.radius = 0.003;
+    jet.speed = 10;
+    EXPECT_TRUE(s.world().add_emitter(jet).ok());
+  };
+  return run_wet(setup, {wetting, {}, {}}, 8, 16e-3, found, fill_scene, [&](WetScene& s, int k) {
+    const Span<const double> held = s.world().absorbed(s.ids[0]), room = s.wetting->capacity(s.ids[0]);
+    for (std::size_t i = 0; i < held.size() && k > 1; ++i) driest = std::min(driest, held[i] / room[i]);
+  });
+}
+
+TEST(HardWetting, drops_take_no_more_than_the_excess_in_any_number_of_substeps) {
+  HardCase c("63", "a sheet with S = 1.4 drips at 500/s, steps of 16 ms in 1 and in up to 8 sub-steps");
+  WetFound one, many;
+  double driest = 2;
+  Found all = drip_in_substeps(1, one, driest);
+  all.add(drip_in_substeps(8, many, driest));
+  c.no_crossings(all);
+  c.above("sub-steps", many.substeps, 3);
+  c.above("drops in one sub-step, in two runs", static_cast<double>(one.released), 50);
+  c.at_most("more drops in several", static_cast<double>(many.released) - static_cast<double>(one.released),
+            2);
+  c.at_least("smallest S of a node", driest, 1 - 1e-6);
+}
+
 /// Takes all water that is in a contact, and asks for it twice.
 class TakeAll : public Effect {
  public:

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <stdexcept>
 
 #include "support/mock_cloth.h"
 #include "support/static_mesh.h"
@@ -276,6 +277,25 @@ TEST(Exchange, particles_with_almost_no_mass_stay_finite_or_end) {
     EXPECT_NEAR(s.total(), before, 1e-14 * before);
     EXPECT_EQ(s.world.particle_count(), left > 0x1p-24f ? 22u : 0u);
   }
+}
+
+TEST(Exchange, an_exception_after_an_exchange_leaves_no_trace) {
+  WetSheet s;
+  const double before = s.total();
+  std::vector<std::uint8_t> saved, after;
+  ASSERT_TRUE(s.world.save(&saved).ok());
+  s.script.call = [](EffectExchange& e) {
+    e.absorb(0, 0, middle, {1, 1, 1});
+    e.transport(0, 40, 0, 1e-4);
+    e.dry(0, 41, 1e-5);
+    e.release(good_release(e));
+    throw std::runtime_error("thrown by a test");
+  };
+  EXPECT_THROW(s.world.step(1e-3), std::runtime_error);
+  ASSERT_TRUE(s.world.save(&after).ok());
+  EXPECT_EQ(saved, after);
+  EXPECT_EQ(s.step({}).released, 0u);
+  EXPECT_EQ(s.total(), before);
 }
 
 // A node of 25 mg that holds 250 mg, of which almost all leaves while some arrives.
