@@ -139,10 +139,10 @@ class EffectExchange : public EffectInterval {
   virtual void transport(std::size_t surface, std::uint32_t from, std::uint32_t to, double mass) = 0;
   /// At most what the node has [kg] leaves as vapour.
   virtual void dry(std::size_t surface, std::uint32_t node, double mass) = 0;
-  /// At the end of the step, if the place is free (until then the nodes hold what they shall give: ask in its
-  /// last interval): at least 2 δ from every surface and 0.7 dx from every
+  /// At the end of the step, if the place is free: at least 2 δ from every surface and 0.7 dx from every
   /// particle, inside the kill box, with no triangle in the way. Else nothing happens, and the effect may ask
-  /// again. So it is where a node has less than it shall give, or all together do not give a particle.
+  /// again. Nor does it if a node has less than it gives, or all together do not give a particle. Until then
+  /// the nodes keep their liquid: ask in the last interval of the step.
   virtual void release(const Release& release) = 0;
 };
 

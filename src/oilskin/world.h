@@ -70,7 +70,7 @@ class World {
   /// δ, or removes them.
   Status attach(SurfaceHost& host, const SurfaceSettings& settings, SurfaceId* id);
   /// Detaches a surface. An unknown id is ignored. Its liquid goes with it, and no report counts that:
-  /// absorbed() tells before how much.
+  /// absorbed() has it before.
   void detach(SurfaceId id);
   /// The number of attached surfaces.
   std::size_t surface_count() const;

@@ -57,7 +57,7 @@ std::vector<StandingSurface> at_end(const ActiveSurfaces& active) {
   return standing;
 }
 
-/// Whether the nodes have what they shall give, and it is a particle. A node may be named twice.
+/// Whether the nodes have what they are to give, and it is a particle. A node may be named twice.
 bool has_liquid(const Release& r, const Attachment& a, double particle_mass) {
   const std::vector<double>& there = a.motion.absorbed_mass;
   std::vector<std::pair<std::uint32_t, double>> nodes = r.nodes;
