@@ -60,7 +60,7 @@ TEST_F(Mesh, existing_meshes_are_kept_unless_their_options_differ) {
   EXPECT_EQ(mesh({"--cell", "0.004", "--overwrite"}).exit_code, 0);
   EXPECT_EQ(folder.read("run/surface_0001.ply"), folder.read("fine/surface_0001.ply"));
   folder.write("run/surface_0001.ply", "of another program");
-  expect_refused({"--cell", "0.004"}, {"surface_0001.ply", "does not tell"});
+  expect_refused({"--cell", "0.004"}, {"surface_0001.ply", "unknown options"});
 }
 
 TEST_F(Mesh, surfaces_of_the_run_itself_are_ones_of_its_options) {
@@ -75,7 +75,7 @@ TEST_F(Mesh, surfaces_of_the_run_itself_are_ones_of_its_options) {
   expect_refused({"--gap", "0.001"}, {"\"gap\":0.0005", "\"gap\":0.001"});
 }
 
-TEST_F(Mesh, the_wetness_that_the_run_stored_decides_where_the_mesh_meets_the_cloth) {
+TEST_F(Mesh, the_wetness_that_the_run_stored_decides_where_the_mesh_touches_the_cloth) {
   const Outcome run =
       oilskin({"run", folder.path("pool.json"), "--out", folder.path("run"), "--frames-per-second", "100",
                "--no-render", "--quiet", "--set", "duration=0.1", "--set", "effects.wetting.absorption=50",
