@@ -21,9 +21,9 @@ TEST(Output, the_report_has_every_key_of_the_format) {
   const Folder folder;
   const auto report = report_of(folder.write("small.json", small), "", {});
   for (const char* key :
-       {"scene", "settings", "machine", "steps", "substeps", "simulated_seconds", "wall_seconds", "seconds",
-        "particles", "contact", "density_error", "pressure_iterations", "momentum", "mass", "energy",
-        "state_hash", "peak_memory_bytes", "acceptance"})
+       {"scene", "settings", "machine", "steps", "substeps", "simulated_seconds", "wall_seconds",
+        "cpu_seconds", "seconds", "particles", "contact", "density_error", "pressure_iterations", "momentum",
+        "mass", "energy", "state_hash", "peak_memory_bytes", "acceptance"})
     EXPECT_TRUE(report.contains(key)) << key;
   for (const char* key : {"cloth", "neighbours", "occlusion", "boundary", "pressure", "other_fluid",
                           "proximity", "impulses", "ccd", "zones", "effects", "surface", "output", "verify"})
