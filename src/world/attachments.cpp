@@ -258,7 +258,8 @@ const SurfaceMotion& Attachments::before(const Attachment& a) const {
   OILSKIN_ASSERT(saved_.size() == list_.size());
   std::size_t k = 0;
   while (list_[k].get() != &a) ++k;
-  return saved_[k].motion;
+  // A refused motion holds what its host gave: its lists may differ in length, its masses make no sense.
+  return saved_[k].refused ? a.motion : saved_[k].motion;
 }
 
 void ActiveSurfaces::add(Attachment& a) {

@@ -81,7 +81,7 @@ class Attachments {
   /// Nothing may be attached or detached in between.
   void checkpoint();
   void roll_back() noexcept;
-  /// The motion of an active surface as checkpoint() found it.
+  /// The motion of an active surface as checkpoint() found it; if it was refused then, as it is now.
   const SurfaceMotion& before(const Attachment& a) const;
 
   /// Everything but hosts and handles; when reading, into attachments without hosts.

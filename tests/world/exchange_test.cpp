@@ -344,6 +344,8 @@ TEST(Exchange, liquid_of_a_mesh_that_was_refused_is_booked) {
       if (!e.surfaces.empty()) e.absorb(0, 0, middle, {1e-6, 1e-6, 1e-6});
     });
     EXPECT_TRUE(r.messages.empty()) << r.messages[0];
+    EXPECT_LE(std::abs(r.energy.work_host), 1e-9) << "of what the host gave when it was refused";
+    EXPECT_LE(r.energy.entered_kinetic, 1e-3);
     lost += r.mass_lost;
   }
   EXPECT_EQ(lost, held);
