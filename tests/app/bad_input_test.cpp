@@ -112,7 +112,7 @@ TEST(BadInput, cloths_of_one_world_share_their_sub_steps) {
 
 TEST(BadInput, effects_are_known_once_and_within_range) {
   expect_refused(R"({"effects": {"weting": {}}})", {"effects.weting", "wetting"});
-  expect_refused(R"({"effects": {"wetting": {}, "wetting": {}}})", {"effects", "wetting"});
+  expect_refused(R"({"effects": {"wetting": {}, "wetting": {}}})", {"wetting", "twice"});
   expect_refused(R"({"effects": {"wetting": {"capacity": 0}}})", {"effects.wetting.capacity"});
   expect_refused(R"({"effects": {"wetting": {"textile": "silk"}}})", {"effects.wetting.textile", "cotton"});
   expect_refused(R"({"effects": {"wetting": {"absorption": -1}}})", {"effects.wetting.absorption"});
