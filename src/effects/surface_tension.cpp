@@ -31,10 +31,10 @@ SurfaceTension::SurfaceTension(const SurfaceTensionSettings& settings)
     : settings_(settings), status_(settings.validate()) {}
 
 Status SurfaceTension::set_settings(const SurfaceTensionSettings& settings) {
-  const Status status = settings.validate();
+  Status status = settings.validate();
   if (!status.ok()) return status;
   settings_ = settings;
-  status_ = status;
+  status_ = {};
   return {};
 }
 

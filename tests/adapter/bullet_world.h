@@ -113,7 +113,7 @@ inline Vec3 momentum(const btSoftBody& body) {
 /// What the world does around a step: x_t0 is what the last scatter left.
 inline Gathered gather_step(SurfaceHost& host, double dt, SurfaceMotion& motion) {
   motion.x_t0 = motion.x_t1;
-  const Gathered gathered = host.gather(dt, motion);
+  Gathered gathered = host.gather(dt, motion);
   if (gathered.new_surface) motion.x_t0 = motion.x_t1;
   motion.impulse.assign(motion.x_t1.size(), Vec3::Zero());
   motion.moved.assign(motion.x_t1.size(), 0);

@@ -26,7 +26,7 @@ class Fold : public StaticMesh {
     const std::vector<Vec3> before = nodes;
     angle -= dt * rate;
     place();
-    const Gathered gathered = StaticMesh::gather(dt, m);
+    Gathered gathered = StaticMesh::gather(dt, m);
     for (std::size_t i = 0; i < nodes.size() && dt > 0; ++i) m.velocity[i] = (nodes[i] - before[i]) / dt;
     return gathered;
   }

@@ -55,7 +55,7 @@ class SlidingMesh : public StaticMesh {
 
   Gathered gather(double dt, SurfaceMotion& m) override {
     for (Vec3& x : nodes) x.x() += dt * speed;
-    const Gathered gathered = StaticMesh::gather(dt, m);
+    Gathered gathered = StaticMesh::gather(dt, m);
     m.velocity.assign(nodes.size(), Vec3(speed, 0, 0));
     return gathered;
   }

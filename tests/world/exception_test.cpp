@@ -202,7 +202,7 @@ class ThrowingWall : public test::StaticMesh {
 
   ThrowingWall() { add_rectangle(Vec3(-0.3, -0.12, -0.3), Vec3(0.6, 0, 0), Vec3(0, 0, 0.6)); }
   Gathered gather(double dt, SurfaceMotion& m) override {
-    const Gathered gathered = StaticMesh::gather(dt, m);
+    Gathered gathered = StaticMesh::gather(dt, m);
     m.velocity[0] = Vec3::UnitX();  // some of it is written already
     if (throws_in_gather) throw Failure();
     return gathered;

@@ -23,7 +23,7 @@ class MovingSheet : public test::StaticMesh {
 
   Gathered gather(double dt, SurfaceMotion& m) override {
     for (Vec3& x : nodes) x += dt * velocity;
-    const Gathered gathered = StaticMesh::gather(dt, m);
+    Gathered gathered = StaticMesh::gather(dt, m);
     m.velocity.assign(nodes.size(), velocity);
     return gathered;
   }
