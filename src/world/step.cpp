@@ -2,10 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <sstream>
 
 #include "core/assert.h"
-#include "fluid/stability.h"
 #include "world/absorption.h"
 #include "world/carried_mass.h"
 #include "world/numeric_range.h"
@@ -144,54 +142,6 @@ void World::Impl::remove_invalid_particles(StepContext& step) {
   }
   if (any) particles.compress(keep);
   OILSKIN_ASSERT(all_finite(particles.position) && all_finite(particles.velocity));
-}
-
-namespace {
-
-/// More sub-steps are needed than max_substeps, which leaves steps of `part` [s].
-template <class... Rest>
-void report_limit(StepContext& step, const std::string& cause, double longest, int maximum,
-                  const Rest&... rest) {
-  std::ostringstream text;
-  text << cause << " at dt " << step.dt << " s needs " << world::parts_needed(step.dt, longest)
-       << " fluid sub-steps; max_substeps is " << maximum << ", so ";
-  (text << ... << rest);
-  step.report.messages.push_back(text.str());
-}
-
-}  // namespace
-
-/// More parts than max_substeps are needed: which limit it is, with the numbers.
-void World::Impl::report_instability(StepContext& step, const world::Speeds& found) const {
-  const FluidSettings& f = fluid_settings;
-  const double part = step.dt / step.report.substeps, viscous = fluid::longest_viscous_interval(f);
-  const world::Effects::Limit effect = effects.longest_interval(f);
-  if (part > effect.interval)
-    report_limit(step, "the effect " + effect.name, effect.interval, f.max_substeps, "it may be unstable");
-  if (part > fluid::longest_sound_interval(f, found.fluid)) step.report.flags |= flag_sound_too_fast;
-  if (part <= viscous) return;
-  step.report.flags |= flag_viscosity_limited;
-  std::ostringstream cause;
-  cause << "fluid.viscosity " << f.viscosity << " m²/s";
-  report_limit(step, cause.str(), viscous, f.max_substeps, fluid::viscous_step(f, part) / part,
-               " m²/s was applied");
-}
-
-void World::Impl::choose_substeps(StepContext& step) const {
-  const double distance = fluid_settings.cfl * fluid_settings.spacing, dt = step.dt;
-  const int maximum = fluid_settings.max_substeps;
-  const std::vector<SurfaceMotion*>& surfaces = step.surfaces.motion;
-  int& count = step.report.substeps;
-  const world::Speeds found = speeds(surfaces, dt, dt);
-  double& needed = step.report.substeps_needed;
-  needed = state.particles.size() > 0 || found.fluid > 0 ? stable_parts(found, dt) : 1;
-  const double at_rest = state.particles.size() > 0 ? world::parts_needed(dt, resting_interval()) : 1;
-  count = world::substep_count(found, dt, distance, maximum);
-  count =
-      std::max(count, static_cast<int>(std::min(std::max(needed, at_rest), static_cast<double>(maximum))));
-  if (needed > count) report_instability(step, found);
-  OILSKIN_ASSERT(count >= 1 && count <= maximum);
-  step.paths.begin(surfaces, count, dt / count);
 }
 
 namespace {
@@ -441,20 +391,6 @@ void World::Impl::finish(StepContext& step) {
     step.report.messages.push_back("verify found particles that crossed a surface or ended nearer than δ");
   step.report.flags = flags_of(step.report, contact_settings);
   if (step.report.energy.risen > energy_made_limit * step.report.energy.scale) advise_on_energy(step);
-}
-
-void World::Impl::checkpoint() {
-  saved_state = state;
-  emission->checkpoint();
-  fluid->checkpoint();
-  attachments.checkpoint();
-}
-
-void World::Impl::roll_back() noexcept {
-  std::swap(state, saved_state);
-  emission->roll_back();
-  fluid->roll_back();
-  attachments.roll_back();
 }
 
 }  // namespace oilskin

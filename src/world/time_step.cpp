@@ -1,6 +1,7 @@
-/// The longest accurate step, and the speeds that decide how many sub-steps a step has.
+/// The longest accurate step, and the number of sub-steps of a step.
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "core/assert.h"
 #include "fluid/stability.h"
@@ -8,6 +9,8 @@
 #include "world/world_impl.h"
 
 namespace oilskin {
+
+using world::StepContext;
 
 /// A wall gives its own speed to the water in front of it, so the speed of surfaces counts like that of the
 /// fluid, but only where their swept triangles overlap the fluid's box.
@@ -39,6 +42,54 @@ double World::Impl::stable_parts(const world::Speeds& found, double dt) const {
 
 double World::Impl::resting_interval() const {
   return fluid::longest_resting_interval(fluid_settings, settings.gravity.norm());
+}
+
+namespace {
+
+/// `cause` needs more sub-steps than max_substeps; `rest` is what follows from it.
+template <class... Rest>
+void report_limit(StepContext& step, const std::string& cause, double longest, int maximum,
+                  const Rest&... rest) {
+  std::ostringstream text;
+  text << cause << " at dt " << step.dt << " s needs " << world::parts_needed(step.dt, longest)
+       << " fluid sub-steps; max_substeps is " << maximum << ", so ";
+  (text << ... << rest);
+  step.report.messages.push_back(text.str());
+}
+
+}  // namespace
+
+/// More parts than max_substeps are needed: which limit it is, with the numbers.
+void World::Impl::report_instability(StepContext& step, const world::Speeds& found) const {
+  const FluidSettings& f = fluid_settings;
+  const double part = step.dt / step.report.substeps, viscous = fluid::longest_viscous_interval(f);
+  const world::Effects::Limit effect = effects.longest_interval(f);
+  if (part > effect.interval)
+    report_limit(step, "the effect " + effect.name, effect.interval, f.max_substeps, "it may be unstable");
+  if (part > fluid::longest_sound_interval(f, found.fluid)) step.report.flags |= flag_sound_too_fast;
+  if (part <= viscous) return;
+  step.report.flags |= flag_viscosity_limited;
+  std::ostringstream cause;
+  cause << "fluid.viscosity " << f.viscosity << " m²/s";
+  report_limit(step, cause.str(), viscous, f.max_substeps, fluid::viscous_step(f, part) / part,
+               " m²/s was applied");
+}
+
+void World::Impl::choose_substeps(StepContext& step) const {
+  const double distance = fluid_settings.cfl * fluid_settings.spacing, dt = step.dt;
+  const int maximum = fluid_settings.max_substeps;
+  const std::vector<SurfaceMotion*>& surfaces = step.surfaces.motion;
+  int& count = step.report.substeps;
+  const world::Speeds found = speeds(surfaces, dt, dt);
+  double& needed = step.report.substeps_needed;
+  needed = state.particles.size() > 0 || found.fluid > 0 ? stable_parts(found, dt) : 1;
+  const double at_rest = state.particles.size() > 0 ? world::parts_needed(dt, resting_interval()) : 1;
+  count = world::substep_count(found, dt, distance, maximum);
+  count =
+      std::max(count, static_cast<int>(std::min(std::max(needed, at_rest), static_cast<double>(maximum))));
+  if (needed > count) report_instability(step, found);
+  OILSKIN_ASSERT(count >= 1 && count <= maximum);
+  step.paths.begin(surfaces, count, dt / count);
 }
 
 /// The limits (F.45) and (F.46). They hold for an interval: sub-steps relax them.

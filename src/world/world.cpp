@@ -36,6 +36,20 @@ World::Impl::Impl(const WorldSettings& world, const FluidSettings& fluid_in,
                                                fluid->particle_mass());
 }
 
+void World::Impl::checkpoint() {
+  saved_state = state;
+  emission->checkpoint();
+  fluid->checkpoint();
+  attachments.checkpoint();
+}
+
+void World::Impl::roll_back() noexcept {
+  std::swap(state, saved_state);
+  emission->roll_back();
+  fluid->roll_back();
+  attachments.roll_back();
+}
+
 World::World(const WorldSettings& world, const FluidSettings& fluid, const ContactSettings& contact)
     : impl_(std::make_unique<Impl>(world, fluid, contact)) {}
 World::~World() = default;

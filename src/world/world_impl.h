@@ -58,8 +58,7 @@ struct World::Impl {
   void run_step(world::StepContext& step);
   void gather(world::StepContext& step);
   void remove_invalid_particles(world::StepContext& step);
-  void choose_substeps(world::StepContext& step) const;
-  void report_instability(world::StepContext& step, const world::Speeds& found) const;
+  void choose_substeps(world::StepContext& step) const;  // time_step.cpp
   void run_interval(world::IntervalContext& interval);
   void emit(world::IntervalContext& interval);
   void predict_motion(world::IntervalContext& interval) const;
@@ -83,7 +82,8 @@ struct World::Impl {
 
   ParticleMotion motion_of(world::IntervalContext& interval);
 
-  // A step that fails leaves no trace: what it changes in place is copied before and put back.
+  // A step that fails leaves no trace: what it changes in place is copied before and put back
+  // (world.cpp).
   void checkpoint();
   void roll_back() noexcept;
 
@@ -94,6 +94,7 @@ struct World::Impl {
   // How long it may be (time_step.cpp)
   world::Speeds speeds(Span<SurfaceMotion* const> moved, double moved_for, double dt) const;
   double stable_parts(const world::Speeds& found, double dt) const;
+  void report_instability(world::StepContext& step, const world::Speeds& found) const;
   double resting_interval() const;  ///< longest interval of water at rest [s]
   double longest_dt(double largest) const;
 };
