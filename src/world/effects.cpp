@@ -189,10 +189,6 @@ VisibleWalls::VisibleWalls(const fluid::WallGeometry& geometry, Span<SurfaceMoti
   }
 }
 
-bool Effects::change_masses() const {
-  return std::any_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.effect->changes_masses(); });
-}
-
 double Effects::wall_reach() const {
   double reach = 0;
   for (const Slot& s : slots_) reach = std::max(reach, s.effect->wall_reach());

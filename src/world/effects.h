@@ -43,7 +43,6 @@ class Effects {
   bool empty() const { return slots_.empty(); }
   /// The largest of the effects [dx].
   double wall_reach() const;
-  bool change_masses() const;
   /// The shortest of the effects' longest intervals, and whose it is.
   struct Limit {
     double interval = std::numeric_limits<double>::infinity();  ///< [s]
