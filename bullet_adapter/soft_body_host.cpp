@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "convert.h"
+#include "core/inverse_mass.h"
 #include "welding.h"
 
 namespace oilskin::bullet {
@@ -28,12 +29,6 @@ bool is_supported(const btSoftBody& body) {
   for (int i = 0; i < body.m_nodes.size(); ++i)
     if (body.m_nodes[i].m_im == 0) return true;
   return false;
-}
-
-/// Without the mass that was added.
-double own_mass(const SurfaceMotion& motion, std::size_t contact_node) {
-  const double mass = 1 / motion.inverse_mass[contact_node];
-  return motion.added_mass.empty() ? mass : mass - motion.added_mass[contact_node];
 }
 
 }  // namespace

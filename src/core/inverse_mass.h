@@ -1,7 +1,9 @@
-/// The inverse masses that contact accepts.
+/// Masses of nodes: which inverse masses contact accepts, and what a node weighs.
 #pragma once
 
 #include <cmath>
+
+#include "oilskin/surface_motion.h"
 
 namespace oilskin {
 
@@ -11,5 +13,10 @@ inline bool is_inverse_mass(double u) {
 }
 
 inline constexpr const char* inverse_mass_range = "0, or finite and ≥ 1e-200 1/kg";
+
+/// Of a node that is not prescribed [kg], without the water that its host lets it carry.
+inline double own_mass(const SurfaceMotion& m, std::size_t node) {
+  return 1 / m.inverse_mass[node] - (m.added_mass.empty() ? 0 : m.added_mass[node]);
+}
 
 }  // namespace oilskin

@@ -6,6 +6,7 @@
 
 #include "contact/predicates.h"
 #include "core/assert.h"
+#include "core/inverse_mass.h"
 #include "world/clearance.h"
 #include "world/numeric_range.h"
 
@@ -151,7 +152,7 @@ std::vector<Vec3> add_momentum_of_liquid(Attachment& a) {
   std::vector<Vec3> impulse = m.impulse;
   for (std::size_t i = 0; i < arrived.size(); ++i) {
     if (m.inverse_mass[i] == 0 || arrived[i].isZero(0)) continue;
-    const double own = 1 / m.inverse_mass[i] - (m.added_mass.empty() ? 0 : m.added_mass[i]);
+    const double own = own_mass(m, i);
     const double dry = own - c.before[i];  // ≤ 0: the host does not weigh what its nodes hold
     const Vec3 dv = arrived[i] / (dry > 0 ? own + m.absorbed_mass[i] - c.before[i] : own);
     m.velocity[i] += dv;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "core/inverse_mass.h"
 
 namespace oilskin::world {
 
@@ -28,10 +29,6 @@ std::vector<double> node_areas(const SurfaceMotion& m) {
     for (std::uint32_t node : t) area[node] += third;
   }
   return area;
-}
-
-double added_mass(const SurfaceMotion& m, std::size_t i) {
-  return m.added_mass.empty() ? 0 : m.added_mass[i];
 }
 
 /// (C.31)
@@ -63,7 +60,7 @@ void update_carried_mass(double dt, const FluidSettings& fluid, Attachment& a, S
   m.carried_mass.assign(m.x_t1.size(), 0);
   for (std::size_t i = 0; i < m.x_t1.size(); ++i) {
     if (m.inverse_mass[i] == 0) continue;
-    const double own = 1 / m.inverse_mass[i] - added_mass(m, i), load = a.mean_load[i].norm();
+    const double own = own_mass(m, i), load = a.mean_load[i].norm();
     const double carried = std::min(dt * dt * load / (largest_motion * fluid.spacing) - own, most * area[i]);
     report.load_speed = std::max(report.load_speed, load * dt / own);
     if (!(carried > 0)) continue;

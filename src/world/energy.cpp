@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "core/inverse_mass.h"
 
 namespace oilskin::world {
 
@@ -19,11 +20,6 @@ constexpr double focus = 4;
 /// The speed of a node over a step or an interval [m/s]; 0 before the first.
 Vec3 speed(const SurfaceMotion& m, std::size_t node, double dt) {
   return dt > 0 ? Vec3((m.x_t1[node] - m.x_t0[node]) / dt) : Vec3::Zero();
-}
-
-/// Of a node that is not prescribed [kg], without the water that its host lets it carry.
-double own_mass(const SurfaceMotion& m, std::size_t node) {
-  return 1 / m.inverse_mass[node] - (m.added_mass.empty() ? 0 : m.added_mass[node]);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "core/inverse_mass.h"
 #include "world/world_impl.h"
 
 namespace oilskin {
@@ -25,7 +26,7 @@ Load load_on(const SurfaceMotion& m) {
   Vec3 impulse = Vec3::Zero();
   for (std::size_t j = 0; j < m.impulse.size(); ++j) {
     if (m.inverse_mass[j] == 0) continue;
-    const double own = 1 / m.inverse_mass[j] - (m.added_mass.empty() ? 0 : m.added_mass[j]);
+    const double own = own_mass(m, j);
     load.mass += own;
     if (m.impulse[j].isZero(0)) continue;
     load.touched_mass += own;
