@@ -51,13 +51,6 @@ bool is_way_free(const ActiveSurfaces& active, const Vec3& from, const Vec3& to)
   return true;
 }
 
-std::vector<StandingSurface> at_end(const ActiveSurfaces& active) {
-  std::vector<StandingSurface> standing;
-  for (Attachment* a : active.attachment)
-    standing.push_back({a->motion.triangles, a->motion.x_t1, a->motion.delta, &a->geometry.tree});
-  return standing;
-}
-
 /// Whether the nodes have what they are to give, and it is a particle. A node may be named twice.
 bool has_liquid(const Release& r, const Attachment& a, double particle_mass) {
   const std::vector<double>& there = a.motion.absorbed_mass;
@@ -125,7 +118,7 @@ void release_particles(Span<const Release> releases, const ActiveSurfaces& activ
   if (releases.empty()) return;
   std::vector<Vec3> places;
   for (const Release& r : releases) places.push_back(r.position);
-  const std::vector<std::uint8_t> blocked = find_blocked_points(at_end(active), places, workers);
+  const std::vector<std::uint8_t> blocked = find_blocked_points(active.at_end(), places, workers);
   for (std::size_t k = 0; k < releases.size(); ++k) {
     const Release& r = releases[k];
     if (blocked[k] || !is_release(r, active, particle_mass) || !kill_box.contains(r.position) ||

@@ -2,24 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <sstream>
 
 #include "core/assert.h"
 #include "core/inverse_mass.h"
+#include "core/refuse.h"
+#include "world/absorption.h"
 #include "world/carried_mass.h"
 #include "world/numeric_range.h"
 
 namespace oilskin::world {
 
 namespace {
-
-template <class... Parts>
-Status refuse(const Parts&... parts) {
-  std::ostringstream s;
-  (s << ... << parts);
-  return Status::refused(s.str());
-}
 
 double max_coordinate(const Box& kill_box) {
   return std::max(kill_box.min.cwiseAbs().maxCoeff(), kill_box.max.cwiseAbs().maxCoeff());
@@ -188,7 +181,7 @@ Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box
     const bool fits = m.absorbed_mass.empty() || m.absorbed_mass.size() == m.x_t1.size();
     if (gathered.new_surface || m.x_t1.size() != nodes_before || !fits) {
       a.values.clear();
-      report.mass_lost += std::accumulate(m.absorbed_mass.begin(), m.absorbed_mass.end(), 0.0);
+      report.mass_lost += absorbed_mass(a);
       m.absorbed_mass.clear();
     }
   }
@@ -216,11 +209,19 @@ void Attachments::scatter(const ActiveSurfaces& active, StepReport& report) {
   }
 }
 
+namespace {
+
+/// `x`: x_t0 or x_t1 of its motion.
+StandingSurface standing_at(const std::vector<Vec3>& x, Attachment& a) {
+  return {a.motion.triangles, x, a.motion.delta, &a.geometry.tree};
+}
+
+}  // namespace
+
 std::vector<StandingSurface> Attachments::between_steps(const FluidSettings& fluid) const {
   std::vector<StandingSurface> standing;
   for (const auto& a : list_)
-    if (!a->refused && can_collide(fluid, a->settings))
-      standing.push_back({a->motion.triangles, a->motion.x_t1, a->motion.delta, &a->geometry.tree});
+    if (!a->refused && can_collide(fluid, a->settings)) standing.push_back(standing_at(a->motion.x_t1, *a));
   return standing;
 }
 
@@ -272,8 +273,13 @@ void ActiveSurfaces::add(Attachment& a) {
 
 std::vector<StandingSurface> ActiveSurfaces::at_start() const {
   std::vector<StandingSurface> standing;
-  for (Attachment* a : attachment)
-    standing.push_back({a->motion.triangles, a->motion.x_t0, a->motion.delta, &a->geometry.tree});
+  for (Attachment* a : attachment) standing.push_back(standing_at(a->motion.x_t0, *a));
+  return standing;
+}
+
+std::vector<StandingSurface> ActiveSurfaces::at_end() const {
+  std::vector<StandingSurface> standing;
+  for (Attachment* a : attachment) standing.push_back(standing_at(a->motion.x_t1, *a));
   return standing;
 }
 

@@ -55,6 +55,8 @@ struct ActiveSurfaces {
   void add(Attachment& a);
   /// At x_t0.
   std::vector<StandingSurface> at_start() const;
+  /// At x_t1.
+  std::vector<StandingSurface> at_end() const;
 };
 
 /// Do the collision groups and masks of a fluid and a surface let them collide?
