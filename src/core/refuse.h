@@ -1,4 +1,4 @@
-/// Refusals with a reason.
+/// Ranges, and refusals with a reason.
 #pragma once
 
 #include <sstream>
@@ -6,6 +6,11 @@
 #include "oilskin/types.h"
 
 namespace oilskin {
+
+/// Not where x is not a number.
+inline bool within(double x, double low, double high) {
+  return x >= low && x <= high;
+}
 
 /// The reason is the parts, printed one after the other.
 template <class... Parts>

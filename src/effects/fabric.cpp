@@ -4,14 +4,6 @@
 
 namespace oilskin {
 
-namespace {
-
-bool within(double x, double low, double high) {
-  return x >= low && x <= high;
-}
-
-}  // namespace
-
 Status Fabric::validate() const {
   if (!within(capacity, 1e-6, 1e3)) return refuse_value("fabric.capacity", capacity, "1e-6 … 1e3 kg/m²");
   if (!within(diffusivity, 1e-15, 1))

@@ -46,8 +46,7 @@ bool all_finite(const Vector& x) {
 Status ImplicitViscositySettings::validate() const {
   if (!(coefficient > 0 && coefficient <= 1e6))
     return refuse_value("viscosity.coefficient", coefficient, "> 0, to 1e6 m²/s");
-  if (!(tolerance >= 1e-12 && tolerance <= 0.1))
-    return refuse_value("viscosity.tolerance", tolerance, "1e-12 … 0.1");
+  if (!within(tolerance, 1e-12, 0.1)) return refuse_value("viscosity.tolerance", tolerance, "1e-12 … 0.1");
   if (max_iterations < 1 || max_iterations > 10000)
     return refuse_value("viscosity.max_iterations", max_iterations, "1 … 10000");
   return {};

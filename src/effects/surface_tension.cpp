@@ -22,7 +22,7 @@ double volume(const EffectForces& f, std::size_t i) {
 Status SurfaceTensionSettings::validate() const {
   if (!(std::isfinite(coefficient) && coefficient > 0))
     return refuse_value("surface_tension.coefficient", coefficient, "finite and > 0 N/m");
-  if (!(contact_angle >= 0 && contact_angle <= 180))
+  if (!within(contact_angle, 0, 180))
     return refuse_value("surface_tension.contact_angle", contact_angle, "0 … 180 degrees");
   return {};
 }

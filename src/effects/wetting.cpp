@@ -65,12 +65,11 @@ std::vector<Vec3> rest_shape(EffectExchange& e, std::size_t surface) {
 }  // namespace
 
 Status WettingSettings::validate() const {
-  const auto within = [](double x, double high) { return x >= 0 && x <= high; };
   if (Status s = fabric.validate(); !s.ok()) return s;
-  if (!within(absorption, 1e6)) return refuse_value("absorption", absorption, "0 … 1e6 kg/(m² s)");
-  if (!within(dripping, 1e6)) return refuse_value("dripping", dripping, "0 … 1e6 1/s");
-  if (!within(drying, 1e6)) return refuse_value("drying", drying, "0 … 1e6 1/s");
-  if (!within(transport_interval, 1))
+  if (!within(absorption, 0, 1e6)) return refuse_value("absorption", absorption, "0 … 1e6 kg/(m² s)");
+  if (!within(dripping, 0, 1e6)) return refuse_value("dripping", dripping, "0 … 1e6 1/s");
+  if (!within(drying, 0, 1e6)) return refuse_value("drying", drying, "0 … 1e6 1/s");
+  if (!within(transport_interval, 0, 1))
     return refuse_value("transport_interval", transport_interval, "0 … 1 s");
   return {};
 }

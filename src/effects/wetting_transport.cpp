@@ -16,9 +16,6 @@ constexpr double largest_coordinate = 1e15;
 /// Amounts below this part of the capacity are dry: they would only become denormal.
 constexpr double dry = 1e-18;
 
-bool within(double x, double low, double high) {
-  return x >= low && x <= high;
-}
 bool is_position(const Vec3& x) {
   return (x.array().abs() < largest_coordinate).all();
 }

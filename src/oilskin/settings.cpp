@@ -25,11 +25,10 @@ bool not_negative(double x) {
 }  // namespace
 
 Status FluidSettings::validate() const {
-  if (!(spacing >= 1e-6 && spacing <= 1e3)) return refuse_value("fluid.spacing", spacing, "1e-6 … 1e3 m");
-  if (!(rest_density >= 1e-6 && rest_density <= 1e9))
+  if (!within(spacing, 1e-6, 1e3)) return refuse_value("fluid.spacing", spacing, "1e-6 … 1e3 m");
+  if (!within(rest_density, 1e-6, 1e9))
     return refuse_value("fluid.rest_density", rest_density, "1e-6 … 1e9 kg/m³");
-  if (!(support_ratio >= 1.5 && support_ratio <= 4))
-    return refuse_value("fluid.support_ratio", support_ratio, "1.5 … 4");
+  if (!within(support_ratio, 1.5, 4)) return refuse_value("fluid.support_ratio", support_ratio, "1.5 … 4");
   if (!not_negative(tolerance)) return refuse_value("fluid.tolerance", tolerance, "finite and ≥ 0");
   if (min_iterations < 1) return refuse_value("fluid.min_iterations", min_iterations, "≥ 1");
   if (max_iterations < min_iterations)

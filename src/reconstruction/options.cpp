@@ -5,14 +5,6 @@
 
 namespace oilskin {
 
-namespace {
-
-bool within(double x, double low, double high) {
-  return x >= low && x <= high;
-}
-
-}  // namespace
-
 Status ReconstructionOptions::validate() const {
   if (!within(spacing, 1e-6, 1e3)) return refuse_value("spacing", spacing, "1e-6 … 1e3 m");
   if (!within(cell, 0.1, 1)) return refuse_value("cell", cell, "0.1 … 1 (spacings)");
