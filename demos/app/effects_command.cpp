@@ -6,6 +6,7 @@
 
 #include "output/effect_table.h"
 #include "output/output_error.h"
+#include "output/write_file.h"
 #include "run/child_run.h"
 #include "run/effect_runs.h"
 #include "run/signals.h"
@@ -34,18 +35,6 @@ void prepare(const std::string& out) {
     throw SceneError("--out " + out + ": the folder cannot be written to" +
                      (error ? ": " + error.message() : std::string()));
   fs::remove(probe, error);
-}
-
-/// Written under a temporary name and renamed.
-void write_file(const std::string& path, const std::string& text) {
-  {
-    std::ofstream file(path + ".part", std::ios::binary | std::ios::trunc);
-    file << text;
-    if (!file.flush()) throw OutputError(path + ": cannot be written; is the disk full?");
-  }
-  std::error_code error;
-  fs::rename(path + ".part", path, error);
-  if (error) throw OutputError(path + ": cannot be written: " + error.message());
 }
 
 std::string in_quotes(const std::string& text) {

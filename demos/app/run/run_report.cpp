@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <thread>
 
-#include "output/output_error.h"
+#include "output/write_file.h"
 #include "scene/scene_reader.h"
 
 namespace oilskin::demo {
@@ -225,15 +223,7 @@ Json make_report(const RunSummary& s) {
 }
 
 void write_report(const Json& report, const std::string& directory) {
-  const std::string path = directory + "/report.json";
-  {
-    std::ofstream out(path + ".part", std::ios::trunc);
-    out << report.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-    if (!out.flush()) throw OutputError(path + ": cannot be written; is the disk full?");
-  }
-  std::error_code error;
-  std::filesystem::rename(path + ".part", path, error);
-  if (error) throw OutputError(path + ": cannot be written: " + error.message());
+  write_file(directory + "/report.json", report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
 }  // namespace oilskin::demo
