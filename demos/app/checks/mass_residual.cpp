@@ -11,11 +11,8 @@ class MassResidual : public Check {
   std::vector<CheckResult> results(const RunEnd& end) override {
     const World& world = end.simulation.world();
     const Totals& totals = end.totals;
-    const double fluid =
-        totals.mass_emitted - totals.mass_removed - totals.mass_absorbed + totals.mass_released;
-    const double cloth = totals.mass_absorbed - totals.mass_released - totals.mass_dried - totals.mass_lost;
-    const double missing =
-        std::max(std::abs(fluid - world.fluid_mass()), std::abs(cloth - world.absorbed_mass()));
+    const double missing = std::max(std::abs(totals.mass_in_fluid() - world.fluid_mass()),
+                                    std::abs(totals.mass_in_cloth() - world.absorbed_mass()));
     return {at_most("mass_residual", ratio(missing, totals.mass_emitted), 1e-12)};
   }
 };

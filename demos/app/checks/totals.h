@@ -29,6 +29,10 @@ struct Totals {
   std::string energy_message;         ///< of the step in which most energy had been made
 
   void add(const StepReport& report);
+  /// What the ledger leaves in the fluid [kg].
+  double mass_in_fluid() const { return mass_emitted - mass_removed - mass_absorbed + mass_released; }
+  /// What it leaves in the cloth [kg].
+  double mass_in_cloth() const { return mass_absorbed - mass_released - mass_dried - mass_lost; }
 };
 
 /// Momentum of the fluid now [N s], summed over the particles.

@@ -147,8 +147,6 @@ Json energy(const RunSummary& s) {
 Json mass(const RunSummary& s) {
   const World& world = s.simulation.world();
   const Totals& t = s.totals;
-  const double fluid = t.mass_emitted - t.mass_removed - t.mass_absorbed + t.mass_released;
-  const double cloth = t.mass_absorbed - t.mass_released - t.mass_dried - t.mass_lost;
   return {{"particle", world.particle_mass()},
           {"emitted", t.mass_emitted},
           {"alive", world.fluid_mass()},
@@ -158,8 +156,8 @@ Json mass(const RunSummary& s) {
           {"dried", t.mass_dried},
           {"lost_with_meshes", t.mass_lost},
           {"in_cloth", world.absorbed_mass()},
-          {"residual", fluid - world.fluid_mass()},
-          {"residual_in_cloth", cloth - world.absorbed_mass()}};
+          {"residual", t.mass_in_fluid() - world.fluid_mass()},
+          {"residual_in_cloth", t.mass_in_cloth() - world.absorbed_mass()}};
 }
 
 std::uint64_t peak_memory_bytes() {
