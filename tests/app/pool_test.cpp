@@ -92,6 +92,7 @@ TEST(Pool, rest_is_the_root_mean_square_inside_the_box) {
   const Box box = {Vec3::Constant(-1), Vec3::Constant(1)};
   EXPECT_NEAR(rms_speed_within(x, v, box), std::sqrt(12.5), 1e-12);
   EXPECT_NEAR(kinetic_energy_per_mass(v), 0.5 * (9 + 16 + 10000), 1e-9);
+  EXPECT_NEAR(kinetic_energy_per_mass(v, std::vector<float>{1, 0.5f, 0.25f}), 0.5 * (9 + 8 + 2500), 1e-9);
   EXPECT_EQ(rms_speed_within({}, {}, box), std::numeric_limits<double>::infinity());
 }
 

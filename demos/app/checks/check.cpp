@@ -28,13 +28,7 @@ double water_volume(const Scene& scene, Simulation& simulation) {
 }
 
 double kinetic_energy(const World& world) {
-  const Span<const float> ratio = world.mass_ratios();
-  const Span<const Vec3> motion = world.motions();
-  if (ratio.empty()) return world.particle_mass() * kinetic_energy_per_mass(motion);
-  double sum = 0;
-  for (std::size_t i = 0; i < motion.size(); ++i)
-    sum += 0.5 * static_cast<double>(ratio[i]) * motion[i].squaredNorm();
-  return world.particle_mass() * sum;
+  return world.particle_mass() * kinetic_energy_per_mass(world.motions(), world.mass_ratios());
 }
 
 void check_cloth_index(const Scene& scene, int index, const std::string& key) {

@@ -106,9 +106,10 @@ double fraction_above(Span<const Vec3> positions, const Vec3& up, double height)
   return static_cast<double>(count) / static_cast<double>(positions.size());
 }
 
-double kinetic_energy_per_mass(Span<const Vec3> velocities) {
+double kinetic_energy_per_mass(Span<const Vec3> velocities, Span<const float> ratios) {
   double sum = 0;
-  for (const Vec3& v : velocities) sum += 0.5 * v.squaredNorm();
+  for (std::size_t i = 0; i < velocities.size(); ++i)
+    sum += 0.5 * (ratios.empty() ? 1 : static_cast<double>(ratios[i])) * velocities[i].squaredNorm();
   return sum;
 }
 

@@ -24,8 +24,8 @@ double level_in_middle(const SurfaceMotion& cloth, Span<const Vec3> positions, c
 /// The fraction of the positions that are higher than `height` along `up`.
 double fraction_above(Span<const Vec3> positions, const Vec3& up, double height);
 
-/// Σ ½ v² [m²/s²]: the kinetic energy for particles of mass 1.
-double kinetic_energy_per_mass(Span<const Vec3> velocities);
+/// Σ ½ m v² [m²/s²] for particles of the masses `ratios`; empty: of mass 1.
+double kinetic_energy_per_mass(Span<const Vec3> velocities, Span<const float> ratios = {});
 
 /// sqrt(mean v²) of the particles inside a box [m/s]; not finite when there are none.
 double rms_speed_within(Span<const Vec3> positions, Span<const Vec3> velocities, const Box& within);
