@@ -3,8 +3,8 @@
 namespace oilskin::demo {
 namespace {
 
-/// Ignoring an effect would pass for simulating it.
-void refuse_later_effects(Fields& f) {
+/// There is no such key: the refusal names the one that does what its reader wants.
+void refuse_adhesion(Fields& f) {
   if (f.raw("adhesion") != nullptr)
     f.fail("adhesion", "is part of surface_tension: its contact_angle says how far the water adheres");
 }
@@ -62,7 +62,7 @@ void describe(Fields& f, SceneEffects& effects) {
                     [](Fields& g, ImplicitViscositySettings& s) { describe_viscosity(g, s); });
   f.optional_object("wetting", effects.wetting,
                     [](Fields& g, WettingSettings& s) { describe_wetting(g, s); });
-  if (f.reading()) refuse_later_effects(f);
+  if (f.reading()) refuse_adhesion(f);
   f.optional_object("surface_tension", effects.surface_tension, describe_surface_tension);
 }
 
