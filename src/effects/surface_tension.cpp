@@ -46,6 +46,9 @@ double SurfaceTension::longest_interval(const FluidSettings& fluid) const {
 
 void SurfaceTension::act(EffectForces& f) {
   if (!status_.ok()) return;
+  const effects::WallParts of_wall = effects::wall_parts(settings_.contact_angle);
+  wall_attraction_ = of_wall.attraction;
+  wall_as_fluid_ = of_wall.fluid;
   lack_.resize(f.id.size());
   slope_.resize(f.id.size());
   f.for_each(f.id.size(), [&](std::size_t i) { find_border(f, i); });
@@ -55,7 +58,7 @@ void SurfaceTension::act(EffectForces& f) {
 
 /// d_i and g_i (S.1), (S.2). A wall counts as a part of the fluid that it would be, were it fluid.
 void SurfaceTension::find_border(const EffectForces& f, std::size_t i) {
-  const double h = f.support_radius, of_wall = effects::wall_parts(settings_.contact_angle).fluid;
+  const double h = f.support_radius;
   double mass = volume(f, i) * LackKernel::value(0);
   Vec3 slope = Vec3::Zero();
   for (std::uint32_t j : f.neighbours(i)) {
@@ -67,8 +70,8 @@ void SurfaceTension::find_border(const EffectForces& f, std::size_t i) {
   mass /= h * h * h;
   slope /= h * h * h;
   for (const VisibleWall& w : f.walls(i)) {
-    mass += of_wall * w.share * LackKernel::half_space(w.distance / h);
-    slope -= of_wall * w.share * SlopeKernel::plane(w.distance / h) * w.normal;
+    mass += wall_as_fluid_ * w.share * LackKernel::half_space(w.distance / h);
+    slope -= wall_as_fluid_ * w.share * SlopeKernel::plane(w.distance / h) * w.normal;
   }
   lack_[i] = std::max(0.0, 1 - effects::tolerated_lack - mass);
   slope_[i] = slope;
@@ -92,11 +95,10 @@ Vec3 SurfaceTension::pair_acceleration(const EffectForces& f, std::size_t i) con
 /// (S.6) and (S.7).
 Vec3 SurfaceTension::wall_force(const EffectForces& f, std::size_t i, const VisibleWall& w) const {
   const double z = w.distance / f.support_radius;
-  const effects::WallParts parts = effects::wall_parts(settings_.contact_angle);
   const double towards =
-      parts.attraction * effects::half_space_attraction(z) +
-      parts.fluid * effects::energy_of_lack * lack_[i] * LackKernel::plane(z) -
-      parts.fluid * effects::energy_of_slope * SlopeKernel::plane_derivative(z) * w.normal.dot(slope_[i]);
+      wall_attraction_ * effects::half_space_attraction(z) +
+      wall_as_fluid_ * effects::energy_of_lack * lack_[i] * LackKernel::plane(z) -
+      wall_as_fluid_ * effects::energy_of_slope * SlopeKernel::plane_derivative(z) * w.normal.dot(slope_[i]);
   const double unit =
       effects::calibration * settings_.coefficient * volume(f, i) / (f.support_radius * f.support_radius);
   return -unit * w.share * towards * w.normal;

@@ -56,8 +56,10 @@ class SurfaceTension : public Effect {
   SurfaceTensionSettings settings_;
   Status status_;
   // Of the interval
-  std::vector<double> lack_;  // d_i (S.1)
-  std::vector<Vec3> slope_;   // g_i (S.2), in units of 1/H
+  double wall_attraction_ = 0;  // κ_w (S.8)
+  double wall_as_fluid_ = 0;    // k (S.8)
+  std::vector<double> lack_;    // d_i (S.1)
+  std::vector<Vec3> slope_;     // g_i (S.2), in units of 1/H
 };
 
 }  // namespace oilskin
