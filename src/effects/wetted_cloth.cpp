@@ -37,13 +37,13 @@ bool WettedCloth::is_for(const SurfaceMotion& motion, const std::vector<Vec3>& r
 std::array<double, 3> WettedCloth::uptake(const SurfaceMotion& motion, const VisibleWall& wall, double dt,
                                           double absorption, double area, double mass, double least) const {
   double saturation = 0;
-  std::array<double, 3> room{};
+  std::array<double, 3> space{};
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t node = wall.nodes[k];
     const double c = capacity()[node];
     if (!(c > 0)) continue;
     saturation += wall.weights[k] * liquid_in(motion, node) / c;
-    room[k] = std::max(0.0, fabric_.saturation_limit * c - liquid_in(motion, node));
+    space[k] = std::max(0.0, fabric_.saturation_limit * c - liquid_in(motion, node));
   }
   const double capacity_below =
       fabric_.capacity * area * std::max(0.0, fabric_.saturation_limit - saturation);
@@ -51,7 +51,7 @@ std::array<double, 3> WettedCloth::uptake(const SurfaceMotion& motion, const Vis
   std::array<double, 3> given{};
   double sum = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    given[k] = std::min(std::max(0.0, wall.weights[k]) * wanted, room[k]);
+    given[k] = std::min(std::max(0.0, wall.weights[k]) * wanted, space[k]);
     sum += given[k];
   }
   if (sum > 0 && mass - sum < least)

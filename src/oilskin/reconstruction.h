@@ -55,9 +55,8 @@ enum class ObstacleMode {
   /// visible. For closed obstacles that are drawn opaque. An open sheet lies inside the mesh, and water shows
   /// on its dry side.
   overlap,
-  /// As `touch` where an obstacle is wet (`ObstacleMesh::saturation`), as `gap` where it is dry, and without
-  /// a
-  /// step between them.
+  /// As `touch` where an obstacle is wet (`ObstacleMesh::saturation`), as `gap` where it is dry, and
+  /// without a step between them.
   wet,
 };
 
