@@ -61,24 +61,6 @@ inline Vec3 angular_momentum(const World& w) {
   return sum;
 }
 
-inline double kinetic_energy(const World& w) {
-  double sum = 0;
-  for (const Vec3& v : w.velocities()) sum += 0.5 * w.particle_mass() * v.squaredNorm();
-  return sum;
-}
-
-inline double mechanical_energy(const World& w) {
-  double sum = kinetic_energy(w);
-  for (const Vec3& x : w.positions()) sum -= w.particle_mass() * w.settings().gravity.dot(x);
-  return sum;
-}
-
-inline double fastest(const World& w) {
-  double speed = 0;
-  for (const Vec3& v : w.velocities()) speed = std::max(speed, v.norm());
-  return speed;
-}
-
 inline Vec3 middle(const World& w) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3& x : w.positions()) sum += x / static_cast<double>(w.particle_count());

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "oilskin/world.h"
+#include "support/world_helpers.h"
 
 namespace oilskin::test::water {
 
@@ -25,25 +25,6 @@ inline void fill(World& w, const std::vector<Vec3>& x, const Vec3& velocity = Ve
   std::uint64_t blocked = 0;
   ASSERT_TRUE(w.add_particles(x, std::vector<Vec3>(x.size(), velocity), &blocked).ok());
   ASSERT_EQ(blocked, 0u);
-}
-
-inline double fastest(const World& w) {
-  double speed = 0;
-  for (const Vec3& v : w.velocities()) speed = std::max(speed, v.norm());
-  return speed;
-}
-
-inline double kinetic_energy(const World& w) {
-  double sum = 0;
-  for (const Vec3& v : w.velocities()) sum += 0.5 * w.particle_mass() * v.squaredNorm();
-  return sum;
-}
-
-/// Kinetic energy and that of gravity.
-inline double mechanical_energy(const World& w) {
-  double sum = kinetic_energy(w);
-  for (const Vec3& x : w.positions()) sum -= w.particle_mass() * w.settings().gravity.dot(x);
-  return sum;
 }
 
 inline double max_density(const World& w) {

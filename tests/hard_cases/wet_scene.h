@@ -100,7 +100,7 @@ class WetScene : public ClothScene<double> {
     found_.flags |= r.flags;
     found_.substeps = std::max(found_.substeps, r.substeps);
     found_.messages += r.messages.empty() ? 0 : 1;
-    found_.speed = std::max(found_.speed, water::fastest(w));
+    found_.speed = std::max(found_.speed, fastest(w));
     if (r.energy.scale > 0) found_.risen = std::max(found_.risen, r.energy.risen / r.energy.scale);
     found_.most_liquid = std::max(found_.most_liquid, w.absorbed_mass());
     for (float ratio : w.mass_ratios())

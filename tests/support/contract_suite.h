@@ -38,6 +38,14 @@ inline ContactSettings contract_contact() {
   return s;
 }
 
+/// A fabric that takes up much within a few steps.
+inline WettingSettings contract_wetting() {
+  WettingSettings s;
+  s.fabric.capacity = 5;
+  s.absorption = 500;
+  return s;
+}
+
 template <class Fixture>
 class HostContract : public ::testing::Test {
  protected:
@@ -246,10 +254,7 @@ TYPED_TEST_P(HostContract, absorbed_liquid_weighs_and_keeps_its_momentum) {
   auto& host = this->fixture;
   ASSERT_TRUE(host.attach(sheet_settings()).ok());
   World& w = host.world();
-  WettingSettings settings;
-  settings.fabric.capacity = 5;
-  settings.absorption = 500;
-  Wetting wetting(settings);
+  Wetting wetting(contract_wetting());
   ASSERT_TRUE(w.add_effect(wetting).ok());
   add_block(w, 5, Vec3(-0.01, 0.003, -0.013), Vec3(0.2, -1, 0.1));
   const double water = w.fluid_mass();
@@ -276,10 +281,7 @@ TYPED_TEST_P(HostContract, pinned_nodes_absorb_too) {
       if ((i + j) % 2 == 0) host.pin(i, j);
   ASSERT_TRUE(host.attach(sheet_settings()).ok());
   World& w = host.world();
-  WettingSettings settings;
-  settings.fabric.capacity = 5;
-  settings.absorption = 500;
-  Wetting wetting(settings);
+  Wetting wetting(contract_wetting());
   ASSERT_TRUE(w.add_effect(wetting).ok());
   add_block(w, 4, Vec3(-0.01, 0.003, -0.013), Vec3(0, -0.5, 0));
   const double water = w.fluid_mass();

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "oilskin/world.h"
 
 namespace oilskin::test {
@@ -13,12 +15,38 @@ inline SurfaceSettings sheet_settings(double thickness = 0.001) {
   return s;
 }
 
-inline Vec3 fluid_momentum(const World& w) {
+/// Of particle i [kg].
+inline double mass_of(const World& w, std::size_t i) {
   const Span<const float> ratio = w.mass_ratios();
+  return (ratio.empty() ? 1 : static_cast<double>(ratio[i])) * w.particle_mass();
+}
+
+inline Vec3 fluid_momentum(const World& w) {
   Vec3 p = Vec3::Zero();
-  for (std::size_t i = 0; i < w.particle_count(); ++i)
-    p += (ratio.empty() ? 1 : static_cast<double>(ratio[i])) * w.particle_mass() * w.velocities()[i];
+  for (std::size_t i = 0; i < w.particle_count(); ++i) p += mass_of(w, i) * w.velocities()[i];
   return p;
+}
+
+/// The speed of the fastest particle [m/s].
+inline double fastest(const World& w) {
+  double speed = 0;
+  for (const Vec3& v : w.velocities()) speed = std::max(speed, v.norm());
+  return speed;
+}
+
+inline double kinetic_energy(const World& w) {
+  double sum = 0;
+  for (std::size_t i = 0; i < w.particle_count(); ++i)
+    sum += 0.5 * mass_of(w, i) * w.velocities()[i].squaredNorm();
+  return sum;
+}
+
+/// Kinetic energy and that of gravity.
+inline double mechanical_energy(const World& w) {
+  double sum = kinetic_energy(w);
+  for (std::size_t i = 0; i < w.particle_count(); ++i)
+    sum -= mass_of(w, i) * w.settings().gravity.dot(w.positions()[i]);
+  return sum;
 }
 
 /// A block of n³ particles above the sheet, all with one velocity.

@@ -93,9 +93,7 @@ TEST(LongFreeJet, stays_a_cylinder_at_every_radius) {
 /// Of all particles, after 0.1 s without gravity [m/s].
 double fastest_after(World& w, double dt) {
   while (w.time() < 0.1) w.step(dt);
-  double fastest = 0;
-  for (const Vec3& v : w.velocities()) fastest = std::max(fastest, v.norm());
-  return fastest;
+  return test::fastest(w);
 }
 
 TEST(FreeFill, boxes_and_meshes_stay_where_they_are) {

@@ -64,7 +64,7 @@ Rest column_at_rest(int layers, double thickness, double begin, double end, Pres
     floor_force.add_integral(downward_impulse(w, floor_id), dt);
     side_force.add_integral(downward_impulse(w, sides_id), dt);
     iterations.add(r.fluid.iterations, dt);
-    for (const Vec3& v : w.velocities()) rest.fastest = std::max(rest.fastest, v.norm());
+    rest.fastest = std::max(rest.fastest, test::fastest(w));
   }
   EXPECT_EQ(w.particle_count(), x.size());
   for (const Vec3& p : w.positions()) rest.height += 2 * p.y() / static_cast<double>(x.size());
