@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "effects/drop.h"
-#include "effects/tension_model.h"
+#include "effects/tension/tension_model.h"
 #include "support/random.h"
 
 namespace oilskin {

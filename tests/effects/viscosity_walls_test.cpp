@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "effects/honey_world.h"
-#include "effects/wall_drag.h"
+#include "effects/viscosity/wall_drag.h"
 #include "support/mock_cloth.h"
 #include "world/saved_bytes.h"
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "effects/wetting_transport.h"
+#include "effects/wetting/wetting_transport.h"
 #include "support/random.h"
 
 namespace oilskin::test {

@@ -113,6 +113,13 @@ std::string fault_in_fluid(const std::string& file, const std::string& target) {
   return at_top || seen.count(module) > 0 ? "" : file + " may not include \"" + target + "\"";
 }
 
+/// No effect sees another: each folder of src/effects includes its own headers only.
+std::string fault_in_effects(const std::string& file, const std::string& target) {
+  if (!begins(file, "src/effects/") || !begins(target, "effects/")) return "";
+  const bool is_own = fs::path("src") / fs::path(target).parent_path() == fs::path(file).parent_path();
+  return is_own ? "" : file + " may not include \"" + target + "\"";
+}
+
 /// The first folder of a path; empty where there is none.
 std::string first_folder(const std::string& path) {
   const std::size_t slash = path.find('/');
@@ -173,9 +180,9 @@ std::vector<std::string> faults(const fs::path& root) {
         const std::string target = included(line);
         if (target.empty()) continue;
         for (const std::string& fault :
-             {fault_of_room(file, target), fault_in_fluid(file, target), fault_of_library(file, target),
-              fault_of_internal_header(file, target), fault_of_app_folder(file, line, target),
-              fault_of_example(file, line, target)})
+             {fault_of_room(file, target), fault_in_fluid(file, target), fault_in_effects(file, target),
+              fault_of_library(file, target), fault_of_internal_header(file, target),
+              fault_of_app_folder(file, line, target), fault_of_example(file, line, target)})
           if (!fault.empty()) found.push_back(fault);
       }
     }
@@ -213,6 +220,7 @@ TEST(Structure, the_test_itself_catches_back_edges) {
   EXPECT_EQ(faults_with("src/fluid/boundary/a.cpp", "#include \"fluid/pressure/step_state.h\""), 1u);
   EXPECT_EQ(faults_with("src/fluid/pressure/a.cpp", "#include \"fluid/fluid_solver.h\""), 1u);
   EXPECT_EQ(faults_with("src/fluid/neighbours.h", "#include \"fluid/boundary/boundary.h\""), 1u);
+  EXPECT_EQ(faults_with("src/effects/tension/a.cpp", "#include \"effects/viscosity/wall_drag.h\""), 1u);
 }
 
 TEST(Structure, the_test_itself_catches_back_edges_in_demos) {
@@ -241,6 +249,7 @@ TEST(Structure, the_test_itself_lets_forward_edges_pass) {
   EXPECT_EQ(faults_with("src/fluid/fluid_solver.cpp", "#include \"fluid/pressure/step_state.h\""), 0u);
   EXPECT_EQ(faults_with("src/fluid/pressure/a.cpp", "#include \"fluid/boundary/boundary.h\""), 0u);
   EXPECT_EQ(faults_with("src/fluid/boundary/a.cpp", "#include \"fluid/neighbours.h\""), 0u);
+  EXPECT_EQ(faults_with("src/effects/tension/a.cpp", "#include \"effects/tension/a.h\""), 0u);
   EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"ccd/point_triangle.h\""), 0u);
   EXPECT_EQ(faults_with("src/contact/a.cpp", "#include \"contact/contacts.h\""), 0u);
   EXPECT_EQ(faults_with("src/world/a.cpp", "#include \"contact/contacts.h\""), 0u);

@@ -1,4 +1,4 @@
-#include "effects/wall_drag.h"
+#include "effects/viscosity/wall_drag.h"
 
 namespace oilskin::effects {
 

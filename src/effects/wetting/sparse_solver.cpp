@@ -1,4 +1,4 @@
-#include "effects/sparse_solver.h"
+#include "effects/wetting/sparse_solver.h"
 
 #include <Eigen/SparseCore>
 #include <Eigen/SparseLU>

@@ -1,4 +1,4 @@
-#include "effects/wetted_cloth.h"
+#include "effects/wetting/wetted_cloth.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "effects/wetting_transport.h"
+#include "effects/wetting/wetting_transport.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "effects/wetting_mesh.h"
+#include "effects/wetting/wetting_mesh.h"
 
 namespace oilskin {
 

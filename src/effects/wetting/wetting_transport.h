@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "effects/flux_limiter.h"
-#include "effects/wetting_flow.h"
-#include "effects/wetting_mesh.h"
+#include "effects/wetting/flux_limiter.h"
+#include "effects/wetting/wetting_flow.h"
+#include "effects/wetting/wetting_mesh.h"
 #include "oilskin/types.h"
 #include "oilskin/wetting.h"
 

@@ -1,4 +1,4 @@
-#include "effects/wetting_mesh.h"
+#include "effects/wetting/wetting_mesh.h"
 
 #include <algorithm>
 #include <cmath>

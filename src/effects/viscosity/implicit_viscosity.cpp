@@ -5,8 +5,8 @@
 
 #include "core/archive.h"
 #include "core/refuse.h"
-#include "effects/support_memory.h"
-#include "effects/viscous_system.h"
+#include "effects/viscosity/support_memory.h"
+#include "effects/viscosity/viscous_system.h"
 
 namespace oilskin {
 

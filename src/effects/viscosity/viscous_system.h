@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "effects/wall_drag.h"
+#include "effects/viscosity/wall_drag.h"
 #include "oilskin/effect.h"
 
 namespace oilskin::effects {

@@ -1,4 +1,4 @@
-#include "effects/support_memory.h"
+#include "effects/viscosity/support_memory.h"
 
 #include <algorithm>
 #include <cmath>

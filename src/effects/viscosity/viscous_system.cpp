@@ -1,8 +1,8 @@
-#include "effects/viscous_system.h"
+#include "effects/viscosity/viscous_system.h"
 
 #include <cmath>
 
-#include "effects/support_memory.h"
+#include "effects/viscosity/support_memory.h"
 
 namespace oilskin::effects {
 

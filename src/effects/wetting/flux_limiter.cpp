@@ -1,4 +1,4 @@
-#include "effects/flux_limiter.h"
+#include "effects/wetting/flux_limiter.h"
 
 #include <algorithm>
 #include <array>

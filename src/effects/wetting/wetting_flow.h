@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "effects/sparse_solver.h"
-#include "effects/wetting_mesh.h"
+#include "effects/wetting/sparse_solver.h"
+#include "effects/wetting/wetting_mesh.h"
 
 namespace oilskin {
 

@@ -1,4 +1,4 @@
-#include "effects/wetting_flow.h"
+#include "effects/wetting/wetting_flow.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 
 #include "core/archive.h"
 #include "core/refuse.h"
-#include "effects/tension_model.h"
+#include "effects/tension/tension_model.h"
 
 namespace oilskin {
 

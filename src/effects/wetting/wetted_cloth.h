@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/mesh_topology.h"
-#include "effects/wetting_transport.h"
+#include "effects/wetting/wetting_transport.h"
 #include "oilskin/wetting.h"
 
 namespace oilskin {

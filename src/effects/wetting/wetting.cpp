@@ -7,7 +7,7 @@
 #include "core/archive.h"
 #include "core/assert.h"
 #include "core/refuse.h"
-#include "effects/wetted_cloth.h"
+#include "effects/wetting/wetted_cloth.h"
 
 namespace oilskin {
 
