@@ -94,6 +94,8 @@ struct ReconstructionOptions {
   std::optional<Box> clip;
   /// Pieces of water of a smaller volume are left out, in s³, ≥ 0; a drop has about 0.5.
   double min_blob = 0;
+  /// Fill WaterMesh::nearest.
+  bool nearest = false;
   /// Working memory [bytes], > 0. Input that needs more is refused before the work starts.
   double memory_limit = 4e9;
   /// 0 = all hardware threads. The results do not depend on it.
@@ -157,6 +159,12 @@ struct WaterMesh {
   std::vector<Float3> velocities;
   /// As in the input.
   std::vector<Attribute> attributes;
+  /// If ReconstructionOptions::nearest: the number in the input of the nearest particle that the vertex sees,
+  /// the smallest where several are. A vertex that sees none has the nearest one within the kernel radius,
+  /// and `no_particle` where there is none.
+  std::vector<std::uint32_t> nearest;
+  /// Stands in `nearest` for no particle.
+  static constexpr std::uint32_t no_particle = 0xffffffffu;
 };
 
 /// Wall time per stage [s].

@@ -220,7 +220,8 @@ void Reconstruction::finish(RawMesh&& raw, WaterMesh* mesh) {
                                 cell, options.clip, raw, workers)
                              .held;
   WaterMesh result;
-  interpolate(input, particles, field, obstacles, contact.uses_visibility(), grid, raw, result, workers);
+  interpolate(input, particles, field, obstacles, contact.uses_visibility(), options.nearest, grid, raw,
+              result, workers);
   result.normals = vertex_normals(raw);
   for (const Triangle& t : raw.triangles) report.volume += six_volumes(raw, t, raw.positions[0]) / 6;
   result.positions = std::move(raw.positions);

@@ -38,6 +38,18 @@ struct Sample {
     const Vec3 slope = covariance.inverse() * (-mean);
     for (std::size_t i = 0; i < weight.size(); ++i) weight[i] *= (1 + slope.dot(offset[i] - mean)) / sum;
   }
+  /// The smallest number among the particles with the smallest distance.
+  std::uint32_t nearest() const {
+    std::uint32_t best = WaterMesh::no_particle;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < particle.size(); ++i) {
+      const double squared = offset[i].squaredNorm();
+      if (squared > least || (squared == least && particle[i] > best)) continue;
+      least = squared;
+      best = particle[i];
+    }
+    return best;
+  }
   /// The weighted sum of value(particle); 0 without particles.
   template <class F>
   float of(const F& value) const {
@@ -143,13 +155,15 @@ std::vector<std::array<float, 3>> vertex_normals(const RawMesh& mesh) {
 
 void interpolate(const ReconstructionInput& input, const ParticleBlocks& particles,
                  const FieldParameters& field, const Obstacles& obstacles, bool use_visibility,
-                 const Grid& grid, const RawMesh& raw, WaterMesh& mesh, const Workers& workers) {
+                 bool wants_nearest, const Grid& grid, const RawMesh& raw, WaterMesh& mesh,
+                 const Workers& workers) {
   const std::size_t n = raw.positions.size();
   OILSKIN_ASSERT(raw.first_vertex.size() == grid.blocks.size() + 1 && raw.first_vertex.back() == n);
   if (!input.velocities.empty()) mesh.velocities.resize(n);
   for (const ParticleAttribute& a : input.attributes)
     mesh.attributes.push_back({std::vector<float>(n * std::size_t(a.components)), a.components});
-  if (mesh.velocities.empty() && mesh.attributes.empty()) return;
+  if (wants_nearest) mesh.nearest.resize(n);
+  if (mesh.velocities.empty() && mesh.attributes.empty() && !wants_nearest) return;
   workers.for_chunks(grid.blocks.size(), 8, [&](std::size_t from, std::size_t to, std::size_t) {
     BlockSampler sampler(particles, field);
     Sample sample;
@@ -162,6 +176,7 @@ void interpolate(const ReconstructionInput& input, const ParticleBlocks& particl
         const auto& p = raw.positions[v];
         const Vec3 x = (Vec3(p[0], p[1], p[2]) - origin) / grid.cell;
         sampler.sample({float(x.x()), float(x.y()), float(x.z())}, sample);
+        if (wants_nearest) mesh.nearest[v] = sample.nearest();
         if (!mesh.velocities.empty())
           for (int k = 0; k < 3; ++k)
             mesh.velocities[v][std::size_t(k)] =

@@ -10,9 +10,10 @@ std::vector<std::array<float, 3>> vertex_normals(const RawMesh& mesh);
 
 /// Velocities and attributes of the particles that a vertex sees, by moving least squares of first order
 /// (R.24): linear fields are reproduced, also if all particles are on one side. Extrapolation is limited to
-/// half of the particles' range beyond it.
+/// half of the particles' range beyond it. With `wants_nearest` also WaterMesh::nearest.
 void interpolate(const ReconstructionInput& input, const ParticleBlocks& particles,
                  const FieldParameters& field, const Obstacles& obstacles, bool use_visibility,
-                 const Grid& grid, const RawMesh& raw, WaterMesh& mesh, const Workers& workers);
+                 bool wants_nearest, const Grid& grid, const RawMesh& raw, WaterMesh& mesh,
+                 const Workers& workers);
 
 }  // namespace oilskin::reconstruction

@@ -302,10 +302,17 @@ TEST(ContactAttributes, what_a_vertex_carries_comes_from_its_own_side_of_the_she
   for (const Vec3& p : s.particles) above.push_back(p.z() > 0.0301 ? 1.0f : -1.0f);
   ReconstructionInput input = s.input();
   input.attributes.push_back({above, 1});
-  const WaterMesh mesh = test::reconstruct(input, options_for(s, 0.5, 0, ObstacleMode::gap));
+  ReconstructionOptions options = options_for(s, 0.5, 0, ObstacleMode::gap);
+  options.nearest = true;
+  const WaterMesh mesh = test::reconstruct(input, options);
   ASSERT_EQ(mesh.attributes[0].values.size(), mesh.positions.size());
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-    ASSERT_EQ(mesh.attributes[0].values[v], mesh.positions[v][2] > 0.0301f ? 1.0f : -1.0f);
+  ASSERT_EQ(mesh.nearest.size(), mesh.positions.size());
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const float own_side = mesh.positions[v][2] > 0.0301f ? 1.0f : -1.0f;
+    ASSERT_EQ(mesh.attributes[0].values[v], own_side);
+    ASSERT_LT(mesh.nearest[v], above.size());
+    ASSERT_EQ(above[mesh.nearest[v]], own_side);
+  }
 }
 
 }  // namespace

@@ -223,6 +223,23 @@ TEST(VertexData, normals_are_unit_and_look_outward) {
   }
 }
 
+TEST(VertexData, the_nearest_particle_is_that_of_brute_force) {
+  const WaterScene s = block(6, 0.25);
+  ReconstructionOptions options = plain(s.spacing);
+  EXPECT_TRUE(test::reconstruct(s.input(), options).nearest.empty());
+  options.nearest = true;
+  const WaterMesh mesh = test::reconstruct(s.input(), options);
+  ASSERT_EQ(mesh.nearest.size(), mesh.positions.size());
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const Vec3 p(mesh.positions[v][0], mesh.positions[v][1], mesh.positions[v][2]);
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vec3& q : s.particles) least = std::min(least, (q - p).norm());
+    ASSERT_LT(mesh.nearest[v], s.particles.size());
+    // The offsets are floats in units of a cell.
+    EXPECT_NEAR((s.particles[mesh.nearest[v]] - p).norm(), least, 1e-5 * s.spacing);
+  }
+}
+
 TEST(VertexData, a_linear_field_comes_out_linear_and_a_constant_one_constant) {
   const WaterScene s = block(12, 0.25);
   const Vec3 slope(3, -2, 5);
