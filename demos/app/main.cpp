@@ -117,10 +117,18 @@ void CommandLine::add_mesh() {
       "at obstacles: gap, touch, wet, overlap, reset or none (default: the run's, or gap; wet if "
       "its cloth absorbed)");
   mesh->add_option("--smoothing", m.smoothing, "iterations (default: the run's, or 10)");
+  mesh->add_option("--formats", m.formats, "ply,glb,vdb: the files to write (default: the run's, or ply)")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  mesh->add_option("--channels", m.channels,
+                   "velocity,speed,wetness,id: of the vertices (default: the run's, or velocity)")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   mesh->add_option("--spacing", m.spacing, "of the particles [m] (default: as DIR/report.json says)");
-  mesh->add_option("--out", m.out, "folder for surface_NNNN.ply (default: DIR)");
+  mesh->add_option("--out", m.out, "folder for surface_NNNN.* (default: DIR)");
   mesh->add_option("--threads", m.threads, "0 = all hardware threads")->check(CLI::Range(0, 1024));
   mesh->add_flag("--overwrite", m.overwrite, "make surfaces that are there already again");
+  mesh->add_flag("--missing", m.missing, "only print the numbers of the frames that lack a file");
   mesh->add_flag("--quiet", m.quiet, "print nothing but errors");
 }
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "output/frame_path.h"
-#include "output/mesh_file.h"
+#include "output/surface_file.h"
 #include "output/water_mesh.h"
 #include "render/stored_frames.h"
 #include "scene/fields.h"
@@ -58,6 +58,8 @@ Plan make_plan(const MeshOptions& options) {
   if (options.gap) given["gap"] = *options.gap;
   if (!options.mode.empty()) given["mode"] = options.mode;
   if (options.smoothing) given["smoothing"] = *options.smoothing;
+  if (!options.formats.empty()) given["formats"] = options.formats;
+  if (!options.channels.empty()) given["channels"] = options.channels;
   Fields fields = Fields::reader(given, "");
   describe(fields, plan.mesh);
   return plan;
@@ -79,6 +81,12 @@ std::vector<int> wanted_frames(const MeshOptions& options, const std::vector<int
   return chosen;
 }
 
+/// Where the meshes go.
+struct Output {
+  std::string directory, made_with;
+  std::vector<std::string> formats;
+};
+
 SceneError made_with_other_options(const std::string& path, const std::string& there,
                                    const std::string& made) {
   const std::string options = there.empty() ? "unknown options" : there;
@@ -86,20 +94,34 @@ SceneError made_with_other_options(const std::string& path, const std::string& t
                     ". --overwrite makes it again, --out takes another folder");
 }
 
-/// Frames that have no mesh yet. One that was made with other options would not fit the others.
-std::vector<int> missing_frames(const MeshOptions& options, const std::vector<int>& frames,
-                                const std::string& out, const std::string& made) {
-  std::vector<int> missing;
-  for (const int number : frames) {
-    const std::string path = frame_path(out, "surface", number, "ply");
+/// A frame, and the formats of which it has no file yet.
+struct Task {
+  int number;
+  std::vector<std::string> formats;
+};
+
+/// One that was made with other options would not fit the others.
+std::vector<std::string> missing_formats(const MeshOptions& options, const Output& output, int number) {
+  std::vector<std::string> missing;
+  for (const std::string& format : output.formats) {
+    const std::string path = frame_path(output.directory, "surface", number, format.c_str());
     if (options.overwrite || !fs::exists(path)) {
-      missing.push_back(number);
+      missing.push_back(format);
       continue;
     }
-    const std::string there = mesh_made_with(path);
-    if (there != made) throw made_with_other_options(path, there, made);
+    const std::string there = surface_made_with(path, format);
+    if (there != output.made_with) throw made_with_other_options(path, there, output.made_with);
   }
   return missing;
+}
+
+std::vector<Task> missing_tasks(const MeshOptions& options, const Output& output,
+                                const std::vector<int>& frames) {
+  std::vector<Task> tasks;
+  for (const int number : frames)
+    if (std::vector<std::string> formats = missing_formats(options, output, number); !formats.empty())
+      tasks.push_back({number, std::move(formats)});
+  return tasks;
 }
 
 /// A frame whose particles are as far apart as the plan says.
@@ -134,37 +156,58 @@ void print_frame(int number, const MadeMesh& made) {
   std::fflush(stdout);
 }
 
+Plan checked_plan(const MeshOptions& options) {
+  Plan plan = make_plan(options);
+  if (const Status s = check_mesh_settings(plan.mesh, plan.spacing); !s.ok())
+    throw SceneError("surface: " + s.message);
+  require_formats(plan.mesh.formats);
+  return plan;
+}
+
+Output make_output(const MeshOptions& options, const Plan& plan) {
+  const std::string out = options.out.empty() ? options.directory : options.out;
+  std::error_code error;
+  if (!options.missing) fs::create_directories(out, error);
+  if (error) throw SceneError("--out " + out + ": " + error.message());
+  return {out, made_with(plan.mesh, plan.spacing), plan.mesh.formats};
+}
+
+/// Whether the mesh is as promised.
+bool make_frame(const StoredFrames& stored, const Task& task, const Plan& plan, const Output& output,
+                const MeshOptions& options) {
+  const StoredFrame frame = read_frame(stored, task.number, plan, options);
+  const ReconstructionInput input = input_of(frame);
+  const ReconstructionOptions wanted = reconstruction_options(plan.mesh, plan.spacing, options.threads);
+  const MadeMesh made = make_mesh(input, wanted);
+  write_surface(output.directory, task.number, task.formats,
+                surface_file(made.mesh, input, frame.id, plan.mesh, plan.spacing));
+  if (!options.quiet) print_frame(task.number, made);
+  return made.as_promised(wanted.contact);
+}
+
 }  // namespace
 
 int mesh_command(const MeshOptions& options) {
   const StoredFrames stored(options.directory);
   const std::vector<int> frames = wanted_frames(options, stored.numbers());
-  const Plan plan = make_plan(options);
-  const ReconstructionOptions wanted = reconstruction_options(plan.mesh, plan.spacing, options.threads);
-  if (const Status s = check_mesh_settings(plan.mesh, plan.spacing); !s.ok())
-    throw SceneError("surface: " + s.message);
-  const std::string out = options.out.empty() ? options.directory : options.out;
-  std::error_code error;
-  fs::create_directories(out, error);
-  if (error) throw SceneError("--out " + out + ": " + error.message());
-  const std::string made_so = made_with(plan.mesh, plan.spacing);
-  const std::vector<int> missing = missing_frames(options, frames, out, made_so);
+  const Plan plan = checked_plan(options);
+  const Output output = make_output(options, plan);
+  const std::vector<Task> tasks = missing_tasks(options, output, frames);
   // The last one: the first frame may hold no water, and its spacing could not be checked.
-  if (!missing.empty()) read_frame(stored, missing.back(), plan, options);
-  bool good = true;
-  for (const int number : missing) {
-    const std::string path = frame_path(out, "surface", number, "ply");
-    // Another process may have made it meanwhile.
-    if (!options.overwrite && fs::exists(path)) continue;
-    const StoredFrame frame = read_frame(stored, number, plan, options);
-    const MadeMesh made = make_mesh(input_of(frame), wanted);
-    write_water_mesh(path, made.mesh, made_so);
-    good &= made.as_promised(wanted.contact);
-    if (!options.quiet) print_frame(number, made);
+  if (!tasks.empty()) read_frame(stored, tasks.back().number, plan, options);
+  if (options.missing) {
+    for (const Task& task : tasks) std::printf("%d\n", task.number);
+    return static_cast<int>(ExitCode::done);
   }
-  if (missing.size() < frames.size() && !options.quiet)
+  bool good = true;
+  for (const Task& task : tasks) {
+    // Another process may have made it meanwhile.
+    if (missing_formats(options, output, task.number).empty()) continue;
+    good &= make_frame(stored, task, plan, output, options);
+  }
+  if (tasks.size() < frames.size() && !options.quiet)
     std::printf("%zu frames were there already; --overwrite makes them again\n",
-                frames.size() - missing.size());
+                frames.size() - tasks.size());
   return static_cast<int>(good ? ExitCode::done : ExitCode::check_failed);
 }
 

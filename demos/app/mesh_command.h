@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace oilskin::demo {
 
@@ -13,12 +14,15 @@ struct MeshOptions {
   std::optional<double> cell, gap, spacing;  ///< [m]; absent: what the run's report.json says
   std::string mode;                          ///< empty: likewise
   std::optional<int> smoothing;
+  std::vector<std::string> formats, channels;  ///< empty: likewise
   int threads = 0;
   bool overwrite = false, quiet = false;
+  bool missing = false;  ///< only print the frames that lack a file
 };
 
-/// Writes OUT/surface_NNNN.ply for each frame, skipping those that are there unless `overwrite`. Returns the
-/// exit code: 1 if a surface is not as promised. Throws SceneError for what is refused, OutputError.
+/// Writes OUT/surface_NNNN.ply (or the formats asked for) for each frame, skipping those that are there
+/// unless `overwrite`. Returns the exit code: 1 if a surface is not as promised. Throws SceneError for what
+/// is refused, OutputError.
 int mesh_command(const MeshOptions& options);
 
 }  // namespace oilskin::demo

@@ -26,24 +26,39 @@ void append(std::string& bytes, const std::vector<Triangle>& triangles) {
 
 const std::string comment = "comment made with ";
 
-std::string header(const WaterMesh& mesh, const std::string& made_with) {
-  std::string text = "ply\nformat binary_little_endian 1.0\n" + comment + made_with + "\nelement vertex " +
-                     std::to_string(mesh.positions.size()) + "\n";
-  const char* names[] = {"x", "y", "z", "nx", "ny", "nz", "vx", "vy", "vz"};
-  const int count = mesh.velocities.empty() ? 6 : 9;
-  for (int i = 0; i < count; ++i) text += std::string("property float ") + names[i] + "\n";
-  return text + "element face " + std::to_string(mesh.triangles.size()) +
+std::string header(const SurfaceFile& file) {
+  std::string text = "ply\nformat binary_little_endian 1.0\n" + comment + file.made_with +
+                     "\nelement vertex " + std::to_string(file.mesh.positions.size()) + "\n";
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz"})
+    text += std::string("property float ") + name + "\n";
+  for (const VertexChannel& channel : file.channels) {
+    const bool is_integer = std::holds_alternative<std::vector<std::int32_t>>(channel.values);
+    for (const std::string& name : channel.properties)
+      text += std::string("property ") + (is_integer ? "int " : "float ") + name + "\n";
+  }
+  return text + "element face " + std::to_string(file.mesh.triangles.size()) +
          "\nproperty list uchar int vertex_indices\nend_header\n";
 }
 
-std::string body(const WaterMesh& mesh) {
+void append(std::string& bytes, const VertexChannel& channel, std::size_t vertex) {
+  const std::size_t n = channel.components();
+  std::visit(
+      [&](const auto& values) {
+        for (std::size_t k = 0; k < n; ++k) append(bytes, values[n * vertex + k]);
+      },
+      channel.values);
+}
+
+std::string body(const SurfaceFile& file) {
+  const WaterMesh& mesh = file.mesh;
+  std::size_t per_vertex = 24;
+  for (const VertexChannel& channel : file.channels) per_vertex += 4 * channel.components();
   std::string bytes;
-  bytes.reserve(mesh.positions.size() * 36 + mesh.triangles.size() * 13);
+  bytes.reserve(mesh.positions.size() * per_vertex + mesh.triangles.size() * 13);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     for (const float x : mesh.positions[i]) append(bytes, x);
     for (const float n : mesh.normals[i]) append(bytes, n);
-    if (!mesh.velocities.empty())
-      for (const float v : mesh.velocities[i]) append(bytes, v);
+    for (const VertexChannel& channel : file.channels) append(bytes, channel, i);
   }
   append(bytes, mesh.triangles);
   return bytes;
@@ -51,8 +66,8 @@ std::string body(const WaterMesh& mesh) {
 
 }  // namespace
 
-void write_water_mesh(const std::string& path, const WaterMesh& mesh, const std::string& made_with) {
-  write_file(path, header(mesh, made_with) + body(mesh));
+void write_ply(const std::string& path, const SurfaceFile& file) {
+  write_file(path, header(file) + body(file));
 }
 
 void write_wet_mesh(const std::string& path, const SurfaceMotion& motion, Span<const float> wetness) {
@@ -69,7 +84,7 @@ void write_wet_mesh(const std::string& path, const SurfaceMotion& motion, Span<c
   write_file(path, bytes);
 }
 
-std::string mesh_made_with(const std::string& path) {
+std::string ply_made_with(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::string line;
   for (int lines = 0; lines < 20 && std::getline(in, line) && line != "end_header"; ++lines)

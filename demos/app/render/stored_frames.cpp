@@ -28,6 +28,18 @@ std::vector<Vec3> points_of(vtkPolyData* data) {
   return x;
 }
 
+/// VTK converts them to double, which is exact up to 2⁵³.
+std::vector<std::uint64_t> ids_of(vtkPolyData* data) {
+  vtkDataArray* const stored = data->GetPointData()->GetArray("id");
+  if (stored == nullptr || stored->GetNumberOfComponents() != 1 ||
+      stored->GetNumberOfTuples() != data->GetNumberOfPoints())
+    return {};
+  std::vector<std::uint64_t> ids(static_cast<std::size_t>(data->GetNumberOfPoints()));
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    ids[i] = static_cast<std::uint64_t>(stored->GetTuple1(static_cast<vtkIdType>(i)));
+  return ids;
+}
+
 /// Messages of VTK while this lives are noted, not shown: the program writes its own.
 class Listener : public vtkOutputWindow {
  public:
@@ -100,6 +112,7 @@ StoredFrame StoredFrames::read(int number) const {
     throw SceneError(path + ": cannot be read as a VTK file of points; it is damaged or cut short");
   StoredFrame frame;
   frame.position = points_of(data);
+  frame.id = ids_of(data);
   vtkDataArray* velocity = data->GetPointData()->GetArray("velocity");
   if (velocity != nullptr && velocity->GetNumberOfComponents() == 3 &&
       velocity->GetNumberOfTuples() == data->GetNumberOfPoints()) {

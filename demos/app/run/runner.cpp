@@ -10,10 +10,9 @@
 #include "checks/acceptance.h"
 #include "hosts/scene_effects.h"
 #include "hosts/step_plan.h"
-#include "output/frame_path.h"
-#include "output/mesh_file.h"
 #include "output/output_error.h"
 #include "output/series.h"
+#include "output/surface_file.h"
 #include "output/trace_output.h"
 #include "output/water_mesh.h"
 #include "render/make_frames.h"
@@ -40,7 +39,8 @@ double cpu_seconds() {
 /// Frames of an earlier run must not stand beside those of this one.
 void remove_old_frames(const std::string& directory) {
   static const std::regex ours(
-      "(frame|particles)_[0-9]{4,}\\.(png|vtp)|(cloth|body)_[0-9]+_[0-9]{4,}\\.ply|surface_[0-9]{4,}\\.ply("
+      "(frame|particles)_[0-9]{4,}\\.(png|vtp)|(cloth|body)_[0-9]+_[0-9]{4,}\\.ply|surface_[0-9]{4,}\\.(ply|"
+      "glb|vdb)("
       "\\.[0-9]+\\.part)?|"
       "run\\.pvd");
   std::vector<std::filesystem::path> old;
@@ -79,6 +79,7 @@ class Run {
         directory_(prepare_directory(scene, options)),
         series_(scene, directory_),
         plan_(scene) {
+    if (scene.water_mesh) require_formats(scene.water_mesh->formats);
     simulation_options_.threads = options.threads;
     simulation_ = make_simulation(scene, simulation_options_);
     open_frames();
@@ -178,8 +179,8 @@ class Run {
     MadeMesh made =
         make_mesh(input, reconstruction_options(*scene_.water_mesh, scene_.fluid.spacing, options_.threads));
     if (scene_.pictures.frames_per_second > 0)
-      write_water_mesh(frame_path(directory_, "surface", frame_number_, "ply"), made.mesh,
-                       made_with(*scene_.water_mesh, scene_.fluid.spacing));
+      write_surface(directory_, frame_number_, scene_.water_mesh->formats,
+                    surface_file(made.mesh, input, data.id, *scene_.water_mesh, scene_.fluid.spacing));
     meshes_.add(made);
     return made;
   }

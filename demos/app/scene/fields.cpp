@@ -252,6 +252,29 @@ void Fields::optional_integer(const char* key, std::optional<int>& value, const 
   value = x;
 }
 
+void Fields::names(const char* key, std::vector<std::string>& values, const std::vector<std::string>& known) {
+  if (out_ != nullptr) {
+    (*out_)[key] = values;
+    return;
+  }
+  const Json* found = find(key);
+  if (found == nullptr) return;
+  std::string all;
+  for (const std::string& name : known) all += (all.empty() ? "" : ", ") + name;
+  if (!found->is_array()) fail(key, "is " + shown(*found) + ", must be a list of words from " + all);
+  std::vector<bool> named(known.size(), false);
+  for (const Json& item : *found) {
+    const std::string word = item.is_string() ? item.get<std::string>() : "";
+    const auto at = static_cast<std::size_t>(std::find(known.begin(), known.end(), word) - known.begin());
+    if (at == known.size()) fail(key, "has " + shown(item) + ", must be a list of words from " + all);
+    if (named[at]) fail(key, "has " + shown(item) + " twice");
+    named[at] = true;
+  }
+  values.clear();
+  for (std::size_t i = 0; i < known.size(); ++i)
+    if (named[i]) values.push_back(known[i]);
+}
+
 std::size_t Fields::chosen(const char* key, std::size_t current, const std::vector<std::string>& names) {
   if (out_ != nullptr) {
     (*out_)[key] = names[current];

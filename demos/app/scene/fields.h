@@ -73,6 +73,8 @@ class Fields {
   void mask(const char* key, std::uint32_t& value);
   void boolean(const char* key, bool& value);
   void text(const char* key, std::string& value);
+  /// A list of words from `known`, each once; kept in the order of `known`.
+  void names(const char* key, std::vector<std::string>& values, const std::vector<std::string>& known);
   void vec3(const char* key, Vec3& value);
   /// A vector longer than zero.
   void direction(const char* key, Vec3& value);

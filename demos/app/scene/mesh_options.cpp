@@ -1,10 +1,21 @@
 #include "scene/mesh_options.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include "scene/scene_format.h"
 
 namespace oilskin::demo {
+
+const std::vector<std::string>& known_formats() {
+  static const std::vector<std::string> names = {"ply", "glb", "vdb"};
+  return names;
+}
+
+const std::vector<std::string>& known_channels() {
+  static const std::vector<std::string> names = {"velocity", "speed", "wetness", "id"};
+  return names;
+}
 
 Status check_mesh_settings(const WaterMeshSettings& wanted, double spacing) {
   const auto range = [&](const char* key, double value, double minimum, double maximum) {
@@ -33,6 +44,7 @@ ReconstructionOptions reconstruction_options(const WaterMeshSettings& wanted, do
   options.smoothing_iterations = wanted.smoothing;
   options.min_blob = wanted.min_blob;
   options.threads = threads;
+  options.nearest = std::count(wanted.channels.begin(), wanted.channels.end(), "id") > 0;
   return options;
 }
 
@@ -42,6 +54,8 @@ std::string made_with(const WaterMeshSettings& wanted, double spacing) {
   Json json;
   Fields fields = Fields::writer(json);
   describe(fields, resolved);
+  json.erase("formats");
+  if (wanted.channels == WaterMeshSettings().channels) json.erase("channels");
   json["spacing"] = spacing;
   return json.dump();
 }

@@ -281,6 +281,9 @@ void describe(Fields& f, WaterMeshSettings& s) {
   f.number("overlap_depth", s.overlap_depth, not_negative());
   f.integer("smoothing", s.smoothing, between(0, 1000));
   f.number("min_blob", s.min_blob, not_negative());
+  f.names("formats", s.formats, known_formats());
+  f.names("channels", s.channels, known_channels());
+  if (f.reading() && s.formats.empty()) f.fail("formats", "is empty, must name one or more");
 }
 
 double spacing_of(Fields& f) {

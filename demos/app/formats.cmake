@@ -1,0 +1,28 @@
+# Libraries for files of the water mesh. Without one, its format is refused when the program runs.
+if(OILSKIN_FORMATS)
+  find_package(TinyGLTF QUIET)
+  # OpenVDB's own package file asks for parts of Boost that its headers do not use.
+  find_path(OILSKIN_OPENVDB_HEADERS openvdb/openvdb.h)
+  find_library(OILSKIN_OPENVDB openvdb)
+  find_package(TBB QUIET)
+  find_package(Imath QUIET)
+endif()
+
+if(OILSKIN_FORMATS AND TARGET TinyGLTF::TinyGLTF)
+  target_sources(oilskin_app PRIVATE output/gltf_file.cpp)
+  target_link_libraries(oilskin_app PRIVATE TinyGLTF::TinyGLTF)
+else()
+  message(STATUS "No glTF in the programs: TinyGLTF (Debian: libtinygltf-dev) was not found, or OILSKIN_FORMATS is OFF")
+  target_sources(oilskin_app PRIVATE output/gltf_none.cpp)
+endif()
+
+if(OILSKIN_FORMATS AND OILSKIN_OPENVDB AND OILSKIN_OPENVDB_HEADERS AND TARGET TBB::tbb AND TARGET Imath::Imath)
+  add_library(oilskin_openvdb INTERFACE)
+  target_include_directories(oilskin_openvdb SYSTEM INTERFACE ${OILSKIN_OPENVDB_HEADERS})
+  target_link_libraries(oilskin_openvdb INTERFACE ${OILSKIN_OPENVDB} TBB::tbb Imath::Imath)
+  target_sources(oilskin_app PRIVATE output/vdb_file.cpp)
+  target_link_libraries(oilskin_app PRIVATE oilskin_openvdb)
+else()
+  message(STATUS "No OpenVDB in the programs: it (Debian: libopenvdb-dev) was not found, or OILSKIN_FORMATS is OFF")
+  target_sources(oilskin_app PRIVATE output/vdb_none.cpp)
+endif()
