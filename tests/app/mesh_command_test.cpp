@@ -96,6 +96,44 @@ TEST_F(Mesh, the_wetness_that_the_run_stored_decides_where_the_mesh_touches_the_
   EXPECT_NE(wet, made("gap"));
 }
 
+TEST_F(Mesh, only_missing_formats_are_made_and_missing_frames_are_listed) {
+  EXPECT_EQ(mesh({"--missing"}).out, "0\n1\n2\n");
+  EXPECT_FALSE(exists("run/surface_0001.ply"));
+  const Outcome all = mesh({"--formats", "ply,glb"});
+  if (all.err.find("libtinygltf-dev") != std::string::npos) GTEST_SKIP() << "built without TinyGLTF";
+  EXPECT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_EQ(mesh({"--missing", "--formats", "ply,glb"}).out, "");
+  const std::string first = folder.read("run/surface_0001.glb");
+  const auto time = std::filesystem::last_write_time(folder.path("run/surface_0001.ply"));
+  std::filesystem::remove(folder.path("run/surface_0001.glb"));
+  EXPECT_EQ(mesh({"--missing", "--formats", "ply,glb"}).out, "1\n");
+  EXPECT_EQ(mesh({"--missing"}).out, "");
+  EXPECT_EQ(mesh({"--formats", "ply,glb", "--threads", "2"}).exit_code, 0);
+  EXPECT_EQ(folder.read("run/surface_0001.glb"), first);
+  EXPECT_EQ(std::filesystem::last_write_time(folder.path("run/surface_0001.ply")), time);
+  expect_refused({"--formats", "glb", "--cell", "0.004"}, {"surface_0000.glb", "--overwrite"});
+  expect_refused({"--formats", "glb,gltf"}, {"formats", "gltf", "ply, glb, vdb"});
+}
+
+TEST_F(Mesh, channels_are_chosen_and_part_of_the_options) {
+  EXPECT_EQ(mesh({"--channels", "id,speed"}).exit_code, 0);
+  const std::string made = folder.read("run/surface_0001.ply");
+  EXPECT_NE(made.find("property float nz\nproperty float speed\nproperty int id\nelement face"),
+            std::string::npos);
+  expect_refused({}, {"\"channels\":[\"speed\",\"id\"]", "--overwrite"});
+  expect_refused({"--channels", "speed,speed"}, {"channels", "twice"});
+  expect_refused({"--channels", "depth"}, {"channels", "depth", "velocity, speed, wetness, id"});
+}
+
+TEST_F(Mesh, a_file_that_cannot_be_written_ends_with_three) {
+  // A folder that is not empty lies where the file is to go.
+  const std::string out = folder.path("run/surface_0001.ply");
+  std::filesystem::create_directories(out + "/full");
+  const Outcome outcome = mesh({"--overwrite"});
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.out;
+  EXPECT_NE(outcome.err.find("surface_0001.ply: cannot be written"), std::string::npos) << outcome.err;
+}
+
 TEST_F(Mesh, a_spacing_in_other_units_is_refused_with_the_numbers) {
   expect_refused({"--spacing", "10"}, {"--spacing", "is 10 m", "256 particles", "within 0.0"});
   expect_refused({"--spacing", "1e-05"}, {"--spacing", "is 1e-05 m", "within 0.0"});

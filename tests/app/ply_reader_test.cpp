@@ -23,7 +23,9 @@ WaterMesh a_mesh() {
 }
 
 std::string bytes_of_mesh(const Folder& folder) {
-  demo::write_water_mesh(folder.path("mesh.ply"), a_mesh(), R"({"cell":0.004})");
+  const WaterMesh mesh = a_mesh();
+  demo::write_ply(folder.path("mesh.ply"),
+                  {mesh, demo::vertex_channels({"velocity"}, {mesh, {}, {}, 1}), R"({"cell":0.004})", 0.004});
   return folder.read("mesh.ply");
 }
 
@@ -35,8 +37,8 @@ TEST(PlyReader, reads_what_was_written) {
   EXPECT_EQ(read.vertices[1], Vec3(0.1f, 0, 0));
   EXPECT_EQ(read.vertices[3], Vec3(0, 0, -3));
   EXPECT_EQ(read.triangles, a_mesh().triangles);
-  EXPECT_EQ(demo::mesh_made_with(folder.path("mesh.ply")), R"({"cell":0.004})");
-  EXPECT_EQ(demo::mesh_made_with(folder.path("no.ply")), "");
+  EXPECT_EQ(demo::ply_made_with(folder.path("mesh.ply")), R"({"cell":0.004})");
+  EXPECT_EQ(demo::ply_made_with(folder.path("no.ply")), "");
 }
 
 TEST(PlyReader, reads_the_wetness_of_cloth_as_the_run_wrote_it) {

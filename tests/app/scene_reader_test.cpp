@@ -123,6 +123,28 @@ TEST(SceneReader, where_cloth_is_wetted_the_water_mesh_meets_it_unless_the_scene
   EXPECT_EQ(mode(R"({"surface": {"mode": "wet"}})"), ObstacleMode::wet);
 }
 
+TEST(SceneReader, formats_and_channels_of_the_water_mesh_are_known_words_each_once) {
+  const auto surface = [](const char* text) { return *read_scene(Json::parse(text), ".").water_mesh; };
+  EXPECT_EQ(surface(R"({"surface": {}})").formats, std::vector<std::string>{"ply"});
+  EXPECT_EQ(surface(R"({"surface": {}})").channels, std::vector<std::string>{"velocity"});
+  const WaterMeshSettings both = surface(R"({"surface": {"formats": ["vdb", "ply"], "channels": []}})");
+  EXPECT_EQ(both.formats, (std::vector<std::string>{"ply", "vdb"}));
+  EXPECT_TRUE(both.channels.empty());
+  const auto refuses = [](const char* text, const char* why) {
+    try {
+      read_scene(Json::parse(text), ".");
+      ADD_FAILURE() << text;
+    } catch (const SceneError& e) {
+      EXPECT_NE(std::string(e.what()).find(why), std::string::npos) << e.what();
+    }
+  };
+  refuses(R"({"surface": {"formats": []}})", "surface.formats: is empty");
+  refuses(R"({"surface": {"formats": "ply"}})", "surface.formats: is \"ply\", must be a list of words");
+  refuses(R"({"surface": {"formats": ["ply", "obj"]}})", "has \"obj\", must be a list of words from ply");
+  refuses(R"({"surface": {"channels": ["id", 3]}})", "surface.channels: has 3");
+  refuses(R"({"surface": {"channels": ["id", "id"]}})", "has \"id\" twice");
+}
+
 TEST(SceneReader, every_shipped_scene_reads) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(OILSKIN_SCENES)) {

@@ -139,6 +139,18 @@ std::string bytes_of(const SurfaceFile& file) {
   return bytes;
 }
 
+/// Its length and its characters; the stream fails where they are not there.
+std::string read_text(std::istream& in) {
+  constexpr std::uint32_t max_length = 1u << 20;
+  std::uint32_t length = 0;
+  in.read(reinterpret_cast<char*>(&length), sizeof length);
+  if (!in || length > max_length) in.setstate(std::ios::failbit);
+  if (!in) return "";
+  std::string text(length, ' ');
+  in.read(text.data(), static_cast<std::streamsize>(length));
+  return text;
+}
+
 }  // namespace
 
 bool vdb_available() {
@@ -158,20 +170,19 @@ void write_vdb(const std::string& path, const SurfaceFile& file) {
 }
 
 std::string vdb_made_with(const std::string& path) {
-  openvdb::initialize();
-  // The grids are not read.
+  // The grids are not read; nor does OpenVDB read the metadata: of a file that is cut short it takes lengths
+  // for granted.
   std::ifstream in(path, std::ios::binary);
-  std::uint32_t magic = 0;
+  std::uint32_t magic = 0, count = 0;
   if (!in.read(reinterpret_cast<char*>(&magic), sizeof magic) || magic != openvdb::OPENVDB_MAGIC) return "";
   in.seekg(uuid_at + uuid_length);
-  openvdb::MetaMap about;
-  try {
-    about.readMeta(in);
-  } catch (const openvdb::Exception&) {
-    return "";
+  if (!in.read(reinterpret_cast<char*>(&count), sizeof count)) return "";
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::string name = read_text(in), type = read_text(in), value = read_text(in);
+    if (!in) return "";
+    if (name == "made_with" && type == "string") return value;
   }
-  const auto text = about.getMetadata<openvdb::StringMetadata>("made_with");
-  return in && text ? text->value() : "";
+  return "";
 }
 
 }  // namespace oilskin::demo
