@@ -1,8 +1,11 @@
-"""Renders the PLY files of a run with refracting water, in Blender (tried with Debian 12's 3.4: apt-get install blender).
+"""Renders the frames of a run with refracting water, in Blender (tried with Debian 12's 3.4: apt-get install blender).
 
     blender --background --python demos/tools/blender_water.py -- out/jet [options]
 
-reads DIR/surface_NNNN.ply (water), DIR/cloth_K_NNNN.ply and DIR/body_K_NNNN.ply, and writes DIR/render_NNNN.png. Options:
+reads DIR/surface_NNNN.ply, .glb or .vdb (water), DIR/cloth_K_NNNN.ply and DIR/body_K_NNNN.ply, and writes
+DIR/render_NNNN.png. Options:
+    --water FORMAT   ply, glb or vdb: the files of the water (default: the first of them that a frame has)
+    --surfaces DIR   where the files of the water are (default: DIR)
     --frames A:B     only these frames, both included (default: all that have a surface)
     --size WxH       of the picture in pixels (default 960x720)
     --samples N      light paths per pixel (default 64)
@@ -20,7 +23,10 @@ import re
 import sys
 
 import bpy
-from mathutils import Vector
+import numpy
+from mathutils import Matrix, Vector
+
+FORMATS = ("ply", "glb", "vdb")
 
 
 def vector(text):
@@ -48,6 +54,8 @@ def arguments():
     own = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
     parser = argparse.ArgumentParser(prog="blender --background --python demos/tools/blender_water.py --")
     parser.add_argument("directory")
+    parser.add_argument("--water", choices=FORMATS)
+    parser.add_argument("--surfaces")
     parser.add_argument("--frames", type=frame_range)
     parser.add_argument("--size", type=picture_size, default=(960, 720))
     parser.add_argument("--samples", type=int, default=64)
@@ -59,26 +67,72 @@ def arguments():
     return parser.parse_args(own)
 
 
-def frames_in(directory, wanted):
-    """{number: (water file, [cloth files], [body files])} of all frames with a surface."""
+def water_files(options):
+    """{number: file} of all frames with a surface."""
     found = {}
-    for path in sorted(glob.glob(os.path.join(directory, "surface_[0-9]*.ply"))):
-        number = int(re.search(r"_(\d+)\.ply$", path).group(1))
-        if wanted and not wanted[0] <= number <= wanted[1]:
-            continue
-        cloth, bodies = (sorted(glob.glob(os.path.join(directory, "%s_*_%04d.ply" % (kind, number))))
-                         for kind in ("cloth", "body"))
-        found[number] = (path, cloth, bodies)
+    for suffix in (options.water,) if options.water else FORMATS:
+        for path in glob.glob(os.path.join(options.surfaces or options.directory, "surface_[0-9]*." + suffix)):
+            number = int(re.search(r"_(\d+)\.\w+$", path).group(1))
+            if not options.frames or options.frames[0] <= number <= options.frames[1]:
+                found.setdefault(number, path)
     return found
 
 
-def read_mesh(path, name):
+def frames_in(options):
+    """[(number, water file, [cloth files], [body files])] of all frames with a surface."""
+    frames = []
+    for number, path in sorted(water_files(options).items()):
+        cloth, bodies = (sorted(glob.glob(os.path.join(options.directory, "%s_*_%04d.ply" % (kind, number))))
+                         for kind in ("cloth", "body"))
+        frames.append((number, path, cloth, bodies))
+    return frames
+
+
+def import_ply(path):
     if hasattr(bpy.ops.wm, "ply_import") and bpy.app.version >= (4, 0, 0):
         bpy.ops.wm.ply_import(filepath=path, forward_axis="Y", up_axis="Z")  # as the file has it
     else:
         bpy.ops.import_mesh.ply(filepath=path)
+    return bpy.context.selected_objects[0]
+
+
+def import_glb(path):
+    if not hasattr(numpy, "bool"):
+        numpy.bool = bool  # the importer of Blender 3.4 uses a name that NumPy 1.24 no longer has
+    bpy.ops.object.select_all(action="DESELECT")
+    bpy.ops.import_scene.gltf(filepath=path)
+    if not bpy.context.selected_objects:  # a frame without water has no scene
+        return new_object(bpy.data.meshes.new("water"))
     item = bpy.context.selected_objects[0]
+    item.data.transform(Matrix.Rotation(math.radians(-90), 4, "X"))  # the importer turns y up to z up
+    return item
+
+
+def new_object(mesh):
+    item = bpy.data.objects.new("water", mesh)
+    bpy.context.collection.objects.link(item)
+    return item
+
+
+def import_vdb(path):
+    """The zero set of the grid `surface` as a mesh."""
+    bpy.ops.object.volume_import(filepath=path)
+    volume = bpy.context.object
+    source = new_object(bpy.data.meshes.new("source"))
+    modifier = source.modifiers.new("surface", "VOLUME_TO_MESH")
+    modifier.object, modifier.grid_name, modifier.threshold = volume, "surface", 0
+    evaluated = source.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    item = new_object(bpy.data.meshes.new_from_object(evaluated))
+    for used in (source, volume):
+        bpy.data.objects.remove(used)
+    return item
+
+
+def read_mesh(path, name):
+    readers = {"ply": import_ply, "glb": import_glb, "vdb": import_vdb}
+    item = readers[path.rsplit(".", 1)[1]](path)
     item.name = name
+    item.data.materials.clear()
     for polygon in item.data.polygons:
         polygon.use_smooth = True
     return item
@@ -212,9 +266,10 @@ def set_up_render(options):
 
 def main():
     options = arguments()
-    frames = frames_in(options.directory, options.frames)
+    frames = frames_in(options)
     if not frames:
-        sys.exit("%s: no surface_NNNN.ply; `oilskin mesh %s` makes them" % (options.directory, options.directory))
+        sys.exit("%s: no surface_NNNN.%s; `oilskin mesh %s` makes them" %
+                 (options.surfaces or options.directory, options.water or "ply", options.directory))
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.object.delete()
     set_up_render(options)
@@ -222,7 +277,7 @@ def main():
     body_material = matt("body", (0.45, 0.47, 0.50))
     cloth_material = matt("cloth", (0.62, 0.20, 0.11))
     placed = False
-    for number, (water_file, cloth_files, body_files) in frames.items():
+    for number, water_file, cloth_files, body_files in frames:
         items = [read_mesh(water_file, "water")]
         items[0].data.materials.append(wet)
         for paths, material in ((cloth_files, cloth_material), (body_files, body_material)):
