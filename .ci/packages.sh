@@ -5,6 +5,10 @@ oilskin_build_packages=(cmake ninja-build g++ pkg-config libeigen3-dev libfcl-de
 oilskin_test_packages=()
 oilskin_check_packages=(clang-format clang-tidy doxygen python3)
 oilskin_benchmark_packages=(libbenchmark-dev)
+# For `oilskin mesh` and `surface` of scenes: files in glTF and OpenVDB. Without them these formats are refused.
+oilskin_format_packages=(libtinygltf-dev libopenvdb-dev)
+# For the slow test tests/farm alone.
+oilskin_farm_packages=(slurmctld slurmd slurm-client slurm-wlm-basic-plugins munge python3)
 # xvfb-run needs xauth, and a renderer to draw with.
 oilskin_picture_packages=(libvtk9-dev xvfb xauth libgl1-mesa-dri)
 
