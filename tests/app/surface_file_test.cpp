@@ -11,6 +11,7 @@
 #include "output/gltf_file.h"
 #include "output/mesh_file.h"
 #include "output/output_error.h"
+#include "output/vdb_file.h"
 #include "scene/fields.h"
 #include "scene/mesh_options.h"
 
@@ -208,6 +209,24 @@ TEST_F(GltfFile, that_is_damaged_was_made_with_nothing_known) {
     EXPECT_EQ(demo::surface_made_with(path, "glb"), "") << n;
   }
   EXPECT_EQ(demo::surface_made_with(folder.write("other.glb", "of another program"), "glb"), "");
+}
+
+TEST(SurfaceFiles, of_formats_whose_library_is_not_there_are_refused_by_its_package) {
+  EXPECT_NO_THROW(demo::require_formats({"ply"}));
+  const std::pair<bool, std::string> expected[] = {
+      {demo::gltf_available(), R"("glb" needs TinyGLTF (Debian: libtinygltf-dev))"},
+      {demo::vdb_available(), R"("vdb" needs OpenVDB (Debian: libopenvdb-dev))"}};
+  for (const auto& [available, text] : expected) {
+    std::string message;
+    try {
+      demo::require_formats({"ply", text.substr(1, 3)});
+    } catch (const demo::SceneError& e) {
+      message = e.what();
+    }
+    EXPECT_EQ(message.empty(), available);
+    if (available) continue;
+    EXPECT_NE(message.find(text), std::string::npos) << message;
+  }
 }
 
 TEST(SurfaceFiles, that_cannot_be_written_leave_nothing_behind) {

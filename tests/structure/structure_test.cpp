@@ -49,7 +49,7 @@ const std::map<std::string, std::set<std::string>> app_may_see = {
     {"scene", {}},
     {"geometry", {}},
     {"hosts", {"scene"}},
-    {"output", {"scene", "hosts"}},
+    {"output", {"scene", "geometry", "hosts"}},
     {"checks", {"scene", "geometry", "hosts", "output"}},
     {"render", {"scene", "geometry", "output"}},
     {"run", {"scene", "hosts", "output", "checks", "render"}},
@@ -72,6 +72,8 @@ const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>>
     {{"nlohmann/"}, {"demos/app/scene/fields.h"}},
     {{"CLI/"}, {"demos/app/main.cpp"}},
     {{"vtk"}, {"demos/app/render/"}},
+    {{"tiny_gltf"}, {"demos/app/output/gltf_file.cpp"}},
+    {{"openvdb/"}, {"demos/app/output/vdb_file.cpp"}},
 };
 
 bool begins(const std::string& text, const std::string& with) {

@@ -178,7 +178,8 @@ std::string vdb_made_with(const std::string& path) {
   in.seekg(uuid_at + uuid_length);
   if (!in.read(reinterpret_cast<char*>(&count), sizeof count)) return "";
   for (std::uint32_t i = 0; i < count; ++i) {
-    const std::string name = read_text(in), type = read_text(in), value = read_text(in);
+    const std::string name = read_text(in), type = read_text(in);
+    std::string value = read_text(in);
     if (!in) return "";
     if (name == "made_with" && type == "string") return value;
   }
