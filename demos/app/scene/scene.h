@@ -151,14 +151,16 @@ struct WaterMeshSettings {
   double gap = 0;   ///< to cloth and bodies [m]
   ObstacleMode mode = ObstacleMode::gap;
   ReconstructionField field = ReconstructionField::density_decay;
-  double touch_range = 1;                      ///< in spacings
-  double wet_saturation = 0.5;                 ///< from which on cloth is wet
-  double wet_blend = 0.5;                      ///< width of the transition, as a fraction of wet_saturation
-  double overlap_depth = 0;                    ///< [m]
-  int smoothing = 10;                          ///< iterations
-  double min_blob = 0;                         ///< in spacings³
-  std::vector<std::string> formats = {"ply"};  ///< of the files, see known_formats()
-  std::vector<std::string> channels = {"velocity"};  ///< of the vertices, see known_channels()
+  double touch_range = 1;       ///< in spacings
+  double wet_saturation = 0.5;  ///< from which on cloth is wet
+  double wet_blend = 0.5;       ///< width of the transition, as a fraction of wet_saturation
+  double overlap_depth = 0;     ///< [m]
+  int smoothing = 10;           ///< iterations
+  double min_blob = 0;          ///< in spacings³
+  /// Of the files, see known_formats().
+  std::vector<std::string> formats = {"ply"};
+  /// Of the vertices, see known_channels().
+  std::vector<std::string> channels = {"velocity"};
 };
 
 /// A cut through the scene: only water within the slab is shown, and of surfaces their lines in its middle
