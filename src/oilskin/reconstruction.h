@@ -87,12 +87,18 @@ struct ReconstructionOptions {
   /// Overlap: [m], 0 … 1 spacing.
   double overlap_depth = 0;
 
+  /// The mesh encloses the volume of the water: drops of one particle are spheres, water that lies on an
+  /// obstacle in a layer is a sheet as thick as the water per area there (not in mode `none`), and the mesh
+  /// is moved by what it lacks, on average over a few spacings. Modes `reset` and `overlap`, which change the
+  /// volume, never do so. With a clip box only drops, films and small pieces keep theirs.
+  bool keep_volume = true;
+
   /// λ|μ steps [Taubin1995] that preserve the volume, 0 … 1000. At obstacles vertices move only as far as the
   /// gap allows.
   int smoothing_iterations = 0;
   /// Only what lies inside, to 1 % of a cell; the mesh is closed along the sides of the box.
   std::optional<Box> clip;
-  /// Pieces of water of a smaller volume are left out, in s³, ≥ 0; a drop has about 0.5.
+  /// Pieces of water of a smaller volume are left out, in s³, ≥ 0; a particle has about 1.
   double min_blob = 0;
   /// Fill WaterMesh::nearest.
   bool nearest = false;
@@ -131,6 +137,8 @@ struct ReconstructionInput {
   Span<const Vec3> positions;
   /// [m/s], as many as positions, or none.
   Span<const Vec3> velocities;
+  /// The water of each particle, m/ρ0 [m³], finite and ≥ 0, as many as positions; or none: each has s³.
+  Span<const double> volumes = {};
   /// More quantities of the particles.
   std::vector<ParticleAttribute> attributes;
   /// Meshes that the water must not intersect.
@@ -159,6 +167,9 @@ struct WaterMesh {
   std::vector<Float3> velocities;
   /// As in the input.
   std::vector<Attribute> attributes;
+  /// If ReconstructionOptions::keep_volume: of the water on an obstacle near the vertex [m]; 0 away from
+  /// films, and for drops.
+  std::vector<float> thickness;
   /// If ReconstructionOptions::nearest: the number in the input of the nearest particle that the vertex sees,
   /// the smallest where several are. A vertex that sees none has the nearest one within the kernel radius,
   /// and `no_particle` where there is none.
@@ -197,7 +208,10 @@ struct ReconstructionReport {
   std::size_t components_freed = 0;
   /// Pieces of water smaller than ReconstructionOptions::min_blob.
   std::size_t blobs_removed = 0;
-  /// Vertices that smoothing put back because they came too close.
+  /// Drops of one particle, and such drops for which an obstacle leaves no space, that reach out of the clip
+  /// box, or that are smaller than ReconstructionOptions::min_blob.
+  std::size_t drops = 0, drops_left_out = 0;
+  /// Vertices that smoothing, or the fit of the volume, put back because they came too close.
   std::size_t vertices_held = 0;
   /// The volume inside the mesh [m³].
   double volume = 0;

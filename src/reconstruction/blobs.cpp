@@ -44,9 +44,10 @@ void join_nodes(const Grid& grid, std::uint32_t b, const NodeNumbers& number, Di
 
 }  // namespace
 
-double six_volumes(const RawMesh& mesh, const Triangle& t, const std::array<float, 3>& origin) {
+double six_volumes(const std::vector<std::array<float, 3>>& positions, const Triangle& t,
+                   const std::array<float, 3>& origin) {
   const auto at = [&](std::uint32_t v) {
-    const auto& p = mesh.positions[v];
+    const auto& p = positions[v];
     return Vec3(double(p[0]) - origin[0], double(p[1]) - origin[1], double(p[2]) - origin[2]);
   };
   return at(t[0]).dot(at(t[1]).cross(at(t[2])));
@@ -62,7 +63,8 @@ std::size_t remove_blobs(const Grid& grid, double min_volume, RawMesh& mesh) {
   std::vector<double> volume(number.count(), 0);
   std::vector<std::uint32_t> piece(mesh.positions.size());
   for (std::size_t v = 0; v < piece.size(); ++v) piece[v] = sets.find(number.of(mesh.inside_nodes[v]));
-  for (const Triangle& t : mesh.triangles) volume[piece[t[0]]] += six_volumes(mesh, t, mesh.positions[0]) / 6;
+  for (const Triangle& t : mesh.triangles)
+    volume[piece[t[0]]] += six_volumes(mesh.positions, t, mesh.positions[0]) / 6;
 
   std::vector<std::uint8_t> counted(number.count(), 0);
   std::size_t removed = 0;
@@ -76,6 +78,7 @@ std::size_t remove_blobs(const Grid& grid, double min_volume, RawMesh& mesh) {
     }
     renumbered[v] = kept;
     mesh.positions[kept] = mesh.positions[v];
+    mesh.distances[kept] = mesh.distances[v];
     mesh.inside_nodes[kept++] = mesh.inside_nodes[v];
   }
   for (std::uint32_t& first : mesh.first_vertex) {
@@ -85,6 +88,7 @@ std::size_t remove_blobs(const Grid& grid, double min_volume, RawMesh& mesh) {
   }
   mesh.positions.resize(kept);
   mesh.inside_nodes.resize(kept);
+  mesh.distances.resize(kept);
   std::size_t triangles = 0;
   for (const Triangle& t : mesh.triangles) {
     if (renumbered[t[0]] == none) continue;

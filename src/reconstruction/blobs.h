@@ -10,6 +10,7 @@ namespace oilskin::reconstruction {
 std::size_t remove_blobs(const Grid& grid, double min_volume, RawMesh& mesh);
 
 /// Six times the signed volume of the tetrahedron of a triangle and `origin` [m³].
-double six_volumes(const RawMesh& mesh, const Triangle& t, const std::array<float, 3>& origin);
+double six_volumes(const std::vector<std::array<float, 3>>& positions, const Triangle& t,
+                   const std::array<float, 3>& origin);
 
 }  // namespace oilskin::reconstruction

@@ -119,7 +119,8 @@ MeshCheck check_mesh(const WaterMesh& mesh, Span<const ObstacleMesh> obstacle_me
   RawMesh raw;
   raw.positions = mesh.positions;
   raw.triangles = mesh.triangles;
-  for (const Triangle& t : mesh.triangles) check.volume += six_volumes(raw, t, mesh.positions[0]) / 6;
+  for (const Triangle& t : mesh.triangles)
+    check.volume += six_volumes(raw.positions, t, mesh.positions[0]) / 6;
 
   Obstacles obstacles(obstacle_meshes);
   if (obstacles.empty() || mesh.triangles.empty()) return check;

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/assert.h"
+#include "reconstruction/water.h"
 
 namespace oilskin::reconstruction {
 
@@ -25,6 +26,18 @@ constexpr float min_solid_density = 0.75f, max_solid_offset = 0.5f;
 /// Nodes with even coordinates; one row of eight holds two rows of four.
 constexpr int coarse = side / 2;
 constexpr float coarse_x[side] = {0, 2, 4, 6, 0, 2, 4, 6}, coarse_y[side] = {0, 0, 0, 0, 4, 4, 4, 4};
+
+/// Volumes of particles [dx³] in water and in sheets of one layer, see FieldParameters::sparse_radius.
+constexpr float dense_below = 1.5f, sparse_above = 2.5f;
+
+/// The radius that a cell needs to see a particle wherever it lies [cells], nearly √3/2.
+constexpr double seen_radius = 0.88;
+
+/// Particles may see films of the grid higher than their planes tell, where obstacles bend [dx].
+constexpr double top_slack = 0.3;
+
+/// Films thin out over about half a cell; so that they keep their area, discs are larger by this [cells].
+constexpr float rim = 0.25f;
 
 struct Range {
   int first, last;
@@ -53,6 +66,8 @@ FieldParameters field_parameters(const ReconstructionOptions& o) {
   p.particle_radius = static_cast<float>(o.particle_radius / o.cell);
   p.kernel_norm = static_cast<float>(315 / (64 * pi * std::pow(o.kernel_radius, 3)));
   p.rest_count = static_cast<float>(std::pow(side * o.cell, 3));
+  if (keeps_volume(o) && p.needs_volumes())
+    p.sparse_radius = std::max(0.0f, static_cast<float>(seen_radius) - p.particle_radius);
   OILSKIN_ASSERT(p.kernel_radius > 0 && p.rest_count > 0);
   return p;
 }
@@ -63,6 +78,14 @@ inline void FieldBlock::add(const F8& weight, const std::array<float, 3>& q, Row
   (F8::load(row.x) + weight * q[0]).store(row.x);
   (F8::load(row.y) + weight * q[1]).store(row.y);
   (F8::load(row.z) + weight * q[2]).store(row.z);
+}
+
+/// Adds a particle's share of the radius for sparse water.
+inline void FieldBlock::add_sparse(const F8& weight, float volume, int row) {
+  const float share = std::clamp((volume - dense_below) / (sparse_above - dense_below), 0.0f, 1.0f);
+  if (share == 0) return;
+  float* const at = &sparse_[std::size_t(row) * side];
+  (F8::load(at) + weight * share).store(at);
 }
 
 /// Calls f(j, k, rest) for the rows of nodes that a particle at q reaches; rest = 1 − (dy² + dz²)/R².
@@ -91,10 +114,13 @@ void FieldBlock::for_weights(const std::array<float, 3>& q, float volume, const 
 
 void FieldBlock::scatter(const NearParticles& near) {
   std::memset(rows_, 0, sizeof rows_);
+  if (p_.sparse_radius > 0) sparse_.fill(0);
   for (std::size_t c = 0; c < near.count; ++c) {
     const std::array<float, 3> q = {near.x[c], near.y[c], near.z[c]};
-    for_weights(q, near.volume[c],
-                [&](int j, int k, const F8& weights) { add(weights, q, rows_[j + side * k]); });
+    for_weights(q, near.volume[c], [&](int j, int k, const F8& weights) {
+      add(weights, q, rows_[j + side * k]);
+      if (p_.sparse_radius > 0) add_sparse(weights, near.volume[c], j + side * k);
+    });
   }
 }
 
@@ -194,6 +220,7 @@ std::uint32_t FieldBlock::hidden(int j, int k, std::uint32_t queried) {
 
 void FieldBlock::scatter_visible(const NearParticles& near, const BlockVisibility& visibility) {
   std::memset(rows_, 0, sizeof rows_);
+  if (p_.sparse_radius > 0) sparse_.fill(0);
   prepare_rows(visibility);
   for (std::size_t c = 0; c < near.count; ++c) {
     const std::array<float, 3> q = {near.x[c], near.y[c], near.z[c]};
@@ -203,8 +230,49 @@ void FieldBlock::scatter_visible(const NearParticles& near, const BlockVisibilit
         if (const std::uint32_t bits = hidden(j, k, greater_mask(weights, 0.0f)); bits != 0)
           weights = cleared(weights, bits);
       add(weights, q, rows_[j + side * k]);
+      if (p_.sparse_radius > 0) add_sparse(weights, near.volume[c], j + side * k);
     });
   }
+}
+
+bool FieldBlock::evaluate_films(const NearParticles& near, const BlockVisibility& visibility,
+                                const Film& film, FilmPlace place, float* values) {
+  bool any = false;
+  if (!visibility.empty()) prepare_rows(visibility);
+  const F8 nodes_x = F8::load(row_nodes);
+  const FilmRule& rule = film.rule();
+  const auto half_height = static_cast<float>(rule.grid_height / 2),
+             lowest = static_cast<float>(rule.clearance + rule.grid_height / 2),
+             // A node at another layer, which faces the particle, is not on its film.
+      top = static_cast<float>(rule.clearance + rule.grid_height + top_slack * rule.spacing);
+  for (std::size_t c = 0; c < near.count; ++c) {
+    const FilmParticle* const p = film.find(near.particle[c]);
+    if (!p || !(p->radius > 0)) continue;
+    if (!any) std::fill(values, values + nodes, p_.outside());
+    any = true;
+    const std::array<float, 3> q = {near.x[c], near.y[c], near.z[c]};
+    const float middle = std::max(p->height, lowest), radius = p->radius + rim;
+    const bool check = !visibility.empty() && may_be_hidden(visibility, q);
+    for_rows(q, [&](int j, int k, float) {
+      const float dy = static_cast<float>(j) - q[1], dz = static_cast<float>(k) - q[2];
+      const F8 dx = nodes_x - q[0], along = dx * p->normal[0] + (dy * p->normal[1] + dz * p->normal[2]);
+      const F8 rho2 = positive_part(dx * dx + (dy * dy + dz * dz) - along * along);
+      F8 value = (rho2 - radius * radius) * (0.5f / radius);
+      const F8 at = along + p->height;
+      value = larger(
+          value, place == FilmPlace::on_obstacle ? at - top : larger(at - middle, middle - at) - half_height);
+      float* const row = &values[node_index(0, j, k)];
+      const F8 now = F8::load(row);
+      std::uint32_t improves = greater_mask(now, value);
+      if (improves == 0) return;
+      if (check) improves &= ~hidden(j, k, improves);
+      float next[side], before[side];
+      value.store(next);
+      now.store(before);
+      for (int i = 0; i < side; ++i) row[i] = improves >> i & 1 ? next[i] : before[i];
+    });
+  }
+  return any;
 }
 
 /// For the eigenvalue decay. Not vectorised.
@@ -267,6 +335,7 @@ float FieldBlock::value_of(int node) const {
               dz = row.z[i] / w - static_cast<float>(k);
   const float distance = std::sqrt(dx * dx + dy * dy + dz * dz);
   float radius = p_.particle_radius;
+  if (p_.sparse_radius > 0) radius += p_.sparse_radius * sparse_[std::size_t(node)] / w;
   if (p_.kind == ReconstructionField::density_decay) radius *= density_decay(w * p_.kernel_norm);
   if (p_.kind == ReconstructionField::eigenvalue_decay) radius *= eigenvalue_decay(node, Vec3(dx, dy, dz));
   return std::min(distance - radius, p_.outside());
@@ -281,65 +350,6 @@ void FieldBlock::evaluate(const NearParticles& near, const BlockVisibility* visi
     scatter(near);
   if (p_.kind == ReconstructionField::eigenvalue_decay) scatter_moments(near, visibility);
   for (int n = 0; n < nodes; ++n) values[n] = value_of(n);
-}
-
-namespace {
-
-constexpr int half_side = side / 2;
-constexpr float half = half_side;
-
-int octant_of(const std::array<float, 3>& x) {
-  return (x[0] >= half) | (x[1] >= half) << 1 | (x[2] >= half) << 2;
-}
-
-/// Σ k as eight partial sums, which are added in a fixed order.
-float kernel_sum(const NearParticles& near, const std::array<float, 3>& x, float scale) {
-  F8 sums;
-  for (std::size_t c = 0; c < near.x.size(); c += 8) {
-    const F8 dx = F8::load(&near.x[c]) - x[0], dy = F8::load(&near.y[c]) - x[1],
-             dz = F8::load(&near.z[c]) - x[2];
-    const F8 u = positive_part(F8(1.0f) - (dx * dx + dy * dy + dz * dz) * scale);
-    sums = sums + u * u * u;
-  }
-  float sum[8];
-  sums.store(sum);
-  return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
-}
-
-}  // namespace
-
-std::vector<float> particle_volumes(const ParticleBlocks& particles, const FieldParameters& p,
-                                    const std::vector<std::uint8_t>& needed, const Workers& workers) {
-  OILSKIN_ASSERT(needed.size() == particles.blocks.size());
-  std::vector<float> volumes(particles.size(), 1.0f);
-  const std::vector<float> no_volumes;
-  const float scale = 1 / (p.kernel_radius * p.kernel_radius);
-  workers.for_chunks(particles.blocks.size(), 16, [&](std::size_t from, std::size_t to, std::size_t) {
-    NearParticles near, part;
-    for (std::size_t b = from; b < to; ++b) {
-      if (!needed[b]) continue;
-      const std::size_t begin = particles.begin[b], end = particles.begin[b + 1];
-      const float count = static_cast<float>(end - begin);
-      // Far too many particles in a block (a wrong spacing): avoids work that is quadratic in their number.
-      if (count > 64 * (p.rest_count + 8)) {
-        std::fill(volumes.begin() + std::ptrdiff_t(begin), volumes.begin() + std::ptrdiff_t(end),
-                  p.rest_count / count);
-        continue;
-      }
-      near.gather(particles, no_volumes, particles.blocks[b], 0, side, p.kernel_radius);
-      for (int octant = 0; octant < 8; ++octant) {
-        const std::array<float, 3> low = {octant & 1 ? half : 0, octant & 2 ? half : 0,
-                                          octant & 4 ? half : 0};
-        part.select(near, low, half, p.kernel_radius);
-        for (std::size_t i = begin; i < end; ++i) {
-          const std::array<float, 3> x = {particles.x[i], particles.y[i], particles.z[i]};
-          if (octant_of(x) == octant)
-            volumes[i] = 1 / (p.kernel_norm * std::max(kernel_sum(part, x, scale), 1.0f));
-        }
-      }
-    }
-  });
-  return volumes;
 }
 
 double max_real_eigenvalue(const Eigen::Matrix3d& a) {

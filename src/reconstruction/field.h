@@ -3,6 +3,7 @@
 
 #include "core/simd.h"
 #include "oilskin/reconstruction.h"
+#include "reconstruction/film.h"
 #include "reconstruction/particle_blocks.h"
 #include "reconstruction/visibility.h"
 
@@ -16,6 +17,8 @@ struct FieldParameters {
   float particle_radius = 0;  ///< r
   float kernel_norm = 0;      ///< 315 / 64π (R/dx)⁻³: W/k for a particle of volume dx³
   float rest_count = 0;       ///< particles of a full block
+  /// Added to r where particles have few neighbours, so that coarse cells see them.
+  float sparse_radius = 0;
 
   bool needs_volumes() const {
     return kind == ReconstructionField::density_decay || kind == ReconstructionField::density;
@@ -37,11 +40,19 @@ class FieldBlock {
   /// 512 values. With `visibility`, a node counts only particles that it sees.
   void evaluate(const NearParticles& near, const BlockVisibility* visibility, float* values);
 
+  /// Where the discs of films are, as high as films on the grid: from the clearance on, or around their
+  /// particles.
+  enum class FilmPlace { on_obstacle, at_particles };
+  /// 512 values, negative in discs of particles that the node sees. False if no disc reaches the block.
+  bool evaluate_films(const NearParticles& near, const BlockVisibility& visibility, const Film& film,
+                      FilmPlace place, float* values);
+
  private:
   struct Row {  // sums at 8 nodes: Σ V k and Σ V k x
     float weight[side], x[side], y[side], z[side];
   };
   static void add(const F8& weight, const std::array<float, 3>& q, Row& row);
+  void add_sparse(const F8& weight, float volume, int row);
   template <class F>
   void for_rows(const std::array<float, 3>& q, const F& f) const;
   template <class F>
@@ -62,6 +73,7 @@ class FieldBlock {
   FieldParameters p_;
   Row rows_[side * side];
   std::vector<Moments> moments_;
+  std::array<float, nodes> sparse_;  // Σ V k of particles with few neighbours, if sparse_radius > 0
   // The planes in front of which, and behind which, a row, the block and a particle are.
   Words row_front_, row_back_, block_front_, block_back_, front_, back_;
   Words

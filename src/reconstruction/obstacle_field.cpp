@@ -4,6 +4,10 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "reconstruction/film.h"
+#include "reconstruction/pieces.h"
+#include "reconstruction/smoothing.h"
+#include "reconstruction/water.h"
 
 namespace oilskin::reconstruction {
 
@@ -44,10 +48,11 @@ std::uint8_t inside_corners(const Grid& grid, const CellAt& c) {
 void set_wet_rule(const ReconstructionOptions& o, ContactParameters& p) {
   p.wet.wet_from = o.wet_saturation;
   p.wet.dry_to = (1 - o.wet_blend) * o.wet_saturation;
-  p.wet.range = p.touch_range;
+  // Films reach farther than `touch` does, which needs no wetness beyond its range.
+  p.wet.range = keeps_volume(o) && p.touch_range > 0 ? std::max(p.touch_range, p.band) : p.touch_range;
   p.wet.fade = fade_of_range * p.touch_range;
   p.band = std::max(p.band, p.touch_range);
-  p.reach = std::max(p.reach, p.touch_range + p.wet.fade + 2 * on_obstacle);
+  p.reach = std::max(p.reach, p.wet.range + p.wet.fade + 2 * on_obstacle);
 }
 
 }  // namespace
@@ -63,6 +68,7 @@ ContactParameters contact_parameters(const ReconstructionOptions& o) {
   if (o.contact == ObstacleMode::reset) p.clearance = std::max(o.gap / cell, 0.5);
   // touch needs distances up to its range, overlap also at neighbours of the nodes that it changes.
   p.band = p.clearance + 1.25;
+  if (keeps_volume(o) && p.promises()) p.band = std::max(p.band, film_band(p.clearance));
   if (o.contact == ObstacleMode::touch) p.band = std::max(p.band, p.touch_range);
   if (o.contact == ObstacleMode::overlap) p.band = std::max(p.band, std::max(p.touch_range, p.depth) + 1);
   // For visibility, for distances, and for corners that repair may set outside, which must have values.
@@ -122,6 +128,28 @@ bool is_submerged(const Obstacles& obstacles, const std::vector<std::uint32_t>& 
     if (c.block == none || inside_corners(grid, c) == 0) return false;
   }
   return std::abs(winding_number(mesh.positions, mesh.triangles, obstacles.vertex(piece[0]), workers)) > 0.5;
+}
+
+std::size_t put_back_around_enclosed(const Obstacles& obstacles, const Grid& grid,
+                                     const std::vector<std::array<float, 3>>& start, RawMesh& mesh,
+                                     const Workers& workers) {
+  std::size_t vertices = 0;
+  for (const std::vector<std::uint32_t>& piece : obstacles.pieces()) {
+    if (!std::all_of(piece.begin(), piece.end(),
+                     [&](std::uint32_t v) { return is_near_water(grid, obstacles.vertex(v) / grid.cell); }))
+      continue;
+    const Vec3& x = obstacles.vertex(piece[0]);
+    if (std::abs(winding_number(mesh.positions, mesh.triangles, x, workers)) < 0.5) continue;
+    Box box;
+    for (const std::uint32_t v : piece) box.add(obstacles.vertex(v));
+    box = box.inflated(4 * grid.cell);
+    for (std::size_t v = 0; v < start.size(); ++v)
+      if (box.contains(Vec3(start[v][0], start[v][1], start[v][2])) && mesh.positions[v] != start[v]) {
+        mesh.positions[v] = start[v];
+        ++vertices;
+      }
+  }
+  return vertices;
 }
 
 std::vector<NodeRef> nodes_around(const Vec3& x, const Grid& grid) {

@@ -16,6 +16,8 @@ struct ContactParameters {
   WetRule wet;             ///< of mode `wet`
   double reach = 0;        ///< obstacles farther than this from a block do not affect it [cells]
 
+  /// Of films: nothing is drawn to obstacles without a range.
+  ObstacleMode film_mode() const { return touch_range > 0 ? mode : ObstacleMode::gap; }
   bool uses_visibility() const { return mode != ObstacleMode::none; }
   bool promises() const {
     return mode == ObstacleMode::gap || mode == ObstacleMode::touch || mode == ObstacleMode::wet;
@@ -32,6 +34,12 @@ float value_at_contact(const ContactParameters& p, float visible, float all, flo
 /// decides.
 bool is_submerged(const Obstacles& obstacles, const std::vector<std::uint32_t>& piece, const Grid& grid,
                   const RawMesh& mesh, const Workers& workers);
+
+/// Vertices moved by less than two cells from `start`, where the promise holds. Puts those around pieces of
+/// obstacles that are now inside the water back. Returns their number.
+std::size_t put_back_around_enclosed(const Obstacles& obstacles, const Grid& grid,
+                                     const std::vector<std::array<float, 3>>& start, RawMesh& mesh,
+                                     const Workers& workers);
 
 /// Winding number of a closed mesh around a point (R.20): Σ Ω/4π [Oosterom1983].
 double winding_number(const std::vector<std::array<float, 3>>& positions,

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "reconstruction/cell_volume.h"
+#include "reconstruction/cube_lattice.h"
 
 namespace oilskin::reconstruction {
 
@@ -98,24 +100,91 @@ void for_vertices(const VertexMasks& masks, std::uint32_t block, const F& f) {
         VertexRef{block, w % 8 * 64 + __builtin_ctzll(bits), static_cast<std::uint8_t>(w / 8 % 3), w >= 24});
 }
 
-void add_triangles(const Grid& grid, std::uint32_t block, const BlockRows& rows,
-                   const std::vector<VertexMasks>& masks, const std::vector<std::uint32_t>& mask_of,
-                   const std::vector<std::uint32_t>& first, std::vector<Triangle>& out) {
-  const auto& table = marching_cubes_table();
-  for_surface_cells(rows, [&](int i, int j, int k) {
-    for_parts(rows.corners(i, j, k), rows.cuts(i, j, k), [&](std::uint8_t part) {
-      const CellCase& c = table[part];
-      for (std::size_t t = 0; t < c.count; ++t) {
-        Triangle triangle;
-        for (std::size_t n = 0; n < 3; ++n) {
-          const VertexRef v = cell_vertex(grid, block, i, j, k, c.triangles[t][n], part);
-          OILSKIN_ASSERT(v.block != none && mask_of[v.block] != none);
-          triangle[n] = first[v.block] + masks[mask_of[v.block]].number(v);
+/// Cells of a row whose corners are all inside, bit i.
+unsigned full_cells(const BlockRows& rows, int j, int k) {
+  const std::size_t r = std::size_t(j + 9 * k);
+  const unsigned all = rows.inside[r] & rows.inside[r + 1] & rows.inside[r + 9] & rows.inside[r + 10];
+  return all & all >> 1 & 0xff;
+}
+
+/// Makes the triangles of blocks.
+class Triangulation {
+ public:
+  Triangulation(const Grid& grid, const std::vector<VertexMasks>& masks,
+                const std::vector<std::uint32_t>& mask_of, const RawMesh& mesh)
+      : grid_(grid), masks_(masks), mask_of_(mask_of), mesh_(mesh) {}
+
+  void add(std::uint32_t block, const BlockRows& rows, std::vector<Triangle>& out) const {
+    const auto& table = marching_cubes_table();
+    for_surface_cells(rows, [&](int i, int j, int k) {
+      for_parts(rows.corners(i, j, k), rows.cuts(i, j, k), [&](std::uint8_t part) {
+        const CellCase& c = table[part];
+        for (std::size_t t = 0; t < c.count; ++t) {
+          Triangle triangle;
+          for (std::size_t n = 0; n < 3; ++n) triangle[n] = number(block, i, j, k, c.triangles[t][n], part);
+          out.push_back(triangle);
         }
-        out.push_back(triangle);
-      }
+      });
     });
-  });
+  }
+  /// The water in the cubes of a block. Needs the positions.
+  std::array<float, 8> volumes(std::uint32_t block, const BlockRows& rows) const {
+    std::array<double, 8> sum{};
+    const Vec3 origin = grid_.origin(grid_.blocks[block]);
+    for (int k = 0; k < side; ++k)
+      for (int j = 0; j < side; ++j)
+        for (unsigned bits = full_cells(rows, j, k); bits != 0; bits &= bits - 1)
+          sum[cube_of(__builtin_ctz(bits), j, k)] += 1;
+    for_surface_cells(rows, [&](int i, int j, int k) {
+      double& volume = sum[cube_of(i, j, k)];
+      if (full_cells(rows, j, k) >> i & 1) volume -= 1;
+      const Vec3 corner = origin + grid_.cell * Vec3(i, j, k);
+      for_all_parts(rows.corners(i, j, k), rows.cuts(i, j, k),
+                    [&](std::uint8_t part) { volume += volume_of(block, i, j, k, part, corner); });
+    });
+    std::array<float, 8> result{};
+    for (std::size_t c = 0; c < 8; ++c) result[c] = static_cast<float>(sum[c]);
+    return result;
+  }
+
+ private:
+  /// As for_parts(), also the part of all corners.
+  template <class F>
+  static void for_all_parts(std::uint8_t inside, std::uint16_t cuts, const F& f) {
+    for (unsigned left = inside; left != 0;) {
+      const std::uint8_t part = cuts == 0 ? std::uint8_t{0xff} : part_of(__builtin_ctz(left), cuts);
+      f(static_cast<std::uint8_t>(part & inside));
+      left &= ~unsigned(part);
+    }
+  }
+  double volume_of(std::uint32_t block, int i, int j, int k, std::uint8_t part, const Vec3& corner) const {
+    if (part == 0xff) return 1;
+    std::array<Vec3, 12> at;
+    for (int e = 0; e < 12; ++e) {
+      const CellEdge& edge = cell_edges[std::size_t(e)];
+      if ((part >> edge.low & 1) == (part >> edge.high & 1)) continue;
+      const auto& p = mesh_.positions[number(block, i, j, k, e, part)];
+      at[std::size_t(e)] = (Vec3(p[0], p[1], p[2]) - corner) / grid_.cell;
+    }
+    return part_volume(part, at);
+  }
+  std::uint32_t number(std::uint32_t block, int i, int j, int k, int edge, std::uint8_t part) const {
+    const VertexRef v = cell_vertex(grid_, block, i, j, k, edge, part);
+    OILSKIN_ASSERT(v.block != none && mask_of_[v.block] != none);
+    return mesh_.first_vertex[v.block] + masks_[mask_of_[v.block]].number(v);
+  }
+
+  const Grid& grid_;
+  const std::vector<VertexMasks>& masks_;
+  const std::vector<std::uint32_t>& mask_of_;
+  const RawMesh& mesh_;
+};
+
+/// The water in the cubes of blocks without surface.
+void fill_solid_blocks(const Grid& grid, const std::vector<std::uint32_t>& mask_of, RawMesh& mesh) {
+  mesh.cube_volumes.assign(grid.blocks.size(), std::array<float, 8>{});
+  for (std::uint32_t b = 0; b < grid.blocks.size(); ++b)
+    if (mask_of[b] == none && grid.is_inside({b, 0})) mesh.cube_volumes[b].fill(64);
 }
 
 }  // namespace
@@ -129,6 +198,21 @@ std::array<float, 3> vertex_position(const Grid& grid, const VertexRef& v) {
                z = double(at.z) * side + (v.node >> 6) + s.z * t;
   return {static_cast<float>(x * grid.cell), static_cast<float>(y * grid.cell),
           static_cast<float>(z * grid.cell)};
+}
+
+float vertex_distance(const Grid& grid, const VertexRef& v) {
+  const double t = std::min(std::max(fraction_from_inside_end(grid, v), end_margin), 1 - end_margin);
+  const NodeRef low{v.block, v.node}, high = high_end(grid, v);
+  const double own = grid.distance(v.of_high_end ? high : low),
+               other = grid.distance(v.of_high_end ? low : high);
+  const std::uint32_t near = grid.blocks[v.block].near;
+  if (const CutEdge* cut = near == none ? nullptr : grid.nears[near].find_cut(v.axis, v.node)) {
+    const double crossing = v.of_high_end ? 1.0 - cut->last : double(cut->first);
+    return static_cast<float>(own * std::max(0.0, 1 - t / std::max(crossing, 1e-6)));
+  }
+  return static_cast<float>(std::isfinite(own) && std::isfinite(other)
+                                ? own + t * (other - own)
+                                : std::numeric_limits<double>::infinity());
 }
 
 NodeRef inside_end(const Grid& grid, const VertexRef& v) {
@@ -153,17 +237,26 @@ RawMesh polygonise(const Grid& grid, bool with_nodes, const Workers& workers) {
     mesh.first_vertex[b + 1] = mesh.first_vertex[b] + (mask_of[b] == none ? 0 : masks[mask_of[b]].count);
   mesh.positions.resize(mesh.first_vertex.back());
   if (with_nodes) mesh.inside_nodes.resize(mesh.positions.size());
+  if (with_nodes) mesh.distances.resize(mesh.positions.size());
   std::vector<std::vector<Triangle>> found((n + chunk - 1) / chunk);
+  workers.for_each(n, chunk, [&](std::size_t m) {
+    const std::uint32_t b = with_surface[m];
+    for_vertices(masks[m], b, [&](std::uint32_t number, const VertexRef& v) {
+      mesh.positions[mesh.first_vertex[b] + number] = vertex_position(grid, v);
+      if (!with_nodes) return;
+      mesh.inside_nodes[mesh.first_vertex[b] + number] = inside_end(grid, v);
+      mesh.distances[mesh.first_vertex[b] + number] = vertex_distance(grid, v);
+    });
+  });
+  if (with_nodes) fill_solid_blocks(grid, mask_of, mesh);
+  const Triangulation triangulation(grid, masks, mask_of, mesh);
   workers.for_chunks(n, chunk, [&](std::size_t from, std::size_t to, std::size_t c) {
     BlockRows rows;
     for (std::size_t m = from; m < to; ++m) {
       const std::uint32_t b = with_surface[m];
-      for_vertices(masks[m], b, [&](std::uint32_t number, const VertexRef& v) {
-        mesh.positions[mesh.first_vertex[b] + number] = vertex_position(grid, v);
-        if (with_nodes) mesh.inside_nodes[mesh.first_vertex[b] + number] = inside_end(grid, v);
-      });
       rows.gather(grid, b);
-      add_triangles(grid, b, rows, masks, mask_of, mesh.first_vertex, found[c]);
+      triangulation.add(b, rows, found[c]);
+      if (with_nodes) mesh.cube_volumes[b] = triangulation.volumes(b, rows);
     }
   });
   std::size_t total = 0;

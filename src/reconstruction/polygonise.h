@@ -35,9 +35,16 @@ struct RawMesh {
   std::vector<std::uint32_t> first_vertex;
   /// Per vertex, its inside end.
   std::vector<NodeRef> inside_nodes;
+  /// Per vertex, its distance from obstacles [cells], linear between the ends of its edge.
+  std::vector<float> distances;
+  /// Per block, the water in its eight cubes of 4³ cells [cells³]; cube x + 2y + 4z.
+  std::vector<std::array<float, 8>> cube_volumes;
 };
 
-/// The mesh, in the order of blocks. `with_nodes` fills inside_nodes.
+/// The mesh, in the order of blocks. `with_nodes` fills all that is per vertex and per block.
 RawMesh polygonise(const Grid& grid, bool with_nodes, const Workers& workers);
+
+/// The distance of a vertex from obstacles [cells].
+float vertex_distance(const Grid& grid, const VertexRef& v);
 
 }  // namespace oilskin::reconstruction

@@ -5,11 +5,15 @@
 #include "core/refuse.h"
 #include "core/stage_timer.h"
 #include "reconstruction/blobs.h"
+#include "reconstruction/drops.h"
+#include "reconstruction/film.h"
 #include "reconstruction/narrow_band.h"
 #include "reconstruction/obstacle_distance.h"
 #include "reconstruction/obstacle_field.h"
+#include "reconstruction/pieces.h"
 #include "reconstruction/smoothing.h"
 #include "reconstruction/vertex_data.h"
+#include "reconstruction/volume_fit.h"
 
 namespace oilskin {
 
@@ -25,6 +29,11 @@ Status validate_input(const ReconstructionInput& input) {
   if (n >= 0xfffffff0u) return Status::refused("positions: more than 2^32 − 16");
   if (!input.velocities.empty() && input.velocities.size() != n)
     return wrong_count("velocities", input.velocities.size());
+  if (!input.volumes.empty() && input.volumes.size() != n)
+    return wrong_count("volumes", input.volumes.size());
+  for (std::size_t i = 0; i < input.volumes.size(); ++i)
+    if (!(input.volumes[i] >= 0 && std::isfinite(input.volumes[i])))
+      return refuse("volume ", i, " is ", input.volumes[i], "; it must be finite and ≥ 0 m³");
   for (std::size_t a = 0; a < input.attributes.size(); ++a) {
     const ParticleAttribute& attribute = input.attributes[a];
     const std::string name = "attribute " + std::to_string(a);
@@ -43,6 +52,16 @@ float beyond(const Box& clip, const Vec3& x, double cell) {
   return static_cast<float>(std::max((clip.min - x).maxCoeff(), (x - clip.max).maxCoeff()) / cell);
 }
 
+/// The volume fit moves vertices outwards by this at most [dx], inwards by this part of the particles'
+/// radius.
+constexpr double max_outward = 0.35, max_inward = 0.9;
+
+/// Pieces with less water than this are fitted one by one [dx³].
+constexpr double small_piece = 300;
+
+/// A particle is alone if it has this part of its volume without neighbours.
+constexpr float alone_above = 0.98f;
+
 /// Input, options and data of one run.
 struct Reconstruction {
   Reconstruction(const ReconstructionInput& i, const ReconstructionOptions& o, ReconstructionReport& r)
@@ -59,16 +78,26 @@ struct Reconstruction {
   MemoryPlan memory{options.memory_limit};
   ParticleBlocks particles;
   std::vector<float> volumes;
+  Water water;
+  Film film;
   Grid grid;
 
   Status gather_obstacles();
   Status find_narrow_band();
+  void find_films();
+  void find_drops();
   void evaluate_field();
+  void add_films(std::uint32_t b, FieldBlock& evaluator, const NearParticles& near,
+                 const BlockVisibility& visibility, float* values) const;
   std::vector<std::uint8_t> blocks_at_values() const;
   std::vector<std::uint8_t> blocks_with_needed_volumes() const;
   void evaluate_block(std::uint32_t b, FieldBlock& evaluator, NearParticles& near,
                       BlockVisibility& visibility);
   RawMesh mesh_at_obstacles();
+  bool keeps_gap() const { return contact.promises() && !obstacles.empty(); }
+  std::vector<float> fit_to_water(const std::vector<std::array<float, 3>>& polygonised, RawMesh& raw);
+  void put_back_what_fails(const std::vector<std::array<float, 3>>& start, RawMesh& raw);
+  void append_drops(WaterMesh& mesh);
   void finish(RawMesh&& raw, WaterMesh* mesh);
 };
 
@@ -102,6 +131,61 @@ Status Reconstruction::find_narrow_band() {
   return choose_fields(particles, field, options.clip, grid, memory, workers);
 }
 
+/// The water of each particle, and films.
+void Reconstruction::find_films() {
+  if (!keeps_volume(options)) return;
+  water = Water(input, options, particles);
+  if (!keeps_gap()) return;
+  obstacles.prepare_queries();
+  film = Film(film_rule(options, contact.clearance), particles, water, obstacles, cell, workers);
+}
+
+/// Particles without neighbours are drops, but those that lie on obstacles are films. Neither count in the
+/// field.
+void Reconstruction::find_drops() {
+  if (!water.is_kept()) return;
+  const bool knows_drops = !volumes.empty();
+  if (!knows_drops && !film.empty()) volumes.assign(particles.size(), 1.0f);
+  const float alone = alone_above / field.kernel_norm;
+  for (std::uint32_t p = 0; p < volumes.size(); ++p) {
+    const FilmParticle* const near = film.find(p);
+    if (near && near->radius > 0) {
+      volumes[p] *= 1 - near->thin;
+    } else if (knows_drops && volumes[p] > alone) {
+      water.make_drop(p);
+      volumes[p] = 0;
+    }
+  }
+}
+
+/// Adds the films of the grid: on wet obstacles from the clearance on, on dry ones where the particles are.
+void Reconstruction::add_films(std::uint32_t b, FieldBlock& evaluator, const NearParticles& near,
+                               const BlockVisibility& visibility, float* values) const {
+  const NearBlock& obstacle = grid.nears[grid.blocks[b].near];
+  if (film.empty() || obstacle.distance.empty()) return;
+  std::array<float, nodes> on_obstacle, at_particles;
+  const ObstacleMode mode = contact.film_mode();
+  if (mode != ObstacleMode::gap &&
+      !evaluator.evaluate_films(near, visibility, film, FieldBlock::FilmPlace::on_obstacle,
+                                on_obstacle.data()))
+    return;
+  if (mode != ObstacleMode::touch &&
+      !evaluator.evaluate_films(near, visibility, film, FieldBlock::FilmPlace::at_particles,
+                                at_particles.data()))
+    return;
+  const auto low = static_cast<float>(contact.clearance),
+             high = static_cast<float>(contact.clearance + film.rule().grid_height);
+  for (std::size_t n = 0; n < nodes; ++n) {
+    const float d = obstacle.distance[n];
+    if (!std::isfinite(d)) continue;
+    const float wet = film_wetness(mode, obstacle, n);
+    float layer = 0;
+    if (wet > 0) layer += wet * std::max(on_obstacle[n], d - high);
+    if (wet < 1) layer += (1 - wet) * at_particles[n];
+    if (layer < values[n]) values[n] = std::max(layer, low - d);
+  }
+}
+
 /// Values of a block, changed by obstacles and the clip box.
 void Reconstruction::evaluate_block(std::uint32_t b, FieldBlock& evaluator, NearParticles& near,
                                     BlockVisibility& visibility) {
@@ -123,6 +207,7 @@ void Reconstruction::evaluate_block(std::uint32_t b, FieldBlock& evaluator, Near
         values[n] =
             value_at_contact(contact, values[n], contact.mode == ObstacleMode::overlap ? all[n] : 0.0f,
                              obstacle.distance[n], obstacle.wetness.empty() ? 0.0f : obstacle.wetness[n]);
+    add_films(b, evaluator, near, visibility, values);
   }
   if (options.clip)
     for (int n = 0; n < nodes; ++n) {
@@ -163,6 +248,7 @@ std::vector<std::uint8_t> Reconstruction::blocks_with_needed_volumes() const {
 }
 
 void Reconstruction::evaluate_field() {
+  find_films();
   const std::vector<std::uint8_t> measured = blocks_at_values();
   workers.for_each(grid.blocks.size(), 8, [&](std::size_t b) {
     const Block& block = grid.blocks[b];
@@ -174,6 +260,7 @@ void Reconstruction::evaluate_field() {
   });
   if (field.needs_volumes())
     volumes = particle_volumes(particles, field, blocks_with_needed_volumes(), workers);
+  find_drops();
   workers.for_chunks(grid.blocks.size(), 8, [&](std::size_t from, std::size_t to, std::size_t) {
     FieldBlock evaluator(field);
     NearParticles near;
@@ -185,7 +272,7 @@ void Reconstruction::evaluate_field() {
 
 /// Repairs until no triangle is too close and no piece of an obstacle is inside the water.
 RawMesh Reconstruction::mesh_at_obstacles() {
-  const bool with_nodes = options.min_blob > 0;
+  const bool with_nodes = options.min_blob > 0 || water.is_kept();
   if (!contact.promises() || obstacles.empty()) return polygonise(grid, with_nodes, workers);
   for (const NearBlock& near : grid.nears) report.cut_edges += near.cut_edges.size();
   report.nodes_cleared += clear_joined_edges(grid, workers);
@@ -213,19 +300,74 @@ RawMesh Reconstruction::mesh_at_obstacles() {
   }
 }
 
+/// Gives films their thickness and the mesh its volume. Returns the thickness per vertex [cells].
+std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<float, 3>>& polygonised,
+                                                RawMesh& raw) {
+  const std::vector<std::uint8_t> missing = far_from_water(particles, grid, workers);
+  for (std::size_t p = 0; p < missing.size(); ++p)
+    if (missing[p]) water.make_drop(p);
+  const std::vector<std::array<float, 3>> start =
+      keeps_gap() ? raw.positions : std::vector<std::array<float, 3>>();
+  FilmVertices films =
+      thin_films(film, contact.film_mode(), particles, grid, polygonised, options.clip, raw, workers);
+  FitLimits limits;
+  limits.cell = cell;
+  limits.spacing = 1 / options.cell;
+  limits.max_outward = max_outward / options.cell;
+  limits.max_inward = max_inward * double(field.particle_radius + field.sparse_radius);
+  limits.clearance = contact.clearance;
+  limits.small_piece = small_piece / std::pow(options.cell, 3);
+  limits.clip = options.clip;
+  fit_volume(limits, particles, water, grid, polygonised, films, raw, workers);
+  if (keeps_gap()) put_back_what_fails(start, raw);
+  return std::move(films.thickness);
+}
+
+/// The mesh at `start` keeps the promise.
+void Reconstruction::put_back_what_fails(const std::vector<std::array<float, 3>>& start, RawMesh& raw) {
+  std::vector<std::uint32_t> moved;
+  for (std::uint32_t t = 0; t < raw.triangles.size(); ++t)
+    for (const std::uint32_t v : raw.triangles[t])
+      if (std::isfinite(raw.distances[v]) && raw.positions[v] != start[v]) {
+        moved.push_back(t);
+        break;
+      }
+  report.vertices_held += put_back(obstacles, options.gap, &moved, start, raw, workers);
+  report.vertices_held += put_back_around_enclosed(obstacles, grid, start, raw, workers);
+}
+
+void Reconstruction::append_drops(WaterMesh& mesh) {
+  DropLimits limits;
+  limits.cell = cell;
+  limits.obstacles = keeps_gap() ? &obstacles : nullptr;
+  limits.gap = options.gap;
+  limits.clip = options.clip;
+  limits.min_volume = options.min_blob * std::pow(options.spacing, 3);
+  const DropReport made = add_drops(input, particles, water, film, limits, options.nearest, mesh);
+  report.drops = made.drawn;
+  report.drops_left_out = made.left_out;
+}
+
 void Reconstruction::finish(RawMesh&& raw, WaterMesh* mesh) {
-  const bool keep_gap = contact.promises() && !obstacles.empty();
-  if (keep_gap && options.smoothing_iterations > 0) obstacles.prepare_queries();
-  report.vertices_held = smooth(options.smoothing_iterations, keep_gap ? &obstacles : nullptr, options.gap,
+  if (keeps_gap() && options.smoothing_iterations > 0) obstacles.prepare_queries();
+  const bool keeps = water.is_kept();
+  const bool moves = keeps && (options.smoothing_iterations > 0 || !film.empty());
+  const std::vector<std::array<float, 3>> polygonised =
+      moves ? raw.positions : std::vector<std::array<float, 3>>();
+  report.vertices_held = smooth(options.smoothing_iterations, keeps_gap() ? &obstacles : nullptr, options.gap,
                                 cell, options.clip, raw, workers)
                              .held;
   WaterMesh result;
+  if (keeps) result.thickness = fit_to_water(moves ? polygonised : raw.positions, raw);
+  for (float& t : result.thickness) t *= static_cast<float>(cell);
   interpolate(input, particles, field, obstacles, contact.uses_visibility(), options.nearest, grid, raw,
               result, workers);
   result.normals = vertex_normals(raw);
-  for (const Triangle& t : raw.triangles) report.volume += six_volumes(raw, t, raw.positions[0]) / 6;
   result.positions = std::move(raw.positions);
   result.triangles = std::move(raw.triangles);
+  if (keeps) append_drops(result);
+  for (const Triangle& t : result.triangles)
+    report.volume += six_volumes(result.positions, t, result.positions[0]) / 6;
   *mesh = std::move(result);
 }
 

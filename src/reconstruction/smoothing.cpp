@@ -137,14 +137,15 @@ void move(double factor, const Neighbours& neighbours, const std::vector<Float3>
   });
 }
 
-/// Puts back the vertices of triangles that fail the predicate, which only rounding can cause. A vertex put
-/// back may make a neighbouring triangle fail, so this repeats until all pass.
-std::size_t put_back(const Obstacles& obstacles, double gap, const std::vector<std::uint32_t>& near,
+}  // namespace
+
+/// A vertex put back may make a neighbouring triangle fail, so this repeats until all pass.
+std::size_t put_back(const Obstacles& obstacles, double gap, const std::vector<std::uint32_t>* only,
                      const std::vector<Float3>& start, RawMesh& mesh, const Workers& workers) {
   std::vector<std::uint8_t> held(mesh.positions.size(), 0);
   for (;;) {
     std::vector<std::uint8_t> failed(mesh.triangles.size(), 0);
-    for_near_pairs(mesh.positions, mesh.triangles, &near, obstacles, 1.01 * gap + 1e-30, workers,
+    for_near_pairs(mesh.positions, mesh.triangles, only, obstacles, 1.01 * gap + 1e-30, workers,
                    [&](std::uint32_t t, Span<const std::uint32_t> candidates) {
                      const Corners own = stored_corners(mesh.positions, mesh.triangles[t]);
                      for (std::uint32_t c : candidates) {
@@ -166,8 +167,6 @@ std::size_t put_back(const Obstacles& obstacles, double gap, const std::vector<s
   return static_cast<std::size_t>(std::count(held.begin(), held.end(), 1));
 }
 
-}  // namespace
-
 SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, double cell,
                        const std::optional<Box>& clip, RawMesh& mesh, const Workers& workers) {
   SmoothingReport report;
@@ -187,7 +186,7 @@ SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, d
     move(lambda, neighbours, start, limit, mesh.positions, other, workers);
     move(mu, neighbours, start, limit, other, mesh.positions, workers);
   }
-  if (obstacles) report.held = put_back(*obstacles, gap, budgets.near, start, mesh, workers);
+  if (obstacles) report.held = put_back(*obstacles, gap, &budgets.near, start, mesh, workers);
   return report;
 }
 

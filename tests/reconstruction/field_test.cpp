@@ -34,6 +34,7 @@ TEST(Field, one_particle_is_a_ball_of_its_radius) {
   for (double radius : {0.3, 0.5, 0.7}) {
     ReconstructionOptions options = plain(0.01, 0.1);
     options.particle_radius = radius;
+    options.keep_volume = false;  // the field's own shape
     const WaterMesh mesh = test::reconstruct(input, options);
     test::expect_closed(check_mesh(mesh, {}, 0));
     ASSERT_GT(mesh.positions.size(), 50u);
@@ -104,7 +105,8 @@ TEST(Field, moved_by_cells_the_mesh_is_the_same_one_moved) {
   WaterScene s = block(9, 0.3, 0.0625);
   for (Vec3& p : s.particles)  // few bits, so that sums with the move are exact
     for (int k = 0; k < 3; ++k) p[k] = std::round(p[k] * 0x1p14) * 0x1p-14;
-  const ReconstructionOptions options = plain(s.spacing);
+  ReconstructionOptions options = plain(s.spacing);
+  options.keep_volume = false;  // it is averaged over cubes of four cells
   const WaterMesh mesh = test::reconstruct(s.input(), options);
   const double h = 0.5 * s.spacing;
   {
@@ -171,9 +173,12 @@ TEST(Field, the_clip_box_closes_the_mesh_along_its_sides) {
 
 TEST(Field, stray_drops_are_removed_whole_and_the_rest_stays) {
   WaterScene s = block(10, 0.2);
-  const WaterMesh alone = test::reconstruct(s.input(), plain(s.spacing));
+  ReconstructionOptions without = plain(s.spacing);
+  without.keep_volume = false;
+  const WaterMesh alone = test::reconstruct(s.input(), without);
   for (int k = 0; k < 5; ++k) s.particles.push_back(Vec3(0.1 + 0.03 * k, 0.02, 0.02));
   ReconstructionOptions options = plain(s.spacing);
+  options.keep_volume = false;  // drops of the grid; those drawn apart are in volume_test.cpp
   EXPECT_EQ(check_mesh(test::reconstruct(s.input(), options), {}, 0).components, 6u);
   options.min_blob = 2;
   ReconstructionReport report;

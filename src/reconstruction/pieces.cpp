@@ -1,0 +1,150 @@
+#include "reconstruction/pieces.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/disjoint_sets.h"
+#include "reconstruction/blobs.h"
+
+namespace oilskin::reconstruction {
+
+namespace {
+
+std::uint64_t key_of_node(const NodeRef& n) {
+  return std::uint64_t(n.block) << 9 | std::uint64_t(n.node);
+}
+
+}  // namespace
+
+SmallPieces small_pieces(const RawMesh& mesh, double max_volume) {
+  const std::size_t n = mesh.positions.size();
+  DisjointSets sets(n);
+  for (const Triangle& t : mesh.triangles) {
+    sets.unite(t[0], t[1]);
+    sets.unite(t[0], t[2]);
+  }
+  std::vector<double> volume(n, 0);
+  for (const Triangle& t : mesh.triangles) {
+    const std::uint32_t set = sets.find(t[0]);
+    volume[set] += six_volumes(mesh.positions, t, mesh.positions[set]) / 6;
+  }
+  SmallPieces pieces;
+  pieces.of_vertex.assign(n, none);
+  for (std::uint32_t v = 0; v < n; ++v) {
+    const std::uint32_t set = sets.find(v);  // its smallest vertex
+    if (!(volume[set] > 0 && volume[set] < max_volume)) continue;
+    pieces.of_vertex[v] = v == set ? pieces.count++ : pieces.of_vertex[set];
+  }
+  return pieces;
+}
+
+PieceFinder::PieceFinder(const Grid& grid, const RawMesh& mesh, const SmallPieces& pieces) : grid_(grid) {
+  std::vector<NodeRef> reached;
+  for (std::size_t v = 0; v < mesh.inside_nodes.size(); ++v)
+    if (pieces.of_vertex[v] != none) add(mesh.inside_nodes[v], pieces.of_vertex[v], reached);
+  // Deeper nodes have no vertex.
+  while (!reached.empty()) {
+    const NodeRef node = reached.back();
+    reached.pop_back();
+    const std::uint32_t piece = piece_of_node_.find(key_of_node(node));
+    for (int axis = 0; axis < 3; ++axis)
+      for (const bool up : {false, true}) {
+        const NodeRef other = next(node, axis, up);
+        if (other.block != none && grid_.is_inside(other) && !is_cut(up ? node : other, axis))
+          add(other, piece, reached);
+      }
+  }
+}
+
+void PieceFinder::add(const NodeRef& node, std::uint32_t piece, std::vector<NodeRef>& reached) {
+  const std::size_t before = piece_of_node_.size();
+  piece_of_node_.insert(key_of_node(node), piece);
+  if (piece_of_node_.size() == before) return;
+  reached.push_back(node);
+  // A point is within two nodes of that to which it belongs.
+  const Int3 b = grid_.blocks[node.block].at;
+  const Int3 n{b.x * side + (node.node & 7), b.y * side + (node.node >> 3 & 7),
+               b.z * side + (node.node >> 6)};
+  for (int c = 0; c < 8; ++c) {
+    const Int3 end{n.x + (c & 1 ? 2 : -2), n.y + (c >> 1 & 1 ? 2 : -2), n.z + (c >> 2 ? 2 : -2)};
+    near_blocks_.insert(key_of({end.x >> 3, end.y >> 3, end.z >> 3}), 1);
+  }
+}
+
+NodeRef PieceFinder::node_at(const Int3& at) const {
+  return {grid_.index.find(key_of({at.x >> 3, at.y >> 3, at.z >> 3})),
+          node_index(at.x & 7, at.y & 7, at.z & 7)};
+}
+
+NodeRef PieceFinder::next(const NodeRef& node, int axis, bool up) const {
+  const Int3 b = grid_.blocks[node.block].at;
+  const int step = up ? 1 : -1;
+  return node_at({b.x * side + (node.node & 7) + (axis == 0 ? step : 0),
+                  b.y * side + (node.node >> 3 & 7) + (axis == 1 ? step : 0),
+                  b.z * side + (node.node >> 6) + (axis == 2 ? step : 0)});
+}
+
+bool PieceFinder::is_cut(const NodeRef& low, int axis) const {
+  const std::uint32_t near = grid_.blocks[low.block].near;
+  return near != none && grid_.nears[near].find_cut(axis, low.node);
+}
+
+/// Among the corners of the cell of x and `ring` cells around it.
+NodeRef PieceFinder::nearest_inside(const Vec3& x, int ring) const {
+  const Int3 cell{static_cast<int>(std::floor(x.x())), static_cast<int>(std::floor(x.y())),
+                  static_cast<int>(std::floor(x.z()))};
+  NodeRef best;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int k = -ring; k <= ring + 1; ++k)
+    for (int j = -ring; j <= ring + 1; ++j)
+      for (int i = -ring; i <= ring + 1; ++i) {
+        const Int3 at = cell + Int3{i, j, k};
+        const double distance = (Vec3(at.x, at.y, at.z) - x).squaredNorm();
+        if (distance >= nearest) continue;
+        const NodeRef node = node_at(at);
+        if (!grid_.is_inside(node)) continue;
+        nearest = distance;
+        best = node;
+      }
+  return best;
+}
+
+std::uint32_t PieceFinder::find(const Vec3& x) const {
+  NodeRef node = nearest_inside(x, 0);
+  if (node.block == none) node = nearest_inside(x, 1);
+  return node.block == none ? none : piece_of_node_.find(key_of_node(node));
+}
+
+bool is_near_water(const Grid& grid, const Vec3& x) {
+  if (!(x.cwiseAbs().maxCoeff() < 0x1p21)) return false;
+  const auto low = [](double v) { return static_cast<int>(std::floor(v)) - 1; };
+  const Int3 first{low(x.x()), low(x.y()), low(x.z())};
+  for (int c = 0; c < 64; ++c) {
+    const Int3 n = first + Int3{c & 3, c >> 2 & 3, c >> 4};
+    const std::uint32_t b = grid.index.find(key_of({n.x >> 3, n.y >> 3, n.z >> 3}));
+    if (grid.is_inside({b, node_index(n.x & 7, n.y & 7, n.z & 7)})) return true;
+  }
+  return false;
+}
+
+std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const Grid& grid,
+                                         const Workers& workers) {
+  std::vector<std::uint8_t> result(particles.size(), 1);
+  workers.for_each(particles.blocks.size(), 64, [&](std::size_t b) {
+    const std::uint32_t block = grid.index.find(key_of(particles.blocks[b]));
+    const Int3 at = particles.blocks[b];
+    const Vec3 origin = side * Vec3(at.x, at.y, at.z);
+    for (std::size_t p = particles.begin[b]; p < particles.begin[b + 1]; ++p) {
+      // A coordinate may be 8 by rounding.
+      const int i = std::min(int(particles.x[p]), side - 1), j = std::min(int(particles.y[p]), side - 1),
+                k = std::min(int(particles.z[p]), side - 1);
+      for (int c = 0; block != none && c < 8 && result[p]; ++c)
+        result[p] = !grid.is_inside(corner_node(grid, block, i, j, k, c));
+      if (result[p])
+        result[p] = !is_near_water(grid, origin + Vec3(particles.x[p], particles.y[p], particles.z[p]));
+    }
+  });
+  return result;
+}
+
+}  // namespace oilskin::reconstruction

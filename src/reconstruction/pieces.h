@@ -1,0 +1,46 @@
+/// Pieces of water: connected parts of the mesh, and the particles in them.
+#pragma once
+
+#include "reconstruction/particle_blocks.h"
+#include "reconstruction/polygonise.h"
+
+namespace oilskin::reconstruction {
+
+/// The connected parts of a mesh that enclose less than a given volume.
+struct SmallPieces {
+  std::vector<std::uint32_t> of_vertex;  ///< none: the vertex is of a larger part, or of a bubble
+  std::uint32_t count = 0;
+};
+
+/// `max_volume` [m³].
+SmallPieces small_pieces(const RawMesh& mesh, double max_volume);
+
+/// Finds the small piece in which a point lies.
+class PieceFinder {
+ public:
+  PieceFinder(const Grid& grid, const RawMesh& mesh, const SmallPieces& pieces);
+  /// May a point in the block at `at` lie in a small piece?
+  bool is_near(const Int3& at) const { return near_blocks_.find(key_of(at)) != none; }
+  /// The piece of the nearest inside node within two cells of x [cells, from the world's origin]; none: it is
+  /// not of a small piece, or there is none.
+  std::uint32_t find(const Vec3& x) const;
+
+ private:
+  void add(const NodeRef& node, std::uint32_t piece, std::vector<NodeRef>& reached);
+  NodeRef node_at(const Int3& at) const;
+  NodeRef next(const NodeRef& node, int axis, bool up) const;
+  bool is_cut(const NodeRef& low, int axis) const;
+  NodeRef nearest_inside(const Vec3& x, int ring) const;
+
+  const Grid& grid_;
+  KeyMap piece_of_node_, near_blocks_;
+};
+
+/// Is an inside node among the corners of the cell of x, or of the 26 cells around it? x in cells.
+bool is_near_water(const Grid& grid, const Vec3& x);
+
+/// Per particle of ParticleBlocks: 1 if it is not near water, so the grid does not see it.
+std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const Grid& grid,
+                                         const Workers& workers);
+
+}  // namespace oilskin::reconstruction
