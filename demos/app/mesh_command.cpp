@@ -20,13 +20,18 @@ namespace fs = std::filesystem;
 
 struct Plan {
   WaterMeshSettings mesh;
-  double spacing = 0;  // [m]
+  double spacing = 0;        // [m]
+  double particle_mass = 0;  // [kg]; 0: unknown
+  double rest_density = 0;   // [kg/m³]
 };
 
 void read_report(const std::string& report, Plan& plan) {
   try {
-    const Json settings = read_json_file(report).at("settings");
+    const Json whole = read_json_file(report);
+    const Json settings = whole.at("settings");
     plan.spacing = settings.at("fluid").at("spacing").get<double>();
+    plan.rest_density = settings.at("fluid").value("rest_density", 0.0);
+    plan.particle_mass = whole.value("mass", Json::object()).value("particle", 0.0);
     // As in a scene.
     if (settings.value("effects", Json::object()).contains("wetting")) plan.mesh.mode = ObstacleMode::wet;
     if (!settings.contains("surface")) return;
@@ -134,9 +139,19 @@ StoredFrame read_frame(const StoredFrames& stored, int number, const Plan& plan,
   return frame;
 }
 
-ReconstructionInput input_of(const StoredFrame& frame) {
+/// The water of each particle [m³]; none where the report does not tell.
+std::vector<double> volumes_of(const StoredFrame& frame, const Plan& plan) {
+  if (!(plan.rest_density > 0 && plan.particle_mass > 0)) return {};
+  std::vector<double> volumes =
+      water_volumes(frame.position.size(), {}, plan.particle_mass, plan.rest_density);
+  for (std::size_t i = 0; i < frame.mass.size(); ++i) volumes[i] = frame.mass[i] / plan.rest_density;
+  return volumes;
+}
+
+ReconstructionInput input_of(const StoredFrame& frame, Span<const double> volumes) {
   ReconstructionInput input;
   input.positions = frame.position;
+  input.volumes = volumes;
   input.velocities = frame.velocity;
   for (const StoredMesh& mesh : frame.obstacles)
     input.obstacles.push_back({mesh.vertices, mesh.triangles, mesh.wetness});
@@ -176,7 +191,8 @@ Output make_output(const MeshOptions& options, const Plan& plan) {
 bool make_frame(const StoredFrames& stored, const Task& task, const Plan& plan, const Output& output,
                 const MeshOptions& options) {
   const StoredFrame frame = read_frame(stored, task.number, plan, options);
-  const ReconstructionInput input = input_of(frame);
+  const std::vector<double> volumes = volumes_of(frame, plan);
+  const ReconstructionInput input = input_of(frame, volumes);
   const ReconstructionOptions wanted = reconstruction_options(plan.mesh, plan.spacing, options.threads);
   const MadeMesh made = make_mesh(input, wanted);
   write_surface(output.directory, task.number, task.formats,

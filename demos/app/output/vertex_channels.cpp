@@ -53,6 +53,11 @@ VertexChannel wetness(const ChannelSource& from) {
   return {"wetness", {"wetness"}, std::move(values)};
 }
 
+/// Of the water on cloth or a body [m]; 0 elsewhere.
+VertexChannel thickness(const ChannelSource& from) {
+  return {"thickness", {"thickness"}, from.mesh.thickness};
+}
+
 /// The lower 32 bits of the id of the nearest particle; −1 where there is none.
 VertexChannel id(const ChannelSource& from) {
   Integers values;
@@ -72,6 +77,10 @@ bool has_ids(const ChannelSource& from) {
   return !from.ids.empty() && !from.mesh.nearest.empty();
 }
 
+bool has_thickness(const ChannelSource& from) {
+  return !from.mesh.thickness.empty();
+}
+
 bool has_vertices(const ChannelSource& from) {
   return !from.mesh.positions.empty();
 }
@@ -87,6 +96,7 @@ constexpr KnownChannel table[] = {
     {"velocity", has_velocities, velocity},
     {"speed", has_velocities, speed},
     {"wetness", has_vertices, wetness},
+    {"thickness", has_thickness, thickness},
     {"id", has_ids, id},
 };
 

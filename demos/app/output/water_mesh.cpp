@@ -59,6 +59,13 @@ Status check_spacing(Span<const Vec3> positions, double spacing, const std::stri
   return Status::refused(text.str());
 }
 
+std::vector<double> water_volumes(std::size_t count, Span<const float> mass_ratio, double particle_mass,
+                                  double rest_density) {
+  std::vector<double> volumes(count, particle_mass / rest_density);
+  for (std::size_t i = 0; i < mass_ratio.size(); ++i) volumes[i] *= double(mass_ratio[i]);
+  return volumes;
+}
+
 MadeMesh make_mesh(const ReconstructionInput& input, const ReconstructionOptions& options) {
   MadeMesh made;
   const auto start = std::chrono::steady_clock::now();

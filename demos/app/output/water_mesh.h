@@ -20,6 +20,10 @@ struct MadeMesh {
 /// message.
 Status check_spacing(Span<const Vec3> positions, double spacing, const std::string& which);
 
+/// The water of each particle [m³]. `mass_ratio` as World::mass_ratios(), `particle_mass` in kg.
+std::vector<double> water_volumes(std::size_t count, Span<const float> mass_ratio, double particle_mass,
+                                  double rest_density);
+
 /// Throws SceneError where the options or the input are refused.
 MadeMesh make_mesh(const ReconstructionInput& input, const ReconstructionOptions& options);
 

@@ -120,6 +120,10 @@ StoredFrame StoredFrames::read(int number) const {
     for (std::size_t i = 0; i < frame.velocity.size(); ++i)
       velocity->GetTuple(static_cast<vtkIdType>(i), frame.velocity[i].data());
   }
+  vtkDataArray* mass = data->GetPointData()->GetArray("mass");
+  if (mass != nullptr && mass->GetNumberOfComponents() == 1 &&
+      mass->GetNumberOfTuples() == data->GetNumberOfPoints())
+    for (vtkIdType i = 0; i < mass->GetNumberOfTuples(); ++i) frame.mass.push_back(mass->GetTuple1(i));
   const auto found = meshes_.find(number);
   if (found == meshes_.end()) return frame;
   const auto add = [&](const std::string& kind, const std::vector<int>& all) {

@@ -13,6 +13,7 @@ namespace oilskin::demo {
 
 struct StoredFrame {
   std::vector<Vec3> position, velocity;  ///< [m], [m/s]; velocity may be empty
+  std::vector<double> mass;              ///< [kg]; empty: all have the mass of a new particle
   std::vector<std::uint64_t> id;         ///< of the particles; may be empty
   std::vector<StoredMesh> obstacles;     ///< cloth, then bodies
 };

@@ -171,6 +171,9 @@ class Run {
     ReconstructionInput input;
     input.positions = data.position;
     input.velocities = data.velocity;
+    const std::vector<double> volumes =
+        water_volumes(data.position.size(), data.mass_ratio, data.particle_mass, scene_.fluid.rest_density);
+    input.volumes = volumes;
     for (std::size_t i = 0; i < data.cloth.size(); ++i)
       if (const SurfaceMotion* const s = data.cloth[i]; s != nullptr)
         input.obstacles.push_back({s->x_t1, s->triangles, data.wetness[i]});

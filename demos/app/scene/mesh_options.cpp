@@ -13,7 +13,7 @@ const std::vector<std::string>& known_formats() {
 }
 
 const std::vector<std::string>& known_channels() {
-  static const std::vector<std::string> names = {"velocity", "speed", "wetness", "id"};
+  static const std::vector<std::string> names = {"velocity", "speed", "wetness", "thickness", "id"};
   return names;
 }
 
@@ -42,6 +42,7 @@ ReconstructionOptions reconstruction_options(const WaterMeshSettings& wanted, do
   options.wet_blend = wanted.wet_blend;
   options.overlap_depth = wanted.overlap_depth;
   options.smoothing_iterations = wanted.smoothing;
+  options.keep_volume = wanted.keep_volume;
   options.min_blob = wanted.min_blob;
   options.threads = threads;
   options.nearest = std::count(wanted.channels.begin(), wanted.channels.end(), "id") > 0;

@@ -156,6 +156,7 @@ struct WaterMeshSettings {
   double wet_blend = 0.5;       ///< width of the transition, as a fraction of wet_saturation
   double overlap_depth = 0;     ///< [m]
   int smoothing = 10;           ///< iterations
+  bool keep_volume = true;      ///< of the water
   double min_blob = 0;          ///< in spacings³
   /// Of the files, see known_formats().
   std::vector<std::string> formats = {"ply"};

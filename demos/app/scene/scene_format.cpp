@@ -280,6 +280,7 @@ void describe(Fields& f, WaterMeshSettings& s) {
   f.number("wet_blend", s.wet_blend, between(0, 1));
   f.number("overlap_depth", s.overlap_depth, not_negative());
   f.integer("smoothing", s.smoothing, between(0, 1000));
+  f.boolean("keep_volume", s.keep_volume);
   f.number("min_blob", s.min_blob, not_negative());
   f.names("formats", s.formats, known_formats());
   f.names("channels", s.channels, known_channels());
