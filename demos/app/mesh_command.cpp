@@ -28,7 +28,7 @@ struct Plan {
 void read_report(const std::string& report, Plan& plan) {
   try {
     const Json whole = read_json_file(report);
-    const Json settings = whole.at("settings");
+    const Json& settings = whole.at("settings");
     plan.spacing = settings.at("fluid").at("spacing").get<double>();
     plan.rest_density = settings.at("fluid").value("rest_density", 0.0);
     plan.particle_mass = whole.value("mass", Json::object()).value("particle", 0.0);
