@@ -43,7 +43,7 @@ Vec3 vec(const Float3& a) {
 /// Six times the volume between the triangles (a, b, c) and (a2, b2, c2). Strips between their edges are
 /// divided both ways and averaged, so that those of neighbours cancel.
 double six_swept(const std::array<Vec3, 3>& from, const std::array<Vec3, 3>& to) {
-  const Vec3 o = from[0];
+  const Vec3& o = from[0];
   const auto six = [&](const Vec3& x, const Vec3& y, const Vec3& z) {
     return (x - o).dot((y - o).cross(z - o));
   };
