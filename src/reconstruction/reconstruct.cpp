@@ -54,7 +54,7 @@ float beyond(const Box& clip, const Vec3& x, double cell) {
 
 /// The volume fit moves vertices outwards by this at most [dx], inwards by this part of the particles'
 /// radius.
-constexpr double max_outward = 0.35, max_inward = 0.9;
+constexpr double max_outward = 0.6, max_inward = 0.9;
 
 /// Pieces with less water than this are fitted one by one [dx³].
 constexpr double small_piece = 300;

@@ -31,11 +31,12 @@ WaterScene film(double distance, std::uint64_t seed, double side = 1) {
   s.add_sheet(10, [](double u, double v) { return Vec3(0.12 * u, 0.12 * v, height(0.12 * u, 0.12 * v)); });
   test::Random random(seed);
   const double step = distance * s.spacing;
-  for (double y = 0.02; y < 0.1; y += step)
-    for (double x = 0.02; x < 0.1; x += step) {
-      const double px = x + step * random.uniform(-0.2, 0.2), py = y + step * random.uniform(-0.2, 0.2);
-      s.particles.push_back(Vec3(px, py, height(px, py)) +
-                            side * random.uniform(0.2, 0.45) * s.spacing * normal);
+  const int count = static_cast<int>(std::ceil(0.08 / step));
+  for (int j = 0; j < count; ++j)
+    for (int i = 0; i < count; ++i) {
+      const double x = 0.02 + step * (i + random.uniform(-0.2, 0.2)),
+                   y = 0.02 + step * (j + random.uniform(-0.2, 0.2));
+      s.particles.push_back(Vec3(x, y, height(x, y)) + side * random.uniform(0.2, 0.45) * s.spacing * normal);
     }
   return s;
 }
@@ -105,8 +106,9 @@ Survey survey(const WaterScene& s, const WaterMesh& mesh) {
   Survey result;
   int wet = 0, points = 0, whole = 0;
   double squares = 0;
-  for (double y = 0.036; y < 0.084; y += 0.0023)
-    for (double x = 0.036; x < 0.084; x += 0.0023, ++points) {
+  for (int j = 0; j < 21; ++j)
+    for (int i = 0; i < 21; ++i, ++points) {
+      const double x = 0.036 + 0.0023 * i, y = 0.036 + 0.0023 * j;
       const Vec3 base(x, y, height(x, y));
       const Column column = column_over(mesh, base);
       if (!column.is_wet()) continue;
