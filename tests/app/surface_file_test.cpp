@@ -29,6 +29,7 @@ WaterMesh tetrahedron() {
   mesh.normals = {{0.6f, 0, 0.8f}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}};
   mesh.velocities = {{1, 2, 2}, {0, -3, 4}, {0, 0, 0}, {0.5f, 0, 0}};
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  mesh.thickness = {0, 0.002f, 0.001f, 0};
   mesh.nearest = {2, 0, 1, WaterMesh::no_particle};
   return mesh;
 }
@@ -63,7 +64,8 @@ TEST(VertexChannels, come_in_their_order_with_their_values) {
   EXPECT_EQ(floats_of(channels[0])[5], 4);
   EXPECT_EQ(floats_of(channels[1]), (std::vector<float>{3, 5, 0, 0.5f}));
   EXPECT_EQ(floats_of(channels[2]), (std::vector<float>{0, 0, 0, 0}));
-  const auto& id = std::get<std::vector<std::int32_t>>(channels[3].values);
+  EXPECT_EQ(floats_of(channels[3]), mesh.thickness);
+  const auto& id = std::get<std::vector<std::int32_t>>(channels[4].values);
   EXPECT_EQ(id, (std::vector<std::int32_t>{70000, 7, std::int32_t(0x8000000bu), -1}));
   // In whatever order they are asked for; what was not asked for is not there.
   const auto two = demo::vertex_channels({"id", "speed"}, {mesh, {}, ids, 0.01});
@@ -74,6 +76,7 @@ TEST(VertexChannels, come_in_their_order_with_their_values) {
 TEST(VertexChannels, without_their_data_are_left_out) {
   WaterMesh mesh = tetrahedron();
   mesh.velocities.clear();
+  mesh.thickness.clear();
   const auto channels = demo::vertex_channels(demo::known_channels(), {mesh, {}, {}, 0.01});
   ASSERT_EQ(channels.size(), 1u);
   EXPECT_EQ(channels[0].name, "wetness");
@@ -108,12 +111,13 @@ TEST(PlyFile, has_every_channel_behind_the_normal) {
       names += line.substr(9) + ",";
   EXPECT_EQ(names,
             "float x,float y,float z,float nx,float ny,float nz,float vx,float vy,float vz,float speed,"
-            "float wetness,int id,");
-  constexpr std::size_t stride = 48;
+            "float wetness,float thickness,int id,");
+  constexpr std::size_t stride = 52;
   ASSERT_EQ(bytes.size(), start + 4 * stride + 4 * 13);
-  EXPECT_EQ(number_at<float>(bytes, start + stride + 32), 4);    // vz of vertex 1
-  EXPECT_EQ(number_at<float>(bytes, start + stride + 36), 5);    // its speed
-  EXPECT_EQ(number_at<std::int32_t>(bytes, start + 44), 70000);  // id of vertex 0
+  EXPECT_EQ(number_at<float>(bytes, start + stride + 32), 4);  // vz of vertex 1
+  EXPECT_EQ(number_at<float>(bytes, start + stride + 36), 5);  // its speed
+  EXPECT_EQ(number_at<float>(bytes, start + stride + 44), mesh.thickness[1]);
+  EXPECT_EQ(number_at<std::int32_t>(bytes, start + 48), 70000);  // id of vertex 0
   EXPECT_EQ(demo::surface_made_with(folder.path("surface_0003.ply"), "ply"), R"({"cell":0.004})");
 }
 
