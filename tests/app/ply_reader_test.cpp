@@ -79,7 +79,7 @@ TEST(PlyReader, every_truncation_is_refused_by_name) {
 TEST(PlyReader, what_is_no_mesh_is_refused) {
   const Folder folder;
   const std::string whole = bytes_of_mesh(folder);
-  const auto refuses = [&](std::string changed, const char* why) {
+  const auto refuses = [&](const std::string& changed, const char* why) {
     try {
       demo::read_ply(folder.write("bad.ply", changed));
       ADD_FAILURE() << "should say: " << why;
