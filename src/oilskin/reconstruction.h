@@ -208,9 +208,11 @@ struct ReconstructionReport {
   std::size_t components_freed = 0;
   /// Pieces of water smaller than ReconstructionOptions::min_blob.
   std::size_t blobs_removed = 0;
-  /// Drops of one particle, and such drops for which an obstacle leaves no space, that reach out of the clip
-  /// box, or that are smaller than ReconstructionOptions::min_blob.
-  std::size_t drops = 0, drops_left_out = 0;
+  /// Drops of one particle.
+  std::size_t drops = 0;
+  /// Such drops for which an obstacle leaves no space, that reach out of the clip box, or that are not larger
+  /// than ReconstructionOptions::min_blob.
+  std::size_t drops_left_out = 0;
   /// Vertices that smoothing, or the fit of the volume, put back because they came too close.
   std::size_t vertices_held = 0;
   /// The volume inside the mesh [m³].
