@@ -11,8 +11,6 @@ namespace oilskin::reconstruction {
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
 /// A flattened drop is at least this thick, as a fraction of the sphere's diameter, and is tried again with
 /// less volume so many times where an obstacle is in the way.
 constexpr double min_flatness = 0.4, shrink = 0.8;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/assert.h"
 #include "core/closest_point.h"
 
 namespace oilskin::reconstruction {
@@ -45,10 +44,6 @@ struct FilmKernel {
   double inverse_, norm_;
 };
 
-Vec3 vec(const std::array<float, 3>& a) {
-  return {a[0], a[1], a[2]};
-}
-
 /// Offset of b from a, split into height over a's plane and distance along it.
 struct AlongFilm {
   double height, rho_squared;
@@ -57,7 +52,8 @@ struct AlongFilm {
         rho_squared(std::max(0.0, offset.squaredNorm() - std::pow(vec(a.normal).dot(offset), 2))) {}
 };
 
-/// Calls f(item, offset, rho²) for the particles near obstacles in `near` that lie on the same film as `own`.
+/// Calls f(item, particle, offset, rho²) for the particles near obstacles in `near` that lie on the same film
+/// as `own`.
 template <class F>
 void for_film_neighbours(const Film& film, const NearParticles& near, const FilmParticle& own, const Vec3& x,
                          double reach, const F& f) {
@@ -172,10 +168,8 @@ void Film::find_heights(const ParticleBlocks& particles, const Obstacles& obstac
   workers.for_chunks(particles.blocks.size(), 16, [&](std::size_t from, std::size_t to, std::size_t) {
     std::vector<std::uint32_t> near;
     for (std::size_t b = from; b < to; ++b) {
-      const Int3 at = particles.blocks[b];
-      const Vec3 origin = side * Vec3(at.x, at.y, at.z);
       for (std::size_t i = particles.begin[b]; i < particles.begin[b + 1]; ++i) {
-        const Vec3 x = cell * (origin + Vec3(particles.x[i], particles.y[i], particles.z[i]));
+        const Vec3 x = cell * particles.place(b, i);
         if (!bounds.contains(x)) continue;
         const ClosestPoint nearest = nearest_point(obstacles, x, rule_.column_reach * cell, near);
         if (!(nearest.distance > 0 && nearest.distance < rule_.column_reach * cell)) continue;

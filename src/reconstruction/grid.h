@@ -135,6 +135,10 @@ class Grid {
   Vec3 origin(const Block& b) const {
     return Vec3(double(b.at.x) * side * cell, double(b.at.y) * side * cell, double(b.at.z) * side * cell);
   }
+  /// The node with these coordinates; block none outside the grid.
+  NodeRef node_at(const Int3& at) const {
+    return {index.find(key_of({at.x >> 3, at.y >> 3, at.z >> 3})), node_index(at.x & 7, at.y & 7, at.z & 7)};
+  }
   /// For i, j, k in 0 … 8.
   NodeRef node(std::uint32_t block, int i, int j, int k) const {
     const std::uint32_t b = blocks[block].plus[static_cast<std::size_t>(i >> 3 | j >> 3 << 1 | k >> 3 << 2)];

@@ -17,6 +17,10 @@ struct ParticleBlocks {
   std::size_t skipped = 0;
 
   std::size_t size() const { return source.size(); }
+  /// The place of particle i of block b [cells, from the world's origin].
+  Vec3 place(std::size_t b, std::size_t i) const {
+    return side * Vec3(blocks[b].x, blocks[b].y, blocks[b].z) + Vec3(x[i], y[i], z[i]);
+  }
   Box bounds() const;  ///< of the blocks [cells]
 };
 

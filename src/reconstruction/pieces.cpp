@@ -71,17 +71,12 @@ void PieceFinder::add(const NodeRef& node, std::uint32_t piece, std::vector<Node
   }
 }
 
-NodeRef PieceFinder::node_at(const Int3& at) const {
-  return {grid_.index.find(key_of({at.x >> 3, at.y >> 3, at.z >> 3})),
-          node_index(at.x & 7, at.y & 7, at.z & 7)};
-}
-
 NodeRef PieceFinder::next(const NodeRef& node, int axis, bool up) const {
   const Int3 b = grid_.blocks[node.block].at;
   const int step = up ? 1 : -1;
-  return node_at({b.x * side + (node.node & 7) + (axis == 0 ? step : 0),
-                  b.y * side + (node.node >> 3 & 7) + (axis == 1 ? step : 0),
-                  b.z * side + (node.node >> 6) + (axis == 2 ? step : 0)});
+  return grid_.node_at({b.x * side + (node.node & 7) + (axis == 0 ? step : 0),
+                        b.y * side + (node.node >> 3 & 7) + (axis == 1 ? step : 0),
+                        b.z * side + (node.node >> 6) + (axis == 2 ? step : 0)});
 }
 
 bool PieceFinder::is_cut(const NodeRef& low, int axis) const {
@@ -101,7 +96,7 @@ NodeRef PieceFinder::nearest_inside(const Vec3& x, int ring) const {
         const Int3 at = cell + Int3{i, j, k};
         const double distance = (Vec3(at.x, at.y, at.z) - x).squaredNorm();
         if (distance >= nearest) continue;
-        const NodeRef node = node_at(at);
+        const NodeRef node = grid_.node_at(at);
         if (!grid_.is_inside(node)) continue;
         nearest = distance;
         best = node;
@@ -120,9 +115,7 @@ bool is_near_water(const Grid& grid, const Vec3& x) {
   const auto low = [](double v) { return static_cast<int>(std::floor(v)) - 1; };
   const Int3 first{low(x.x()), low(x.y()), low(x.z())};
   for (int c = 0; c < 64; ++c) {
-    const Int3 n = first + Int3{c & 3, c >> 2 & 3, c >> 4};
-    const std::uint32_t b = grid.index.find(key_of({n.x >> 3, n.y >> 3, n.z >> 3}));
-    if (grid.is_inside({b, node_index(n.x & 7, n.y & 7, n.z & 7)})) return true;
+    if (grid.is_inside(grid.node_at(first + Int3{c & 3, c >> 2 & 3, c >> 4}))) return true;
   }
   return false;
 }
@@ -132,16 +125,13 @@ std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const 
   std::vector<std::uint8_t> result(particles.size(), 1);
   workers.for_each(particles.blocks.size(), 64, [&](std::size_t b) {
     const std::uint32_t block = grid.index.find(key_of(particles.blocks[b]));
-    const Int3 at = particles.blocks[b];
-    const Vec3 origin = side * Vec3(at.x, at.y, at.z);
     for (std::size_t p = particles.begin[b]; p < particles.begin[b + 1]; ++p) {
       // A coordinate may be 8 by rounding.
       const int i = std::min(int(particles.x[p]), side - 1), j = std::min(int(particles.y[p]), side - 1),
                 k = std::min(int(particles.z[p]), side - 1);
       for (int c = 0; block != none && c < 8 && result[p]; ++c)
         result[p] = !grid.is_inside(corner_node(grid, block, i, j, k, c));
-      if (result[p])
-        result[p] = !is_near_water(grid, origin + Vec3(particles.x[p], particles.y[p], particles.z[p]));
+      if (result[p]) result[p] = !is_near_water(grid, particles.place(b, p));
     }
   });
   return result;

@@ -27,7 +27,6 @@ class PieceFinder {
 
  private:
   void add(const NodeRef& node, std::uint32_t piece, std::vector<NodeRef>& reached);
-  NodeRef node_at(const Int3& at) const;
   NodeRef next(const NodeRef& node, int axis, bool up) const;
   bool is_cut(const NodeRef& low, int axis) const;
   NodeRef nearest_inside(const Vec3& x, int ring) const;

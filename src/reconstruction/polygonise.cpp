@@ -43,6 +43,22 @@ double fraction_from_inside_end(const Grid& grid, const VertexRef& v) {
   return std::min(here / (here - behind), crossing * std::max(0.0, 1 - clearance / own_distance));
 }
 
+/// The distance of a vertex from obstacles [cells], linear between the ends of its edge.
+float vertex_distance(const Grid& grid, const VertexRef& v) {
+  const double t = std::min(std::max(fraction_from_inside_end(grid, v), end_margin), 1 - end_margin);
+  const NodeRef low{v.block, v.node}, high = high_end(grid, v);
+  const double own = grid.distance(v.of_high_end ? high : low),
+               other = grid.distance(v.of_high_end ? low : high);
+  const std::uint32_t near = grid.blocks[v.block].near;
+  if (const CutEdge* cut = near == none ? nullptr : grid.nears[near].find_cut(v.axis, v.node)) {
+    const double crossing = v.of_high_end ? 1.0 - cut->last : double(cut->first);
+    return static_cast<float>(own * std::max(0.0, 1 - t / std::max(crossing, 1e-6)));
+  }
+  return static_cast<float>(std::isfinite(own) && std::isfinite(other)
+                                ? own + t * (other - own)
+                                : std::numeric_limits<double>::infinity());
+}
+
 /// The vertices of a block, by edge and end, and their numbers. Words [end][axis][slice].
 struct VertexMasks {
   std::array<std::uint64_t, 48> word{};
@@ -198,21 +214,6 @@ std::array<float, 3> vertex_position(const Grid& grid, const VertexRef& v) {
                z = double(at.z) * side + (v.node >> 6) + s.z * t;
   return {static_cast<float>(x * grid.cell), static_cast<float>(y * grid.cell),
           static_cast<float>(z * grid.cell)};
-}
-
-float vertex_distance(const Grid& grid, const VertexRef& v) {
-  const double t = std::min(std::max(fraction_from_inside_end(grid, v), end_margin), 1 - end_margin);
-  const NodeRef low{v.block, v.node}, high = high_end(grid, v);
-  const double own = grid.distance(v.of_high_end ? high : low),
-               other = grid.distance(v.of_high_end ? low : high);
-  const std::uint32_t near = grid.blocks[v.block].near;
-  if (const CutEdge* cut = near == none ? nullptr : grid.nears[near].find_cut(v.axis, v.node)) {
-    const double crossing = v.of_high_end ? 1.0 - cut->last : double(cut->first);
-    return static_cast<float>(own * std::max(0.0, 1 - t / std::max(crossing, 1e-6)));
-  }
-  return static_cast<float>(std::isfinite(own) && std::isfinite(other)
-                                ? own + t * (other - own)
-                                : std::numeric_limits<double>::infinity());
 }
 
 NodeRef inside_end(const Grid& grid, const VertexRef& v) {

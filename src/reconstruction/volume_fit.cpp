@@ -36,10 +36,6 @@ constexpr double max_scale = 1.3;
 /// Area of a cube that has hardly any surface [cells²].
 constexpr float small_area = 0.05f;
 
-Vec3 vec(const Float3& a) {
-  return {a[0], a[1], a[2]};
-}
-
 /// Six times the volume between the triangles (a, b, c) and (a2, b2, c2). Strips between their edges are
 /// divided both ways and averaged, so that those of neighbours cancel.
 double six_swept(const std::array<Vec3, 3>& from, const std::array<Vec3, 3>& to) {
@@ -67,10 +63,8 @@ class Fit {
       const std::array<Vec3, 3> c = corners(t, mesh.positions);
       cube_.push_back(lattice_.cube_at((c[0] + c[1] + c[2]) / 3));
     }
-    volume_ = lattice_.zeros();
-    for (std::size_t b = 0; b < volume_.size(); ++b)
-      for (std::size_t c = 0; c < 8; ++c) volume_[b][c] = mesh.cube_volumes[b][c];
-    add_swept(polygonised, mesh.positions, volume_);
+    volume_ = mesh.cube_volumes;
+    add_swept(polygonised);
   }
 
   /// Moves the surface by what the cubes around it lack, over its area there.
@@ -84,10 +78,11 @@ class Fit {
       const Cubes area = lattice_.smoothed(areas(), smoothing_passes[round], workers_);
       for (std::size_t b = 0; b < lacking.size(); ++b)
         for (std::size_t c = 0; c < 8; ++c) lacking[b][c] /= area[b][c] + small_area;
-      const std::vector<Float3> before = mesh_.positions;
+      const bool is_last = round + 1 == smoothing_passes.size();
+      const std::vector<Float3> before = is_last ? std::vector<Float3>() : mesh_.positions;
       const std::vector<float> offset = offsets(lacking);
       move([&](std::size_t v) { return offset[v]; }, in_cubes_);
-      if (round + 1 < smoothing_passes.size()) add_swept(before, mesh_.positions, volume_);
+      if (!is_last) add_swept(before);
     }
   }
   /// Sets the water of pieces that the clip box cuts, and of all that is not small, to 0.
@@ -202,12 +197,14 @@ class Fit {
             weighted_area(mesh_.triangles[t], corners(mesh_.triangles[t], mesh_.positions), is_free_));
     return area;
   }
-  void add_swept(const std::vector<Float3>& from, const std::vector<Float3>& to, Cubes& volume) const {
+  /// Adds what the triangles swept on their way from `from`.
+  void add_swept(const std::vector<Float3>& from) {
+    const std::vector<Float3>& to = mesh_.positions;
     for (std::size_t n = 0; n < cube_.size(); ++n) {
       const Triangle& t = mesh_.triangles[n];
       if (cube_[n] == none || (from[t[0]] == to[t[0]] && from[t[1]] == to[t[1]] && from[t[2]] == to[t[2]]))
         continue;
-      volume[cube_[n] / 8][cube_[n] % 8] +=
+      volume_[cube_[n] / 8][cube_[n] % 8] +=
           static_cast<float>(six_swept(corners(t, from), corners(t, to)) / 6);
     }
   }
@@ -271,13 +268,10 @@ std::vector<double> water_in_pieces(const ParticleBlocks& particles, const Water
   std::vector<double> result(pieces.count + 1, 0);
   const PieceFinder finder(grid, mesh, pieces);
   for (std::size_t n = 0; n < particles.blocks.size(); ++n) {
-    const Int3 at = particles.blocks[n];
-    const bool is_near = finder.is_near(at);
-    const Vec3 origin = side * Vec3(at.x, at.y, at.z);
+    const bool is_near = finder.is_near(particles.blocks[n]);
     for (std::size_t p = particles.begin[n]; p < particles.begin[n + 1]; ++p) {
       if (water.is_drop(p)) continue;
-      const Vec3 x = origin + Vec3(particles.x[p], particles.y[p], particles.z[p]);
-      const std::uint32_t piece = is_near ? finder.find(x) : none;
+      const std::uint32_t piece = is_near ? finder.find(particles.place(n, p)) : none;
       result[piece == none ? pieces.count : piece] += water.of(p);
     }
   }

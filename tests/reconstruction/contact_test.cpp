@@ -16,6 +16,7 @@ namespace {
 
 using test::audit_pairs;
 using test::expect_promise;
+using test::options_for;
 using test::PairAudit;
 using test::WaterScene;
 
@@ -25,16 +26,6 @@ const WaterScene& scene(const std::string& name) {
                                                            {"vee", test::vee_scene()},
                                                            {"crumple", test::crumple_scene()}};
   return scenes.at(name);
-}
-
-ReconstructionOptions options_for(const WaterScene& s, double cell, double gap, ObstacleMode contact) {
-  ReconstructionOptions o;
-  o.spacing = s.spacing;
-  o.cell = cell;
-  o.gap = gap * s.spacing;
-  o.contact = contact;
-  o.threads = 2;
-  return o;
 }
 
 struct Case {

@@ -8,6 +8,7 @@
 namespace oilskin {
 namespace {
 
+using test::position;
 using test::WaterScene;
 
 constexpr double slope_x = 0.31, slope_y = 0.17;
@@ -19,10 +20,6 @@ double height(double x, double y) {
 
 double above(const Vec3& x) {
   return normal.dot(x);
-}
-
-Vec3 position(const WaterMesh& mesh, std::uint32_t v) {
-  return {mesh.positions[v][0], mesh.positions[v][1], mesh.positions[v][2]};
 }
 
 /// A tilted sheet of 12 × 12 cm, and particles `distance` spacings apart on its inner 8 × 8 cm.
@@ -42,13 +39,7 @@ WaterScene film(double distance, std::uint64_t seed, double side = 1) {
 }
 
 ReconstructionOptions options_for(const WaterScene& s, double cell, ObstacleMode mode) {
-  ReconstructionOptions o;
-  o.spacing = s.spacing;
-  o.cell = cell;
-  o.gap = 0.1 * s.spacing;
-  o.contact = mode;
-  o.threads = 2;
-  return o;
+  return test::options_for(s, cell, 0.1, mode);
 }
 
 /// Where a line along the sheet's normal through a point of it is in the water.

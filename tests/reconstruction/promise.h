@@ -7,6 +7,21 @@
 
 namespace oilskin::test {
 
+/// `gap` in spacings.
+inline ReconstructionOptions options_for(const WaterScene& s, double cell, double gap, ObstacleMode contact) {
+  ReconstructionOptions o;
+  o.spacing = s.spacing;
+  o.cell = cell;
+  o.gap = gap * s.spacing;
+  o.contact = contact;
+  o.threads = 2;
+  return o;
+}
+
+inline Vec3 position(const WaterMesh& mesh, std::uint32_t v) {
+  return {mesh.positions[v][0], mesh.positions[v][1], mesh.positions[v][2]};
+}
+
 /// By both routes: the library's check, and exact signs and long doubles.
 inline void expect_promise(const WaterScene& s, const WaterMesh& mesh, double gap) {
   expect_clean(check_mesh(mesh, s.obstacles(), gap), gap);

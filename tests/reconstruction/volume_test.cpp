@@ -12,13 +12,7 @@ using test::WaterScene;
 
 ReconstructionOptions options_for(const WaterScene& s, double cell,
                                   ObstacleMode contact = ObstacleMode::none) {
-  ReconstructionOptions o;
-  o.spacing = s.spacing;
-  o.cell = cell;
-  o.gap = 0.1 * s.spacing;
-  o.contact = contact;
-  o.threads = 2;
-  return o;
+  return test::options_for(s, cell, 0.1, contact);
 }
 
 /// The volume of the mesh over that of the water.
@@ -33,8 +27,7 @@ double area(const WaterMesh& mesh) {
   double sum = 0;
   for (const Triangle& t : mesh.triangles) {
     Vec3 c[3];
-    for (std::size_t k = 0; k < 3; ++k)
-      c[k] = Vec3(mesh.positions[t[k]][0], mesh.positions[t[k]][1], mesh.positions[t[k]][2]);
+    for (std::size_t k = 0; k < 3; ++k) c[k] = test::position(mesh, t[k]);
     sum += 0.5 * (c[1] - c[0]).cross(c[2] - c[0]).norm();
   }
   return sum;

@@ -9,6 +9,7 @@
 namespace oilskin {
 namespace {
 
+using test::position;
 using test::WaterScene;
 
 /// The layer lies on a tilted plane, so that the grid sees it at all heights.
@@ -37,17 +38,7 @@ double ramp(const Vec3& x) {
 
 ReconstructionOptions options_for(const WaterScene& s, ObstacleMode mode, double cell = 0.5,
                                   double gap = 0.1) {
-  ReconstructionOptions o;
-  o.spacing = s.spacing;
-  o.cell = cell;
-  o.gap = gap * s.spacing;
-  o.contact = mode;
-  o.threads = 2;
-  return o;
-}
-
-Vec3 position(const WaterMesh& mesh, std::uint32_t v) {
-  return Vec3(mesh.positions[v][0], mesh.positions[v][1], mesh.positions[v][2]);
+  return test::options_for(s, cell, gap, mode);
 }
 
 /// Is the vertex on the side that faces the sheet, away from the borders of the layer?
