@@ -1,4 +1,4 @@
-/// The program `oilskin`: list, run, ccd, mesh, effects.
+/// The program `oilskin`: list, run, ccd, mesh, effects, validate.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -18,6 +18,8 @@
 #include "scene/options.h"
 #include "scene/scene_library.h"
 #include "scene/scene_reader.h"
+#include "study/run/case_run.h"
+#include "study/validate_command.h"
 
 namespace oilskin::demo {
 namespace {
@@ -60,10 +62,12 @@ StepRange parse_steps(const std::string& text) {
 
 struct CommandLine {
   CLI::App app{"Leak-free water for Bullet's cloth", "oilskin"};
-  CLI::App *list = nullptr, *run = nullptr, *ccd = nullptr, *mesh = nullptr, *effects = nullptr;
+  CLI::App *list = nullptr, *run = nullptr, *ccd = nullptr, *mesh = nullptr, *effects = nullptr,
+           *validate = nullptr;
   RunOptions options;
   MeshOptions mesh_options;
   EffectsOptions effects_options;
+  ValidateOptions validate_options;
   std::string trace_steps;
   bool render = false;
   std::vector<std::string> ccd_files;
@@ -71,6 +75,7 @@ struct CommandLine {
   CommandLine();
   void add_mesh();
   void add_effects();
+  void add_validate();
 };
 
 CommandLine::CommandLine() {
@@ -101,6 +106,7 @@ CommandLine::CommandLine() {
   run->add_option("--seed", options.seed, "of everything random");
   add_mesh();
   add_effects();
+  add_validate();
 }
 
 void CommandLine::add_mesh() {
@@ -150,6 +156,30 @@ void CommandLine::add_effects() {
   effects->add_flag("--quiet", e.quiet, "print nothing but errors");
 }
 
+void CommandLine::add_validate() {
+  ValidateOptions& v = validate_options;
+  validate = app.add_subcommand("validate", "runs the validation cases against their references");
+  validate->add_option("CASE", v.cases, "names from --list (default: all)");
+  validate->add_flag("--list", v.list, "print the cases");
+  validate->add_option("--out", v.out, "folder for runs and tables (default out/validation)");
+  validate->add_option("--levels", v.levels, "only so many spacings of each case, from the coarsest")
+      ->check(CLI::PositiveNumber);
+  validate
+      ->add_option("--spacing", v.spacings, "of the particles [m], instead of the case's; may be repeated")
+      ->check(CLI::PositiveNumber);
+  validate->add_option("--step", v.step, "length of the step over the case's")->check(CLI::PositiveNumber);
+  validate->add_option("--thickness", v.thickness, "of all surfaces, in spacings")
+      ->check(CLI::PositiveNumber);
+  validate->add_option("--host", v.host, "mock, bullet or bullet64 (default mock)");
+  validate->add_option("--preset", v.preset, "none, game, film or measurement (default none)");
+  validate->add_option("--set", v.set, "KEY=VALUE, one key of a scene by its dotted path; may be repeated")
+      ->expected(1)
+      ->take_all();
+  validate->add_option("--threads", v.threads, "0 = all hardware threads")->check(CLI::Range(0, 1024));
+  validate->add_flag("--again", v.again, "repeat runs that are there with the same settings");
+  validate->add_flag("--quiet", v.quiet, "print nothing but errors");
+}
+
 int dispatch(CommandLine& line, char** argv) {
   if (*line.list) {
     list_scenes();
@@ -158,6 +188,11 @@ int dispatch(CommandLine& line, char** argv) {
   if (*line.ccd) return ccd_command(line.ccd_files, std::cout, std::cerr);
   if (*line.mesh) return mesh_command(line.mesh_options);
   if (*line.effects) return effects_command(line.effects_options);
+  if (*line.validate) {
+    const HostKind host = host_of(line.validate_options.host);
+    if (host != HostKind::mock && host != built_in_host()) become_the_other_precision(host, argv);
+    return validate_command(line.validate_options, make_simulation);
+  }
   if (line.run->count("--render") > 0) line.options.render = line.render;
   if (!line.trace_steps.empty()) line.options.trace_steps = parse_steps(line.trace_steps);
   return run(line.options, argv);

@@ -41,12 +41,9 @@ const char* compiler() {
 }
 
 Json machine(const RunSummary& s) {
-  const int cores = static_cast<int>(std::thread::hardware_concurrency());
-  return {{"cores", cores},
-          {"threads", s.threads > 0 ? s.threads : cores},
-          {"compiler", compiler()},
-          {"instruction_set", instruction_set()},
-          {"precision", s.simulation.precision()}};
+  Json machine = machine_of(s.threads);
+  machine["precision"] = s.simulation.precision();
+  return machine;
 }
 
 /// Reading and writing the host's surfaces is counted as cloth.
@@ -160,12 +157,6 @@ Json mass(const RunSummary& s) {
           {"residual_in_cloth", t.mass_in_cloth() - world.absorbed_mass()}};
 }
 
-std::uint64_t peak_memory_bytes() {
-  rusage usage = {};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
-
 Json acceptance(const RunSummary& s) {
   Json checks = Json::array();
   for (const CheckResult& c : s.checks)
@@ -180,6 +171,20 @@ std::string hexadecimal(std::uint64_t value) {
 }
 
 }  // namespace
+
+Json machine_of(int threads) {
+  const int cores = static_cast<int>(std::thread::hardware_concurrency());
+  return {{"cores", cores},
+          {"threads", threads > 0 ? threads : cores},
+          {"compiler", compiler()},
+          {"instruction_set", instruction_set()}};
+}
+
+std::uint64_t peak_memory_bytes() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
 
 Json make_report(const RunSummary& s) {
   const Totals& t = s.totals;

@@ -24,6 +24,11 @@ struct RunSummary {
   int signal = 0;  ///< that stopped the run, or 0
 };
 
+/// Processor cores, threads (0 = all cores), compiler and instruction set.
+Json machine_of(int threads);
+/// Of this process so far.
+std::uint64_t peak_memory_bytes();
+
 Json make_report(const RunSummary& summary);
 
 /// Written under a temporary name and renamed. Throws OutputError.

@@ -1,0 +1,28 @@
+#include "study/cases/case_table.h"
+
+#include <cmath>
+
+namespace oilskin::demo {
+
+double Quantity::error() const {
+  const double by = scale > 0 ? scale : std::abs(reference);
+  const double off = std::abs(value - reference) / by;
+  return std::isfinite(off) ? off : never;
+}
+
+const std::vector<ValidationCase>& validation_cases() {
+  static const std::vector<ValidationCase> all = {weight_case()};
+  return all;
+}
+
+const ValidationCase& validation_case(const std::string& name) {
+  std::vector<std::string> names;
+  for (const ValidationCase& c : validation_cases()) {
+    if (c.name == name) return c;
+    names.push_back(c.name);
+  }
+  throw SceneError(name + ": there is no such validation case; the nearest is \"" +
+                   nearest_name(name, names) + "\"");
+}
+
+}  // namespace oilskin::demo
