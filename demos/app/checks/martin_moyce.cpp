@@ -93,26 +93,38 @@ double value_at(const std::vector<DamMoment>& run, double DamMoment::*value, dou
   return a.*value + (b.*value - a.*value) * (t - a.t) / (b.t - a.t);
 }
 
-double front_difference(const std::vector<DamMoment>& run, double width, double unit, double shift) {
-  double worst = 0;
+struct Difference {
+  double worst = 0, sum = 0;
+  int count = 0;
+
+  void add(double difference) {
+    worst = std::max(worst, difference);
+    sum += difference;
+    ++count;
+  }
+  double mean() const { return count > 0 ? sum / count : not_covered; }
+};
+
+Difference front_difference(const std::vector<DamMoment>& run, double width, double unit, double shift) {
+  Difference found;
   for (const Measured& m : front_of_experiment) {
     if (m.value <= first_front || m.value >= last_front) continue;
     const double z = value_at(run, &DamMoment::front, (m.time + shift) * unit) / width;
-    worst = std::max(worst, std::abs(z / m.value - 1));
+    found.add(std::abs(z / m.value - 1));
   }
-  return worst;
+  return found;
 }
 
-double height_difference(const std::vector<DamMoment>& run, double width, double unit, double shift) {
+Difference height_difference(const std::vector<DamMoment>& run, double width, double unit, double shift) {
   const double until = std::prev(std::end(front_of_experiment), 2)->time * unit;
-  double worst = 0;
+  Difference found;
   for (const Measured& m : height_of_experiment) {
     const double t = m.time * unit * std::sqrt(2.0);
     if (t > until) break;
     const double h = value_at(run, &DamMoment::height, t + shift * unit) / (2 * width);
-    worst = std::max(worst, std::abs(h / m.value - 1));
+    found.add(std::abs(h / m.value - 1));
   }
-  return worst;
+  return found;
 }
 
 double fastest_front(const std::vector<DamMoment>& run, double unit) {
@@ -165,13 +177,16 @@ DamComparison compare_with_martin_moyce(const std::vector<DamMoment>& run, doubl
   const int steps = static_cast<int>(std::floor(fit.max_shift / shift_step + 1e-9));
   for (int i = -steps; i <= steps; ++i) {
     const double shift = i * shift_step;
-    const double front = front_difference(run, width, unit, shift);
-    const double height = height_difference(run, width, unit, shift);
-    const double worse = std::max(front / fit.front, std::isinf(fit.height) ? 0 : height / fit.height);
+    const Difference front = front_difference(run, width, unit, shift);
+    const Difference height = height_difference(run, width, unit, shift);
+    const double worse =
+        std::max(front.worst / fit.front, std::isinf(fit.height) ? 0 : height.worst / fit.height);
     if (worse >= minimum) continue;
     minimum = worse;
-    found.front = front;
-    found.height = height;
+    found.front = front.worst;
+    found.height = height.worst;
+    found.mean_front = front.mean();
+    found.mean_height = height.mean();
     found.shift = shift;
   }
   if (run.size() > 1) found.speed = fastest_front(run, unit) / (2 * std::sqrt(2 * gravity * width));

@@ -40,6 +40,9 @@ struct DamComparison {
   /// Largest relative difference of the column's height over the same time, from the experiment's first one
   /// on.
   double height = std::numeric_limits<double>::infinity();
+  /// The means of both differences over the same moments of the experiment.
+  double mean_front = std::numeric_limits<double>::infinity();
+  double mean_height = std::numeric_limits<double>::infinity();
   double shift = 0;  ///< by which the run is taken to be later than the experiment: the one that fits best
   double speed = 0;  ///< fastest front over Ritter's 2 sqrt(2 g a) of a dam that vanishes
 };

@@ -11,7 +11,10 @@ double Quantity::error() const {
 }
 
 const std::vector<ValidationCase>& validation_cases() {
-  static const std::vector<ValidationCase> all = {weight_case()};
+  static const std::vector<ValidationCase> all = {weight_case(),     dam_case(),       plate_case(90),
+                                                  plate_case(60),    plate_case(30),   moving_plate_case(),
+                                                  poiseuille_case(), couette_case(),   slope_case(),
+                                                  film_case(),       half_pipe_case(), taylor_green_case()};
   return all;
 }
 

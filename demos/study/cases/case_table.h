@@ -6,5 +6,16 @@
 namespace oilskin::demo {
 
 ValidationCase weight_case();
+ValidationCase dam_case();
+ValidationCase poiseuille_case();
+ValidationCase couette_case();
+ValidationCase slope_case();
+ValidationCase film_case();
+ValidationCase half_pipe_case();
+ValidationCase taylor_green_case();
+/// A jet at an angle to a plate [degrees].
+ValidationCase plate_case(int angle);
+/// A jet on a plate that moves away at half its speed.
+ValidationCase moving_plate_case();
 
 }  // namespace oilskin::demo

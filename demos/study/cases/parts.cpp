@@ -46,6 +46,13 @@ Mesh sheet_mesh(const Vec3& corner, const Vec3& u, const Vec3& v, int nu, int nv
   return mesh;
 }
 
+void append(Mesh& mesh, const Mesh& part) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), part.vertices.begin(), part.vertices.end());
+  for (const Triangle& t : part.triangles)
+    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
 Body mesh_body(Mesh mesh) {
   PlacedMesh placed;
   placed.mesh = std::move(mesh);
