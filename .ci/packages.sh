@@ -7,6 +7,8 @@ oilskin_check_packages=(clang-format clang-tidy doxygen python3)
 oilskin_benchmark_packages=(libbenchmark-dev)
 # For `oilskin mesh` and `surface` of scenes: files in glTF and OpenVDB. Without them these formats are refused.
 oilskin_format_packages=(libtinygltf-dev libopenvdb-dev)
+# For the plots of `demos/run study` and `demos/run validate`.
+oilskin_plot_packages=(python3-matplotlib)
 # For the slow test tests/farm alone.
 oilskin_farm_packages=(slurmctld slurmd slurm-client slurm-wlm-basic-plugins munge python3)
 # xvfb-run needs xauth, and a renderer to draw with.

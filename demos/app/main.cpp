@@ -1,4 +1,4 @@
-/// The program `oilskin`: list, run, ccd, mesh, effects, validate.
+/// The program `oilskin`: list, run, ccd, mesh, effects, validate, study.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -19,6 +19,7 @@
 #include "scene/scene_library.h"
 #include "scene/scene_reader.h"
 #include "study/run/case_run.h"
+#include "study/study_command.h"
 #include "study/validate_command.h"
 
 namespace oilskin::demo {
@@ -63,11 +64,12 @@ StepRange parse_steps(const std::string& text) {
 struct CommandLine {
   CLI::App app{"Leak-free water for Bullet's cloth", "oilskin"};
   CLI::App *list = nullptr, *run = nullptr, *ccd = nullptr, *mesh = nullptr, *effects = nullptr,
-           *validate = nullptr;
+           *validate = nullptr, *study = nullptr;
   RunOptions options;
   MeshOptions mesh_options;
   EffectsOptions effects_options;
   ValidateOptions validate_options;
+  StudyOptions study_options;
   std::string trace_steps;
   bool render = false;
   std::vector<std::string> ccd_files;
@@ -76,6 +78,7 @@ struct CommandLine {
   void add_mesh();
   void add_effects();
   void add_validate();
+  void add_study();
 };
 
 CommandLine::CommandLine() {
@@ -107,6 +110,7 @@ CommandLine::CommandLine() {
   add_mesh();
   add_effects();
   add_validate();
+  add_study();
 }
 
 void CommandLine::add_mesh() {
@@ -176,8 +180,26 @@ void CommandLine::add_validate() {
       ->expected(1)
       ->take_all();
   validate->add_option("--threads", v.threads, "0 = all hardware threads")->check(CLI::Range(0, 1024));
+  validate->add_option("--repeat", v.repeat, "runs of each, for their times (default 1)")
+      ->check(CLI::PositiveNumber);
+  validate->add_flag("!--no-tables", v.tables, "write no tables");
   validate->add_flag("--again", v.again, "repeat runs that are there with the same settings");
   validate->add_flag("--quiet", v.quiet, "print nothing but errors");
+}
+
+void CommandLine::add_study() {
+  StudyOptions& s = study_options;
+  study = app.add_subcommand("study", "what accuracy costs: one parameter at a time, over cases");
+  study->add_option("PART", s.parts, "names from --list (default: all)");
+  study->add_flag("--list", s.list, "print the parts");
+  study->add_option("--case", s.cases, "only these cases of the sweeps; may be repeated");
+  study->add_option("--out", s.out, "folder for runs, tables and plots (default out/study)");
+  study->add_option("--threads", s.threads, "0 = all hardware threads (default 1)")
+      ->check(CLI::Range(0, 1024));
+  study->add_option("--repeat", s.repeat, "runs of each, for their times (default 3)")
+      ->check(CLI::PositiveNumber);
+  study->add_flag("--again", s.again, "repeat runs that are there with the same settings");
+  study->add_flag("--quiet", s.quiet, "print nothing but errors");
 }
 
 int dispatch(CommandLine& line, char** argv) {
@@ -191,8 +213,9 @@ int dispatch(CommandLine& line, char** argv) {
   if (*line.validate) {
     const HostKind host = host_of(line.validate_options.host);
     if (host != HostKind::mock && host != built_in_host()) become_the_other_precision(host, argv);
-    return validate_command(line.validate_options, make_simulation);
+    return validate_command(line.validate_options, built_in_host(), make_simulation);
   }
+  if (*line.study) return study_command(line.study_options, built_in_host(), make_simulation);
   if (line.run->count("--render") > 0) line.options.render = line.render;
   if (!line.trace_steps.empty()) line.options.trace_steps = parse_steps(line.trace_steps);
   return run(line.options, argv);

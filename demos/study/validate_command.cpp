@@ -3,8 +3,6 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 
 #include "output/write_file.h"
 #include "run/signals.h"
@@ -12,11 +10,10 @@
 #include "study/run/case_files.h"
 #include "study/run/case_judgement.h"
 #include "study/run/case_report.h"
+#include "study/run/obtain_run.h"
 
 namespace oilskin::demo {
 namespace {
-
-namespace fs = std::filesystem;
 
 Variation variation_of(const ValidateOptions& o) {
   return {o.step, o.thickness, host_of(o.host), preset_of(o.preset), o.set};
@@ -38,17 +35,6 @@ std::vector<double> chosen_spacings(const ValidateOptions& options, const Valida
   return all;
 }
 
-/// Refuses a folder that cannot be written to before anything is computed.
-void prepare(const std::string& out) {
-  std::error_code error;
-  fs::create_directories(out + "/runs", error);
-  const std::string probe = out + "/validation.csv.part";
-  if (error || !std::ofstream(probe))
-    throw SceneError("--out " + out + ": the folder cannot be written to" +
-                     (error ? ": " + error.message() : std::string()));
-  fs::remove(probe, error);
-}
-
 void list_cases() {
   for (const ValidationCase& c : validation_cases()) {
     std::string levels;
@@ -63,14 +49,11 @@ void list_cases() {
 
 class Validation {
  public:
-  Validation(const ValidateOptions& options, const MakeSimulation& make_simulation)
-      : options_(options),
-        make_simulation_(make_simulation),
-        variation_(variation_of(options)),
-        cases_(chosen_cases(options)) {
+  Validation(const ValidateOptions& options, const RunPlace& place)
+      : options_(options), place_(place), variation_(variation_of(options)), cases_(chosen_cases(options)) {
     for (const ValidationCase* c : cases_)
       for (const double spacing : chosen_spacings(options, *c)) varied_scene(*c, spacing, variation_);
-    prepare(options.out);
+    prepare_place(place);
   }
 
   int execute() {
@@ -88,18 +71,10 @@ class Validation {
 
  private:
   CaseRun run(const ValidationCase& of, double spacing) {
-    const std::string file = case_file(options_.out, of.name, spacing, variation_);
-    if (!options_.again)
-      if (const auto found = read_case_run(file, of.name, spacing, variation_, options_.threads)) {
-        print(of, *found, true);
-        return *found;
-      }
-    CaseRun run = run_case(of, spacing, variation_, options_.threads, make_simulation_,
-                           [&](double fraction) { show(of, spacing, fraction); });
-    if (run.signal != 0) return run;
-    write_case_run(file, run, options_.threads);
-    print(of, run, false);
-    return run;
+    const ObtainedRun obtained =
+        obtain_run(of, spacing, variation_, place_, [&](double fraction) { show(of, spacing, fraction); });
+    if (obtained.run.signal == 0) print(of, obtained.run, obtained.earlier);
+    return obtained.run;
   }
 
   void show(const ValidationCase& of, double spacing, double fraction) {
@@ -113,7 +88,7 @@ class Validation {
   void print(const ValidationCase& of, const CaseRun& run, bool earlier) const {
     if (options_.quiet) return;
     std::printf("\r%-16s %6.4g mm %8.2f s, %llu particles%s\n", of.name.c_str(), 1e3 * run.spacing,
-                run.cost.wall_seconds, static_cast<unsigned long long>(run.cost.particles),
+                run.cost.wall_seconds.front(), static_cast<unsigned long long>(run.cost.particles),
                 earlier ? " (there already)" : "");
     for (const Quantity& q : run.quantities)
       std::printf("  %-40s %12.5g %12.5g  error %9.3g %s\n", q.name.c_str(), q.value, q.reference, q.error(),
@@ -125,18 +100,22 @@ class Validation {
   }
 
   int finish() const {
-    write_file(options_.out + "/validation.csv", validation_csv(results_));
-    write_file(options_.out + "/validation.md",
-               validation_markdown(results_, machine_of_study(options_.threads)));
+    if (options_.tables) write_tables();
     bool good = true;
     for (const CaseLevels& levels : results_)
       for (const CaseRun& run : levels.runs) good = good && passes(levels.of, run);
-    if (!options_.quiet) std::printf("  %s/validation.md\n", options_.out.c_str());
     return static_cast<int>(good ? ExitCode::done : ExitCode::check_failed);
   }
 
+  void write_tables() const {
+    write_file(options_.out + "/validation.csv", validation_csv(results_));
+    write_file(options_.out + "/validation.md",
+               validation_markdown(results_, machine_of_study(options_.threads)));
+    if (!options_.quiet) std::printf("  %s/validation.md\n", options_.out.c_str());
+  }
+
   const ValidateOptions& options_;
-  const MakeSimulation& make_simulation_;
+  RunPlace place_;
   Variation variation_;
   std::vector<const ValidationCase*> cases_;
   std::vector<CaseLevels> results_;
@@ -145,12 +124,15 @@ class Validation {
 
 }  // namespace
 
-int validate_command(const ValidateOptions& options, const MakeSimulation& make_simulation) {
+int validate_command(const ValidateOptions& options, HostKind built_in,
+                     const MakeSimulation& make_simulation) {
   if (options.list) {
     list_cases();
     return static_cast<int>(ExitCode::done);
   }
-  return Validation(options, make_simulation).execute();
+  return Validation(options,
+                    {options.out, options.threads, options.repeat, options.again, built_in, make_simulation})
+      .execute();
 }
 
 }  // namespace oilskin::demo

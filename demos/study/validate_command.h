@@ -17,6 +17,8 @@ struct ValidateOptions {
   std::string host = "mock", preset = "none";
   std::vector<std::string> set;
   int threads = 0;     ///< 0 = all hardware threads
+  int repeat = 1;      ///< runs of each, for their times
+  bool tables = true;  ///< write validation.csv and validation.md
   bool again = false;  ///< repeat runs that are there
   bool list = false;   ///< only print the cases
   bool quiet = false;
@@ -25,6 +27,7 @@ struct ValidateOptions {
 /// Runs the cases and writes DIR/validation.csv, DIR/validation.md and one file per run. The exit code:
 /// check_failed where a tolerance is missed, a run fails, or a crossing is found. Throws SceneError for bad
 /// input, OutputError when the disk is full.
-int validate_command(const ValidateOptions& options, const MakeSimulation& make_simulation);
+int validate_command(const ValidateOptions& options, HostKind built_in,
+                     const MakeSimulation& make_simulation);
 
 }  // namespace oilskin::demo

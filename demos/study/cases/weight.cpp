@@ -18,8 +18,9 @@ class Column : public Probe {
       return;
     }
     const World& world = now.simulation.world();
+    depth_ = world.fluid_mass() / (water_density * width * width);
     force_.add(-impulse_on(now.simulation.body(0)).y() / now.dt, now.dt);
-    height_.add(2 * mean_position(world).y() / depth, now.dt);
+    height_.add(2 * mean_position(world).y() / depth_, now.dt);
     speed_ = std::max(speed_, largest_speed(world));
     for (std::size_t i = 0; i < world.particle_count(); ++i) look(world, i);
   }
@@ -39,18 +40,19 @@ class Column : public Probe {
  private:
   void look(const World& world, std::size_t i) {
     const double spacing = world.fluid_settings().spacing, y = world.positions()[i].y(),
-                 exact = water_density * earth * (depth - y), p = world.pressures()[i];
+                 exact = water_density * earth * (depth_ - y), p = world.pressures()[i];
     if (y < spacing) {
       first_ += p;
       first_exact_ += exact;
     }
-    if (y < 2 * spacing || y > depth - 2 * spacing) return;
-    const double off = (p - exact) / (water_density * earth * depth);
+    if (y < 2 * spacing || y > depth_ - 2 * spacing) return;
+    const double off = (p - exact) / (water_density * earth * depth_);
     squares_ += off * off;
     count_ += 1;
   }
 
   TimeMean force_, height_;  // [N], relative
+  double depth_ = depth;     // of that mass of water; a lattice may not fill the box [m]
   double momentum_ = 0, speed_ = 0, first_ = 0, first_exact_ = 0, squares_ = 0, count_ = 0;
 };
 

@@ -52,7 +52,7 @@ Json to_json(const CaseCost& c) {
 
 CaseCost cost_of_case(const Json& j) {
   CaseCost c;
-  c.wall_seconds = j.at("wall_seconds");
+  c.wall_seconds = j.at("wall_seconds").get<std::vector<double>>();
   c.simulated_seconds = j.at("simulated_seconds");
   c.steps = j.at("steps");
   c.substeps = j.at("substeps");

@@ -27,7 +27,7 @@ std::string row(const CaseLevels& levels, const CaseRun& run, const Quantity& q)
   for (const double value : {q.value, q.reference, q.error(), q.uncertainty, tolerance_at(levels.of, run, q)})
     text += "," + plain(value);
   text += std::string(",") + verdict(levels.of, run, q);
-  for (const double value : {c.seconds_per_simulated_second(), c.simulated_seconds, double(c.steps),
+  for (const double value : {c.seconds_per_simulated_second().median, c.simulated_seconds, double(c.steps),
                              double(c.substeps), double(c.particles), double(c.faces), double(run.crossings)})
     text += "," + plain(value);
   return text + "\n";
@@ -58,7 +58,7 @@ std::string levels_row(const CaseLevels& levels, std::size_t k) {
 std::string costs_row(const CaseLevels& levels) {
   std::string text = "| seconds per simulated second | |";
   for (const CaseRun& run : levels.runs)
-    text += " " + format("%.3g", run.cost.seconds_per_simulated_second()) + " |";
+    text += " " + format("%.3g", run.cost.seconds_per_simulated_second().median) + " |";
   text += " | |\n| particles | |";
   for (const CaseRun& run : levels.runs) text += " " + std::to_string(run.cost.particles) + " |";
   return text + " | |\n";

@@ -112,7 +112,7 @@ class Execution {
   }
 
   void finish(CaseRun& run) {
-    run.cost.wall_seconds = wall_ - totals_.seconds.verify;
+    run.cost.wall_seconds = {wall_ - totals_.seconds.verify};
     run.cost.simulated_seconds = totals_.simulated;
     run.cost.steps = totals_.steps;
     run.cost.substeps = totals_.substeps;
@@ -135,6 +135,13 @@ class Execution {
 };
 
 }  // namespace
+
+Spread CaseCost::seconds_per_simulated_second() const {
+  std::vector<double> ratios;
+  for (const double wall : wall_seconds)
+    if (simulated_seconds > 0) ratios.push_back(wall / simulated_seconds);
+  return spread_of(ratios);
+}
 
 HostKind host_of(const std::string& word) {
   return HostKind(value_of(hosts, word, "--host"));

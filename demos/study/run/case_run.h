@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "hosts/simulation.h"
+#include "output/effect_costs.h"
 #include "study/cases/case.h"
 
 namespace oilskin::demo {
@@ -23,13 +24,14 @@ HostKind host_of(const std::string& word);
 PresetKind preset_of(const std::string& word);
 
 struct CaseCost {
-  /// Of the steps, without the certificate's second check (contact.verify) [s].
-  double wall_seconds = 0;
+  /// Of the steps, without the certificate's second check (contact.verify) [s]
+  std::vector<double> wall_seconds;  ///< one per repetition
   double simulated_seconds = 0;
   std::uint64_t steps = 0, substeps = 0, particles = 0, faces = 0;
   double peak_memory = 0;  ///< of the process [bytes]
 
-  double seconds_per_simulated_second() const { return wall_seconds / simulated_seconds; }
+  /// Wall time over simulated time: median, least, largest. Zeros where nothing was simulated.
+  Spread seconds_per_simulated_second() const;
 };
 
 struct CaseRun {

@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""Plots of `oilskin study` and `oilskin validate`: study_plots.py DIR [OUT].
+
+Reads study.csv, validation.csv, leaks.csv, stability.csv and sizes.csv in DIR, those that are there, and writes
+accuracy_cost.svg, accuracy_order.svg, leaks.svg, stability.svg and sizes.svg to OUT (default DIR). Needs matplotlib.
+"""
+
+import csv
+import math
+import os
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "oilskin", "font.size": 9, "axes.grid": True, "grid.color": "#dddddd"})
+import matplotlib.pyplot as plt  # noqa: E402 the backend must be chosen first
+
+
+def rows_of(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def number(text):
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def save(figure, out, name):
+    figure.tight_layout()
+    path = os.path.join(out, name)
+    figure.savefig(path, metadata={"Date": None})
+    plt.close(figure)
+    print(path)
+
+
+def groups(rows, key):
+    found = {}
+    for row in rows:
+        found.setdefault(row[key], []).append(row)
+    return found
+
+
+def panels(count, width=4.6, height=3.7, columns=2):
+    columns = min(columns, count)
+    lines = math.ceil(count / columns)
+    figure, axes = plt.subplots(lines, columns, figsize=(width * columns, height * lines), squeeze=False)
+    for axis in axes.flat[count:]:
+        axis.axis("off")
+    return figure, list(axes.flat[:count])
+
+
+def accuracy_cost(rows, out):
+    """Error over cost per case; the Pareto front as a line."""
+    cases = groups(rows, "case")
+    figure, axes = panels(len(cases))
+    colours = {name: f"C{k}" for k, name in enumerate(groups(rows, "sweep"))}
+    for axis, (case, points) in zip(axes, cases.items()):
+        for sweep, of_sweep in groups(points, "sweep").items():
+            good = [p for p in of_sweep if number(p["error"]) > 0 and p["crossings"] == "0"]
+            axis.plot([number(p["seconds_per_simulated_second"]) for p in good],
+                      [100 * number(p["error"]) for p in good], "o", markersize=4, color=colours[sweep], label=sweep)
+        front = sorted((number(p["seconds_per_simulated_second"]), 100 * number(p["error"]))
+                       for p in points if p["front"] == "1")
+        axis.plot(*zip(*front), "-", color="black", linewidth=1, label="Pareto front", zorder=0)
+        axis.set(xscale="log", yscale="log", xlabel="wall seconds per simulated second", ylabel="error [%]",
+                 title=f"{case}: {points[0]['quantity']}")
+        axis.title.set_fontsize(8)
+    axes[0].legend(fontsize=7, ncol=2)
+    save(figure, out, "accuracy_cost.svg")
+
+
+def accuracy_order(rows, out):
+    """Error over spacing for every judged quantity, with its tolerance."""
+    cases = groups([r for r in rows if r["tolerance"]], "case")
+    figure, axes = panels(len(cases), 3.4, 2.9, 4)
+    for axis, (case, points) in zip(axes, cases.items()):
+        for k, (quantity, levels) in enumerate(groups(points, "quantity").items()):
+            x = [1e3 * number(p["spacing"]) for p in levels]
+            axis.plot(x, [max(100 * number(p["error"]), 1e-6) for p in levels], "o-", markersize=3, color=f"C{k}",
+                      label=quantity)
+            axis.plot(x, [100 * number(p["tolerance"]) for p in levels], ":", color=f"C{k}", linewidth=1)
+        axis.set(xscale="log", yscale="log", xlabel="spacing [mm]", ylabel="error [%]", title=case)
+        axis.legend(fontsize=5)
+    save(figure, out, "accuracy_order.svg")
+
+
+def leaks(rows, out):
+    """Particles beyond the sheet over the step, per speed and method."""
+    held = list(groups(rows, "held"))
+    speeds = sorted({number(r["speed"]) for r in rows})
+    figure, axes = panels(len(held) * len(speeds), 3.2, 2.9, len(speeds))
+    k = 0
+    for hold in held:
+        for speed in speeds:
+            axis = axes[k]
+            k += 1
+            of_panel = [r for r in rows if r["held"] == hold and number(r["speed"]) == speed]
+            for c, (method, points) in enumerate(groups(of_panel, "method").items()):
+                points = sorted(points, key=lambda p: number(p["step"]))
+                axis.plot([1e3 * number(p["step"]) for p in points],
+                          [100 * number(p["leaked_fraction"]) for p in points], "o-", markersize=3,
+                          linewidth=2.5 if method == "oilskin" else 1, color=f"C{c}", label=method)
+            axis.set(xscale="log", xlabel="step [ms]", ylabel="leaked [%]", ylim=(-4, 104),
+                     title=f"{speed:g} m/s, sheet {hold}")
+    axes[0].legend(fontsize=6)
+    save(figure, out, "leaks.svg")
+
+
+def stability(rows, out):
+    """Energy made and stretch of the cloth, over step and mass of the cloth."""
+    steps = sorted({number(r["step"]) for r in rows})
+    masses = sorted({number(r["areal_density"]) for r in rows})
+    value = {(number(r["step"]), number(r["areal_density"])): r for r in rows}
+    figure, axes = panels(2, 5.4, 3.9)
+    for axis, key, title in ((axes[0], "energy_risen", "energy made [% of its scale]"),
+                             (axes[1], "stretch", "largest stretch of a link [%], (dry cloth)")):
+        axis.grid(False)
+        grid = [[100 * number(value[(s, m)][key]) for s in steps] for m in masses]
+        image = axis.imshow(grid, origin="lower", aspect="auto", cmap="viridis", vmin=0)
+        for j, mass in enumerate(masses):
+            for i, step in enumerate(steps):
+                dry = 100 * number(value[(step, mass)]["stretch_of_dry_cloth"])
+                text = f"{grid[j][i]:.2g}" + (f"\n({dry:.2g})" if key == "stretch" else "")
+                axis.text(i, j, text, ha="center", va="center", color="white", fontsize=7)
+        axis.set_xticks(range(len(steps)), [f"{1e3 * s:.3g}" for s in steps])
+        axis.set_yticks(range(len(masses)), [f"{m:g}" for m in masses])
+        axis.set(xlabel="step [ms]", ylabel="areal density of the cloth [kg/m²]", title=title)
+        axis.title.set_fontsize(9)
+        figure.colorbar(image)
+    save(figure, out, "stability.svg")
+
+
+def sizes(rows, out):
+    """Milliseconds a step over particles, and over faces."""
+    figure, axes = panels(2)
+    for axis, varied in zip(axes, ("particles", "faces")):
+        points = [r for r in rows if r["varied"] == varied]
+        x = [number(p[varied]) for p in points]
+        for key, label in (("ms_per_step", "sum"), ("ms_fluid", "fluid"), ("ms_walls", "walls and occlusion"),
+                           ("ms_contact", "contact")):
+            axis.plot(x, [number(p[key]) for p in points], "o-", markersize=3, label=label)
+        axis.set(xscale="log", yscale="log", xlabel=varied, ylabel="ms a step")
+    axes[0].legend(fontsize=7)
+    save(figure, out, "sizes.svg")
+
+
+def main(arguments):
+    if len(arguments) not in (2, 3):
+        sys.exit(__doc__)
+    directory, out = arguments[1], arguments[-1]
+    os.makedirs(out, exist_ok=True)
+    plots = {"study": accuracy_cost, "validation": accuracy_order, "leaks": leaks, "stability": stability,
+             "sizes": sizes}
+    made = 0
+    for name, plot in plots.items():
+        path = os.path.join(directory, name + ".csv")
+        if os.path.exists(path):
+            plot(rows_of(path), out)
+            made += 1
+    if made == 0:
+        sys.exit(f"{directory}: there is no table of a study in it")
+
+
+if __name__ == "__main__":
+    main(sys.argv)
