@@ -40,7 +40,8 @@ std::string stored_text(const std::string& machine, const std::map<std::string, 
 }  // namespace
 
 const std::vector<StudyTable>& study_tables() {
-  static const std::vector<StudyTable> all = {stability_table(), sizes_table()};
+  static const std::vector<StudyTable> all = {leaks_table(), methods_table(), stability_table(),
+                                              sizes_table()};
   return all;
 }
 

@@ -37,6 +37,9 @@ std::string rows_of_table(const std::string& name, const std::string& head, cons
 
 /// Energy made by a jet on free and light cloth, over step and areal density.
 StudyTable stability_table();
+/// Leaks over method, step and speed; accuracy and cost over method (comparators/).
+StudyTable leaks_table();
+StudyTable methods_table();
 /// Cost of a step over the number of particles, and of faces.
 StudyTable sizes_table();
 
