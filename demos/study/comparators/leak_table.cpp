@@ -54,7 +54,7 @@ LeakResult run(const LeakCase& setup) {
 std::vector<LeakCase> leak_cases() {
   std::vector<LeakCase> cases;
   for (Method method : all_methods)
-    for (Held held : {Held::border, Held::none})
+    for (Held held : {Held::all, Held::border, Held::none})
       for (double speed : {3.0, 10.0, 50.0, 500.0})
         for (double dt : {0.25e-3, 0.5e-3, 1e-3, 2e-3, 4e-3, 8e-3, 1.0 / 60}) {
           LeakCase c;

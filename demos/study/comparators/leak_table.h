@@ -24,7 +24,7 @@ struct LeakResult {
   std::size_t particles = 0;  ///< at the start
   std::size_t remaining = 0;  ///< at the end, inside the kill box of ±10 m
   LeakCount leaks;
-  double seconds_per_second = 0;  ///< wall time of the method over simulated time
+  double seconds_per_second = 0;  ///< processor time of the method over simulated time
   std::uint64_t intervals = 0;    ///< steps with their sub-steps
   std::string refused;            ///< why the run ended early; empty = it did not
 };
@@ -32,7 +32,8 @@ struct LeakResult {
 /// Throws std::invalid_argument for settings that are out of range.
 LeakResult run(const LeakCase& setup);
 
-/// All methods × steps 0.25, 0.5, 1, 2, 4, 8, 16.7 ms × speeds 3, 10, 50, 500 m/s × border held, free.
+/// All methods × steps 0.25, 0.5, 1, 2, 4, 8, 16.7 ms × speeds 3, 10, 50, 500 m/s × all nodes held, border
+/// held, free.
 std::vector<LeakCase> leak_cases();
 
 }  // namespace oilskin::study

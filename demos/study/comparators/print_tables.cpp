@@ -1,4 +1,5 @@
-// Prints what the methods do: `print_comparator_tables [leaks|column|dam] [METHOD …]`.
+// Prints what the methods do: `print_comparator_tables TABLE [METHOD …]`. Tables: all, border, none (leaks of
+// a sheet of which so many nodes are held), column, dam.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -10,10 +11,14 @@ using namespace oilskin::study;
 
 namespace {
 
+const char* name_of(Held held) {
+  return held == Held::all ? "all" : held == Held::border ? "border" : "none";
+}
+
 void print(const LeakResult& r) {
   std::printf("%-18s %-6s %6.1f %8.3f %6zu %6zu %8llu %6llu %6llu %6llu %9.2f %s\n", name_of(r.setup.method),
-              r.setup.held == Held::none ? "free" : "held", r.setup.speed, 1e3 * r.setup.dt, r.particles,
-              r.remaining, static_cast<unsigned long long>(r.leaks.passages),
+              name_of(r.setup.held), r.setup.speed, 1e3 * r.setup.dt, r.particles, r.remaining,
+              static_cast<unsigned long long>(r.leaks.passages),
               static_cast<unsigned long long>(r.leaks.particles),
               static_cast<unsigned long long>(r.leaks.beyond), static_cast<unsigned long long>(r.intervals),
               r.seconds_per_second, r.refused.c_str());
@@ -48,10 +53,9 @@ bool wanted(Method method, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const char* table = argc > 1 ? argv[1] : "leaks";
-  if (std::strcmp(table, "leaks") == 0)
-    for (const LeakCase& c : leak_cases())
-      if (wanted(c.method, argc, argv)) print(run(c));
+  const char* table = argc > 1 ? argv[1] : "column";
+  for (const LeakCase& c : leak_cases())
+    if (wanted(c.method, argc, argv) && std::strcmp(table, name_of(c.held)) == 0) print(run(c));
   for (Method method : all_methods) {
     if (!wanted(method, argc, argv)) continue;
     for (double dt : {0.5e-3, 1e-3, 2e-3, 4e-3, 8e-3}) {

@@ -26,7 +26,7 @@ struct ColumnResult {
   double rms_speed = 0;       ///< [m/s]
   LeakCount leaks;
   std::size_t particles = 0, remaining = 0;
-  double seconds_per_second = 0;
+  double seconds_per_second = 0;  ///< processor time of the method over simulated time
 };
 
 ColumnResult run(const ColumnCase& setup);
@@ -49,7 +49,7 @@ struct DamResult {
   double energy_gain = 0;      ///< largest rise of kinetic energy and height above the start, over the start
   LeakCount leaks;
   std::size_t particles = 0, remaining = 0;
-  double seconds_per_second = 0;
+  double seconds_per_second = 0;  ///< processor time of the method over simulated time
 };
 
 DamResult run(const DamCase& setup);
