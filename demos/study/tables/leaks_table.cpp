@@ -12,7 +12,7 @@ using study::LeakCase;
 using study::LeakResult;
 
 const char* word_of(study::Held held) {
-  return held == study::Held::border ? "held" : "free";
+  return held == study::Held::all ? "fixed" : held == study::Held::border ? "held at its border" : "free";
 }
 
 /// As published, and, for methods that are not of the library, cut into as many sub-steps as it is.
