@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <stdexcept>
 
 #include "comparators/run_clock.h"
 #include "comparators/study_hosts.h"

@@ -1,4 +1,6 @@
 // The library, as it is by default and reduced to what [Huber2013] describes.
+#include <stdexcept>
+
 #include "comparators/make_methods.h"
 #include "comparators/world_settings.h"
 
