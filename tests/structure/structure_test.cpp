@@ -55,6 +55,15 @@ const std::map<std::string, std::set<std::string>> app_may_see = {
     {"run", {"scene", "hosts", "output", "checks", "render"}},
 };
 
+/// Which folders of demos/study each folder may include, apart from itself and those of demos/app. The files
+/// of demos/study itself (the commands) may include all, and no folder may include them.
+const std::map<std::string, std::set<std::string>> study_may_see = {
+    {"cases", {}},
+    {"comparators", {}},
+    {"run", {"cases"}},
+    {"tables", {"cases", "comparators", "run"}},
+};
+
 /// The internal headers of src that demos may include, each with its only user: what they offer is not part
 /// of the public interface.
 const std::map<std::string, std::string> internal_headers_of_demos = {
@@ -151,6 +160,21 @@ std::string fault_of_app_folder(const std::string& file, const std::string& line
   return file + " includes \"" + target + "\": " + own + " may not see it";
 }
 
+/// Headers of demos/study are named from there; `study/commit.h` is made by the build.
+std::string fault_of_study_folder(const std::string& file, const std::string& target) {
+  const std::string study = "demos/study/", include = "study/";
+  if (begins(file, "demos/app/") && begins(target, include) && file != "demos/app/main.cpp")
+    return file + " includes \"" + target + "\": the study lies above the program's folders";
+  if (!begins(file, study) || !begins(target, include) || target == "study/commit.h") return "";
+  const std::string own = first_folder(file.substr(study.size())),
+                    other = first_folder(target.substr(include.size()));
+  if (own.empty() || own == other) return "";
+  const auto seen = study_may_see.find(own);
+  if (seen == study_may_see.end()) return file + " lies in a folder that this test does not know";
+  return seen->second.count(other) > 0 ? ""
+                                       : file + " includes \"" + target + "\": " + own + " may not see it";
+}
+
 std::string fault_of_example(const std::string& file, const std::string& line, const std::string& target) {
   if (!begins(file, "demos/examples/") || !is_quoted(line) || begins(target, "oilskin/")) return "";
   return file + " includes \"" + target + "\": examples include public headers and Bullet's only";
@@ -184,7 +208,8 @@ std::vector<std::string> faults(const fs::path& root) {
         for (const std::string& fault :
              {fault_of_room(file, target), fault_in_fluid(file, target), fault_in_effects(file, target),
               fault_of_library(file, target), fault_of_internal_header(file, target),
-              fault_of_app_folder(file, line, target), fault_of_example(file, line, target)})
+              fault_of_app_folder(file, line, target), fault_of_study_folder(file, target),
+              fault_of_example(file, line, target)})
           if (!fault.empty()) found.push_back(fault);
       }
     }
@@ -240,6 +265,10 @@ TEST(Structure, the_test_itself_catches_back_edges_in_demos) {
   EXPECT_EQ(faults_with("demos/app/output/a.cpp", "#include <vtkActor.h>"), 1u);
   EXPECT_EQ(faults_with("demos/app/scene/a.cpp", "#include <nlohmann/json.hpp>"), 1u);
   EXPECT_EQ(faults_with("demos/app/run/a.cpp", "#include <CLI/CLI.hpp>"), 1u);
+  EXPECT_EQ(faults_with("demos/study/cases/a.cpp", "#include \"study/run/case_run.h\""), 1u);
+  EXPECT_EQ(faults_with("demos/study/comparators/a.cpp", "#include \"study/cases/case.h\""), 1u);
+  EXPECT_EQ(faults_with("demos/study/run/a.cpp", "#include \"study/study_command.h\""), 1u);
+  EXPECT_EQ(faults_with("demos/app/checks/a.cpp", "#include \"study/cases/case.h\""), 2u) << "neither folder";
   EXPECT_EQ(faults_with("demos/examples/a.cpp", "#include \"scene/scene.h\""), 1u);
   EXPECT_EQ(faults_with("demos/examples/a.cpp", "#include \"../app/scene/scene.h\""), 1u);
   EXPECT_EQ(faults_with("demos/examples/a.cpp", "#include <core/hash.h>"), 1u);
@@ -258,6 +287,9 @@ TEST(Structure, the_test_itself_lets_forward_edges_pass) {
   EXPECT_EQ(faults_with("demos/app/scene/a.cpp", "#include \"scene/scene.h\""), 0u);
   EXPECT_EQ(faults_with("demos/app/run/a.cpp", "#include \"checks/totals.h\""), 0u);
   EXPECT_EQ(faults_with("demos/app/main.cpp", "#include \"run/runner.h\""), 0u);
+  EXPECT_EQ(faults_with("demos/app/main.cpp", "#include \"study/study_command.h\""), 0u);
+  EXPECT_EQ(faults_with("demos/study/run/a.cpp", "#include \"study/cases/case.h\""), 0u);
+  EXPECT_EQ(faults_with("demos/study/cases/a.cpp", "#include \"checks/check.h\""), 0u);
   EXPECT_EQ(faults_with("demos/app/ccd_command.h", "#include \"ccd/point_triangle.h\""), 0u);
   EXPECT_EQ(faults_with("demos/app/render/a.cpp", "#include <vtkActor.h>"), 0u);
   EXPECT_EQ(faults_with("demos/app/hosts/bullet_simulation.cpp", "#include \"oilskin/bullet.h\""), 0u);
