@@ -125,6 +125,11 @@ std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const 
   std::vector<std::uint8_t> result(particles.size(), 1);
   workers.for_each(particles.blocks.size(), 64, [&](std::size_t b) {
     const std::uint32_t block = grid.index.find(key_of(particles.blocks[b]));
+    if (block != none && grid.blocks[block].solid) {
+      std::fill(result.begin() + particles.begin[b], result.begin() + particles.begin[b + 1],
+                std::uint8_t{0});
+      return;
+    }
     for (std::size_t p = particles.begin[b]; p < particles.begin[b + 1]; ++p) {
       // A coordinate may be 8 by rounding.
       const int i = std::min(int(particles.x[p]), side - 1), j = std::min(int(particles.y[p]), side - 1),

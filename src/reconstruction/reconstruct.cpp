@@ -95,7 +95,8 @@ struct Reconstruction {
                       BlockVisibility& visibility);
   RawMesh mesh_at_obstacles();
   bool keeps_gap() const { return contact.promises() && !obstacles.empty(); }
-  std::vector<float> fit_to_water(const std::vector<std::array<float, 3>>& polygonised, RawMesh& raw);
+  std::vector<float> fit_to_water(const std::vector<std::array<float, 3>>& polygonised,
+                                  const SurfaceBlocks& blocks, RawMesh& raw);
   void put_back_what_fails(const std::vector<std::array<float, 3>>& start, RawMesh& raw);
   void append_drops(WaterMesh& mesh);
   void finish(RawMesh&& raw, WaterMesh* mesh);
@@ -302,7 +303,7 @@ RawMesh Reconstruction::mesh_at_obstacles() {
 
 /// Gives films their thickness and the mesh its volume. Returns the thickness per vertex [cells].
 std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<float, 3>>& polygonised,
-                                                RawMesh& raw) {
+                                                const SurfaceBlocks& blocks, RawMesh& raw) {
   const std::vector<std::uint8_t> missing = far_from_water(particles, grid, workers);
   for (std::size_t p = 0; p < missing.size(); ++p)
     if (missing[p]) water.make_drop(p);
@@ -318,7 +319,7 @@ std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<flo
   limits.clearance = contact.clearance;
   limits.small_piece = small_piece / std::pow(options.cell, 3);
   limits.clip = options.clip;
-  fit_volume(limits, particles, water, grid, polygonised, films, raw, workers);
+  fit_volume(limits, particles, water, grid, polygonised, films, blocks, raw, workers);
   if (keeps_gap()) put_back_what_fails(start, raw);
   return std::move(films.thickness);
 }
@@ -358,16 +359,22 @@ void Reconstruction::finish(RawMesh&& raw, WaterMesh* mesh) {
                                 cell, options.clip, raw, workers)
                              .held;
   WaterMesh result;
-  if (keeps) result.thickness = fit_to_water(moves ? polygonised : raw.positions, raw);
+  const SurfaceBlocks blocks(grid, raw);
+  if (keeps) result.thickness = fit_to_water(moves ? polygonised : raw.positions, blocks, raw);
   for (float& t : result.thickness) t *= static_cast<float>(cell);
   interpolate(input, particles, field, obstacles, contact.uses_visibility(), options.nearest, grid, raw,
               result, workers);
-  result.normals = vertex_normals(raw);
+  result.normals = vertex_normals(raw, blocks, workers);
   result.positions = std::move(raw.positions);
   result.triangles = std::move(raw.triangles);
   if (keeps) append_drops(result);
-  for (const Triangle& t : result.triangles)
-    report.volume += six_volumes(result.positions, t, result.positions[0]) / 6;
+  report.volume =
+      workers.ordered_sum(result.triangles.size(), 1 << 12, 0.0, [&](std::size_t from, std::size_t to) {
+        double sum = 0;
+        for (std::size_t t = from; t < to; ++t)
+          sum += six_volumes(result.positions, result.triangles[t], result.positions[0]) / 6;
+        return sum;
+      });
   *mesh = std::move(result);
 }
 

@@ -133,23 +133,29 @@ class BlockSampler {
 
 }  // namespace
 
-std::vector<std::array<float, 3>> vertex_normals(const RawMesh& mesh) {
+std::vector<std::array<float, 3>> vertex_normals(const RawMesh& mesh, const SurfaceBlocks& blocks,
+                                                 const Workers& workers) {
   std::vector<std::array<float, 3>> normals(mesh.positions.size(), {0, 0, 0});
-  for (const Triangle& t : mesh.triangles) {
-    const auto &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
-    const float u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]},
-                v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-    const float n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-    for (std::uint32_t corner : t)
-      for (std::size_t k = 0; k < 3; ++k) normals[corner][k] += n[k];
-  }
-  for (auto& n : normals) {
+  blocks.for_each(workers, [&](std::uint32_t block) {
+    for (std::uint32_t n = mesh.first_triangle[block]; n < mesh.first_triangle[block + 1]; ++n) {
+      const Triangle& t = mesh.triangles[n];
+      const auto &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+      const float u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]},
+                  v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+      const float cross[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
+                              u[0] * v[1] - u[1] * v[0]};
+      for (std::uint32_t corner : t)
+        for (std::size_t k = 0; k < 3; ++k) normals[corner][k] += cross[k];
+    }
+  });
+  workers.for_each(normals.size(), 1 << 12, [&](std::size_t v) {
+    std::array<float, 3>& n = normals[v];
     const double length = std::sqrt(double(n[0]) * n[0] + double(n[1]) * n[1] + double(n[2]) * n[2]);
     if (length > 0)
       for (float& x : n) x = static_cast<float>(x / length);
     else
       n = {0, 0, 1};
-  }
+  });
   return normals;
 }
 
