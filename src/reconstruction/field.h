@@ -52,7 +52,8 @@ class FieldBlock {
     float weight[side], x[side], y[side], z[side];
   };
   static void add(const F8& weight, const std::array<float, 3>& q, Row& row);
-  void add_sparse(const F8& weight, float volume, int row);
+  float sparse_share(float volume) const;
+  void add_sparse(const F8& weight, float share, int row);
   template <class F>
   void for_rows(const std::array<float, 3>& q, const F& f) const;
   template <class F>

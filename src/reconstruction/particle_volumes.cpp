@@ -18,7 +18,7 @@ int octant_of(const std::array<float, 3>& x) {
 /// Σ k as eight partial sums, which are added in a fixed order.
 float kernel_sum(const NearParticles& near, const std::array<float, 3>& x, float scale) {
   F8 sums;
-  for (std::size_t c = 0; c < near.x.size(); c += 8) {
+  for (std::size_t c = 0; c < near.padded(); c += 8) {
     const F8 dx = F8::load(&near.x[c]) - x[0], dy = F8::load(&near.y[c]) - x[1],
              dz = F8::load(&near.z[c]) - x[2];
     const F8 u = positive_part(F8(1.0f) - (dx * dx + dy * dy + dz * dz) * scale);

@@ -99,14 +99,15 @@ struct Reconstruction {
                                   const SurfaceBlocks& blocks, RawMesh& raw);
   void put_back_what_fails(const std::vector<std::array<float, 3>>& start, RawMesh& raw);
   void append_drops(WaterMesh& mesh);
+  void release_field();
   void finish(RawMesh&& raw, WaterMesh* mesh);
 };
 
 Status Reconstruction::gather_obstacles() {
   if (!contact.uses_visibility()) return {};
   // Blocks that a particle reaches, one block more, and the reach of obstacles.
-  const Box water = particles.bounds().inflated(field.kernel_radius + 1 + 2 * side + contact.reach);
-  const Box region{cell * water.min, cell * water.max};
+  const Box reached = particles.bounds().inflated(field.kernel_radius + 1 + 2 * side + contact.reach);
+  const Box region{cell * reached.min, cell * reached.max};
   if (Status s = validate_resolution(input.obstacles, region, cell); !s.ok()) return s;
   obstacles = Obstacles(input.obstacles, region);
   return {};
@@ -349,6 +350,12 @@ void Reconstruction::append_drops(WaterMesh& mesh) {
   report.drops_left_out = made.left_out;
 }
 
+/// The mesh needs the signs of nodes only.
+void Reconstruction::release_field() {
+  std::vector<float>().swap(grid.values);
+  std::vector<float>().swap(volumes);
+}
+
 void Reconstruction::finish(RawMesh&& raw, WaterMesh* mesh) {
   if (keeps_gap() && options.smoothing_iterations > 0) obstacles.prepare_queries();
   const bool keeps = water.is_kept();
@@ -396,6 +403,7 @@ Status reconstruct_surface(const ReconstructionInput& input, const Reconstructio
   if (options.min_blob > 0)
     local.blobs_removed = remove_blobs(run.grid, options.min_blob * std::pow(options.spacing, 3), raw);
   local.seconds.mesh = watch.lap() - local.seconds.contact;
+  run.release_field();
   run.finish(std::move(raw), mesh);
   local.seconds.vertices = watch.lap();
   local.blocks = run.grid.inside_bits.size();
