@@ -19,6 +19,7 @@
 /// triangles at a vertex form one fan. The same input gives the same bits for any number of threads.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "oilskin/types.h"
@@ -228,6 +229,33 @@ struct ReconstructionReport {
 /// particles the mesh is empty.
 Status reconstruct_surface(const ReconstructionInput& input, const ReconstructionOptions& options,
                            WaterMesh* mesh, ReconstructionReport* report = nullptr);
+
+/// Makes one mesh after another, and keeps its memory between them: for a mesh in every frame. What depends
+/// on the obstacles alone is kept, too, as long as they have the same numbers. reconstruct() gives the bits
+/// of reconstruct_surface(), whatever it was called with before. One thread at a time may use it.
+///
+///     WaterMesher mesher;
+///     for (each frame) status = mesher.reconstruct(input, options, &mesh);
+class WaterMesher {
+ public:
+  WaterMesher();
+  ~WaterMesher();
+  WaterMesher(WaterMesher&&) noexcept;
+  WaterMesher& operator=(WaterMesher&&) noexcept;
+
+  /// As reconstruct_surface(), with the same refusals. `mesh` serves best if it is that of the last call: its
+  /// memory is used, too.
+  Status reconstruct(const ReconstructionInput& input, const ReconstructionOptions& options, WaterMesh* mesh,
+                     ReconstructionReport* report = nullptr);
+
+  /// Memory that is kept for the next call [bytes]. It is that of the largest call so far; a new object frees
+  /// it.
+  std::size_t bytes() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 /// The faults of a mesh. In a mesh without a fault all counts except `components` are zero.
 struct MeshCheck {

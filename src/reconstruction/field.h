@@ -85,8 +85,9 @@ class FieldBlock {
 
 /// V_i of (R.3) in dx³: 1 / W(0) for a particle alone, about 1 inside the water. 1 for particles of blocks
 /// that are not in `needed`.
-std::vector<float> particle_volumes(const ParticleBlocks& particles, const FieldParameters& parameters,
-                                    const std::vector<std::uint8_t>& needed, const Workers& workers);
+void particle_volumes(const ParticleBlocks& particles, const FieldParameters& parameters,
+                      const std::vector<std::uint8_t>& needed, const Workers& workers,
+                      std::vector<float>& volumes);
 
 /// The largest real eigenvalue of a 3×3 matrix.
 double max_real_eigenvalue(const Eigen::Matrix3d& a);

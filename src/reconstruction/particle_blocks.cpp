@@ -61,7 +61,8 @@ void order_by_key(const BlocksByAppearance& found, ParticleBlocks& out) {
   std::vector<std::uint32_t> order(keys.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; });
-  out.index = KeyMap(keys.size());
+  out.index.reset(keys.size());
+  out.blocks.clear();
   out.begin.assign(1, 0);
   std::vector<std::uint32_t> next(keys.size());
   for (std::uint32_t b : order) {
@@ -77,10 +78,9 @@ void order_by_key(const BlocksByAppearance& found, ParticleBlocks& out) {
 
 }  // namespace
 
-ParticleBlocks sort_into_blocks(Span<const Vec3> positions, double cell, const Workers& workers) {
+void sort_into_blocks(Span<const Vec3> positions, double cell, const Workers& workers, ParticleBlocks& out) {
   OILSKIN_ASSERT(cell > 0 && positions.size() < none);
   const double per_cell = 1 / cell;
-  ParticleBlocks out;
   {
     const BlocksByAppearance found(positions, per_cell);
     out.skipped = found.skipped;
@@ -97,7 +97,6 @@ ParticleBlocks sort_into_blocks(Span<const Vec3> positions, double cell, const W
       out.z[s] = static_cast<float>(p.z());
     }
   });
-  return out;
 }
 
 Box ParticleBlocks::bounds() const {

@@ -24,8 +24,8 @@ struct ParticleBlocks {
   Box bounds() const;  ///< of the blocks [cells]
 };
 
-/// Skips particles that are not finite or have a coordinate of 2²⁰ cells or more.
-ParticleBlocks sort_into_blocks(Span<const Vec3> positions, double cell, const Workers& workers);
+/// Fills `out`. Skips particles that are not finite or have a coordinate of 2²⁰ cells or more.
+void sort_into_blocks(Span<const Vec3> positions, double cell, const Workers& workers, ParticleBlocks& out);
 
 /// Particles around one block, relative to its origin, padded with distant particles to a multiple of 8. The
 /// vectors only grow: what lies behind the padding is left from earlier uses.

@@ -31,10 +31,11 @@ float kernel_sum(const NearParticles& near, const std::array<float, 3>& x, float
 
 }  // namespace
 
-std::vector<float> particle_volumes(const ParticleBlocks& particles, const FieldParameters& p,
-                                    const std::vector<std::uint8_t>& needed, const Workers& workers) {
+void particle_volumes(const ParticleBlocks& particles, const FieldParameters& p,
+                      const std::vector<std::uint8_t>& needed, const Workers& workers,
+                      std::vector<float>& volumes) {
   OILSKIN_ASSERT(needed.size() == particles.blocks.size());
-  std::vector<float> volumes(particles.size(), 1.0f);
+  volumes.assign(particles.size(), 1.0f);
   const std::vector<float> no_volumes;
   const float scale = 1 / (p.kernel_radius * p.kernel_radius);
   workers.for_chunks(particles.blocks.size(), 16, [&](std::size_t from, std::size_t to, std::size_t) {
@@ -62,7 +63,6 @@ std::vector<float> particle_volumes(const ParticleBlocks& particles, const Field
       }
     }
   });
-  return volumes;
 }
 
 }  // namespace oilskin::reconstruction

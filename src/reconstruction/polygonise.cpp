@@ -295,7 +295,7 @@ void append_triangles(std::vector<Cells>& found, RawMesh& mesh) {
 
 }  // namespace
 
-RawMesh polygonise(const Grid& grid, bool with_nodes, const Workers& workers) {
+void polygonise(const Grid& grid, bool with_nodes, const Workers& workers, RawMesh& mesh) {
   const std::vector<std::uint32_t> with_surface = blocks_with_surface(grid, workers);
   const std::size_t n = with_surface.size();
   std::vector<std::uint32_t> mask_of(grid.blocks.size(), none);
@@ -307,7 +307,7 @@ RawMesh polygonise(const Grid& grid, bool with_nodes, const Workers& workers) {
     masks[m].fill(rows);
   });
 
-  RawMesh mesh;
+  mesh.clear();
   mesh.first_vertex.assign(grid.blocks.size() + 1, 0);
   for (std::uint32_t b = 0; b < grid.blocks.size(); ++b)
     mesh.first_vertex[b + 1] = mesh.first_vertex[b] + (mask_of[b] == none ? 0 : masks[mask_of[b]].count);
@@ -333,7 +333,6 @@ RawMesh polygonise(const Grid& grid, bool with_nodes, const Workers& workers) {
   for (std::uint32_t b = 0; b < grid.blocks.size(); ++b)
     mesh.first_triangle[b + 1] = mesh.first_triangle[b] + (mask_of[b] == none ? 0 : count[mask_of[b]]);
   append_triangles(found, mesh);
-  return mesh;
 }
 
 }  // namespace oilskin::reconstruction

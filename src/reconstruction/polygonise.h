@@ -49,6 +49,18 @@ struct RawMesh {
   std::vector<float> distances;
   /// Per block, the water in its eight cubes of 4³ cells [cells³]; cube x + 2y + 4z.
   std::vector<std::array<float, 8>> cube_volumes;
+
+  /// Empty, with the memory that it has.
+  void clear() {
+    positions.clear();
+    triangles.clear();
+    first_vertex.clear();
+    first_triangle.clear();
+    triangle_cubes.clear();
+    inside_nodes.clear();
+    distances.clear();
+    cube_volumes.clear();
+  }
 };
 
 /// Blocks with triangles. Blocks of a group share no vertex, so threads may write to the vertices of all
@@ -65,7 +77,7 @@ struct SurfaceBlocks {
   }
 };
 
-/// The mesh, in the order of blocks. `with_nodes` fills all that is per vertex, triangle and cube.
-RawMesh polygonise(const Grid& grid, bool with_nodes, const Workers& workers);
+/// Fills the mesh, in the order of blocks. `with_nodes` fills all that is per vertex, triangle and cube.
+void polygonise(const Grid& grid, bool with_nodes, const Workers& workers, RawMesh& mesh);
 
 }  // namespace oilskin::reconstruction

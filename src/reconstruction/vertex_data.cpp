@@ -133,9 +133,9 @@ class BlockSampler {
 
 }  // namespace
 
-std::vector<std::array<float, 3>> vertex_normals(const RawMesh& mesh, const SurfaceBlocks& blocks,
-                                                 const Workers& workers) {
-  std::vector<std::array<float, 3>> normals(mesh.positions.size(), {0, 0, 0});
+void vertex_normals(const RawMesh& mesh, const SurfaceBlocks& blocks, const Workers& workers,
+                    std::vector<std::array<float, 3>>& normals) {
+  normals.assign(mesh.positions.size(), {0, 0, 0});
   blocks.for_each(workers, [&](std::uint32_t block) {
     for (std::uint32_t n = mesh.first_triangle[block]; n < mesh.first_triangle[block + 1]; ++n) {
       const Triangle& t = mesh.triangles[n];
@@ -156,7 +156,6 @@ std::vector<std::array<float, 3>> vertex_normals(const RawMesh& mesh, const Surf
     else
       n = {0, 0, 1};
   });
-  return normals;
 }
 
 void interpolate(const ReconstructionInput& input, const ParticleBlocks& particles,
@@ -165,10 +164,13 @@ void interpolate(const ReconstructionInput& input, const ParticleBlocks& particl
                  const Workers& workers) {
   const std::size_t n = raw.positions.size();
   OILSKIN_ASSERT(raw.first_vertex.size() == grid.blocks.size() + 1 && raw.first_vertex.back() == n);
-  if (!input.velocities.empty()) mesh.velocities.resize(n);
-  for (const ParticleAttribute& a : input.attributes)
-    mesh.attributes.push_back({std::vector<float>(n * std::size_t(a.components)), a.components});
-  if (wants_nearest) mesh.nearest.resize(n);
+  mesh.velocities.resize(input.velocities.empty() ? 0 : n);
+  mesh.attributes.resize(input.attributes.size());
+  for (std::size_t a = 0; a < input.attributes.size(); ++a) {
+    mesh.attributes[a].components = input.attributes[a].components;
+    mesh.attributes[a].values.resize(n * std::size_t(input.attributes[a].components));
+  }
+  mesh.nearest.resize(wants_nearest ? n : 0);
   if (mesh.velocities.empty() && mesh.attributes.empty() && !wants_nearest) return;
   workers.for_chunks(grid.blocks.size(), 8, [&](std::size_t from, std::size_t to, std::size_t) {
     BlockSampler sampler(particles, field);

@@ -58,7 +58,7 @@ class Fit {
         workers_(workers),
         moved_(mesh.positions.size(), 0.0f) {
     find_freedom(polygonised);
-    normals_ = vertex_normals(mesh_, blocks_, workers_);
+    vertex_normals(mesh_, blocks_, workers_, normals_);
   }
 
   /// Moves the surface by what the cubes around it lack, over its area there.

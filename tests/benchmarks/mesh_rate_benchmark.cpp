@@ -103,7 +103,8 @@ ReconstructionOptions game_options(double spacing, int threads) {
 /// A way of meshing, and what it cost so far.
 struct Row {
   const char* name;
-  bool keep_volume;
+  bool keep_volume, reuses;
+  double shift = 0;  ///< of the cloth between calls [dx]: it moves to and fro
   std::vector<double> milliseconds = {};
   std::vector<ReconstructionReport> reports = {};
 
@@ -124,16 +125,28 @@ void print(const JetFrame& frame, const Row& row, std::size_t triangles) {
 
 void print_rate(std::size_t particles, int threads, int calls) {
   const JetFrame frame = jet_frame(particles);
-  const ReconstructionInput input = frame.input();
-  std::vector<Row> rows = {{"fresh", true}, {"fresh, no volume", false}};
+  ReconstructionInput input = frame.input();
+  std::vector<Vec3> cloth = frame.cloth.nodes;
+  std::vector<Row> rows = {{"fresh", true, false},
+                           {"fresh, no volume", false, false},
+                           {"reuse", true, true, 1e-3},
+                           {"reuse, cloth at rest", true, true},
+                           {"reuse, no volume", false, true, 1e-3}};
   std::vector<WaterMesh> meshes(rows.size());
+  std::vector<WaterMesher> meshers(rows.size());
   for (int call = 0; call < calls; ++call)
     for (std::size_t r = 0; r < rows.size(); ++r) {
       ReconstructionOptions options = game_options(frame.spacing, threads);
       options.keep_volume = rows[r].keep_volume;
       ReconstructionReport report;
+      cloth = frame.cloth.nodes;
+      for (Vec3& v : cloth) v.x() += call % 2 * rows[r].shift * frame.spacing;
+      input.obstacles[0].vertices = cloth;
       const double begin = wall_seconds();
-      expect(reconstruct_surface(input, options, &meshes[r], &report));
+      if (rows[r].reuses)
+        expect(meshers[r].reconstruct(input, options, &meshes[r], &report));
+      else
+        expect(reconstruct_surface(input, options, &meshes[r], &report));
       rows[r].milliseconds.push_back(1e3 * (wall_seconds() - begin));
       rows[r].reports.push_back(report);
     }
