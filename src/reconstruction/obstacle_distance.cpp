@@ -78,6 +78,15 @@ class TrianglePlanes {
              beside = positive_part(beyond - rounding);
     return {off * off + beside * beside, greater_mask(-rounding, beyond)};
   }
+  /// Are all nodes of a row farther than `distance` from the layer, or beyond one of the sides?
+  bool is_beyond(int j, int k, double distance) const {
+    for (std::size_t p = 0; p < 4; ++p) {
+      const double first = planes_[p].at(0, j, k), last = first + (side - 1) * planes_[p].normal.x();
+      if (std::min(first, last) > distance) return true;
+      if (p == 0 && std::max(first, last) < -distance) return true;
+    }
+    return false;
+  }
   double distance_to_plane(int i, int j, int k) const { return std::abs(planes_[0].at(i, j, k)); }
 
  private:
@@ -106,6 +115,7 @@ class NodeDistances {
     bool any_waiting = false;
     for (int k = s.first[2]; k <= s.last[2]; ++k)
       for (int j = s.first[1]; j <= s.last[1]; ++j) {
+        if (planes.is_beyond(j, k, band_ + 1e-3)) continue;
         float* const row = &distance_[std::size_t(node_index(0, j, k))];
         const F8 now = F8::load(row);
         const RowView view = planes.row(j, k);

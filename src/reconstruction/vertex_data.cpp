@@ -102,26 +102,38 @@ class BlockSampler {
  private:
   void collect(const std::array<float, 3>& x, bool visible_only, Sample& out) {
     out.clear();
-    const float scale = 1 / (field_.kernel_radius * field_.kernel_radius);
+    const F8 scale = 1 / (field_.kernel_radius * field_.kernel_radius);
     if (visible_only) visibility_.sides(x, own_front_, own_back_);
-    std::uint32_t last = none;
-    for (std::size_t c = 0; c < gathered_.count; ++c) {
-      const float dx = gathered_.x[c] - x[0], dy = gathered_.y[c] - x[1], dz = gathered_.z[c] - x[2];
-      const float u = 1 - (dx * dx + dy * dy + dz * dz) * scale;
-      if (!(u > 0)) continue;
+    last_hit_ = none;
+    for (std::size_t c = 0; c < gathered_.padded(); c += 8) {
+      const F8 dx = F8::load(&gathered_.x[c]) - x[0], dy = F8::load(&gathered_.y[c]) - x[1],
+               dz = F8::load(&gathered_.z[c]) - x[2];
+      const F8 u = F8(1.0f) - (dx * dx + dy * dy + dz * dz) * scale;
+      std::uint32_t bits = greater_mask(u, 0.0f);
+      if (bits == 0) continue;
+      float weight[8];
+      u.store(weight);
+      for (; bits != 0; bits &= bits - 1) {
+        const auto lane = std::size_t(__builtin_ctz(bits));
+        add(c + lane, x, weight[lane], visible_only, out);
+      }
+    }
+  }
+  /// Adds a particle in reach, if the vertex sees it.
+  void add(std::size_t c, const std::array<float, 3>& x, float u, bool visible_only, Sample& out) {
+    const std::array<float, 3> q = {gathered_.x[c], gathered_.y[c], gathered_.z[c]};
+    if (visible_only) {
       const std::size_t at = c * visibility_.words();
-      const std::array<float, 3> q = {gathered_.x[c], gathered_.y[c], gathered_.z[c]};
-      if (visible_only &&
-          visibility_.may_hide(own_front_.data(), own_back_.data(), &front_[at], &back_[at],
+      if (visibility_.may_hide(own_front_.data(), own_back_.data(), &front_[at], &back_[at],
                                {std::min(q[0], x[0]), std::min(q[1], x[1]), std::min(q[2], x[2])},
                                {std::max(q[0], x[0]), std::max(q[1], x[1]), std::max(q[2], x[2])},
                                open_.data()) &&
-          visibility_.hides(x, q, open_.data(), last))
-        continue;
-      out.particle.push_back(particles_.source[gathered_.particle[c]]);
-      out.offset.emplace_back(dx, dy, dz);
-      out.weight.push_back(double(u) * u * u);
+          visibility_.hides(x, q, open_.data(), last_hit_))
+        return;
     }
+    out.particle.push_back(particles_.source[gathered_.particle[c]]);
+    out.offset.emplace_back(q[0] - x[0], q[1] - x[1], q[2] - x[2]);
+    out.weight.push_back(double(u) * u * u);
   }
 
   const ParticleBlocks& particles_;
@@ -129,6 +141,7 @@ class BlockSampler {
   NearParticles gathered_;
   BlockVisibility visibility_;
   Words front_, back_, own_front_, own_back_, open_;
+  std::uint32_t last_hit_ = none;
 };
 
 }  // namespace
