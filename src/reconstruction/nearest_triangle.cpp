@@ -1,10 +1,6 @@
 #include "reconstruction/nearest_triangle.h"
 
-#include "core/simd.h"
-
 namespace oilskin::reconstruction {
-
-using simd::F8;
 
 void NearestTriangle::set(const Obstacles& obstacles, const Box& points, double reach) {
   obstacles_ = &obstacles;
@@ -29,22 +25,22 @@ void NearestTriangle::set(const Obstacles& obstacles, const Box& points, double 
   }
 }
 
+simd::F8 NearestTriangle::squared_distances(std::size_t c, const Vec3& x) const {
+  F8 squared = 0.0f;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto at = static_cast<float>(x[int(a)] - origin_[int(a)]);
+    const F8 off = larger(positive_part(F8::load(&low_[a][c]) - at), F8(at) - F8::load(&high_[a][c]));
+    squared = squared + off * off;
+  }
+  return squared;
+}
+
 ClosestPoint NearestTriangle::find(const Vec3& x) const {
-  // Boxes are rounded to float: theirs are lower bounds up to this fraction and this length.
-  static constexpr double fraction = 1.00001;
-  const Vec3 local = x - origin_;
-  const double slack = 1e-6 * (local.cwiseAbs().maxCoeff() + reach_);
   ClosestPoint best;
   best.distance = reach_;
   for (std::size_t c = 0; c < low_[0].size(); c += 8) {
-    F8 squared = 0.0f;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const auto at = static_cast<float>(local[int(a)]);
-      const F8 off = larger(positive_part(F8::load(&low_[a][c]) - at), F8(at) - F8::load(&high_[a][c]));
-      squared = squared + off * off;
-    }
-    const double limit = (best.distance + slack) * fraction;
-    for (std::uint32_t bits = 0xff & ~greater_mask(squared, static_cast<float>(limit * limit)); bits != 0;
+    const double limit = with_rounding(x, best.distance);
+    for (std::uint32_t bits = 0xff & ~greater_mask(squared_distances(c, x), float(limit * limit)); bits != 0;
          bits &= bits - 1) {
       const Corners k = obstacles_->corners(triangles_[c + std::size_t(__builtin_ctz(bits))]);
       const ClosestPoint p = closest_point(x, k[0], k[1], k[2]);

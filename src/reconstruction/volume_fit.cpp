@@ -7,6 +7,7 @@
 #include "reconstruction/cube_lattice.h"
 #include "reconstruction/pieces.h"
 #include "reconstruction/vertex_data.h"
+#include "reconstruction/water_in_cubes.h"
 
 namespace oilskin::reconstruction {
 
@@ -65,9 +66,8 @@ class Fit {
   void fit_cubes(const ParticleBlocks& particles, const Water& water,
                  const std::vector<Float3>& polygonised) {
     const CubeLattice lattice(grid_, blocks_with_surface());
-    Cubes lacking = lattice.zeros();
+    Cubes lacking = water_in_cubes(particles, water, limits_.spacing, grid_, lattice, workers_);
     workers_.for_each(lattice.size(), 16, [&](std::size_t n) {
-      lacking[n] = water_in_cubes(particles, water, lattice.block(n));
       for (std::size_t c = 0; c < 8; ++c) lacking[n][c] -= mesh_.cube_volumes[lattice.block(n)][c];
     });
     if (&polygonised != &mesh_.positions) subtract_swept(lattice, polygonised, lacking);
@@ -257,21 +257,6 @@ class Fit {
       }
     return result;
   }
-  /// The water in the cubes of a block of the grid.
-  std::array<float, 8> water_in_cubes(const ParticleBlocks& particles, const Water& water,
-                                      std::uint32_t block) const {
-    std::array<float, 8> result{};
-    const std::uint32_t n = particles.index.find(key_of(grid_.blocks[block].at));
-    if (n == none) return result;
-    const auto at = [](float x) { return std::min(static_cast<int>(x), side - 1); };
-    std::array<double, 8> sum{};
-    for (std::size_t p = particles.begin[n]; p < particles.begin[n + 1]; ++p)
-      if (!water.is_drop(p))
-        sum[cube_of(at(particles.x[p]), at(particles.y[p]), at(particles.z[p]))] += water.of(p);
-    for (std::size_t c = 0; c < 8; ++c) result[c] = static_cast<float>(sum[c]);
-    return result;
-  }
-
   const FitLimits& limits_;
   const Grid& grid_;
   const FilmVertices& films_;

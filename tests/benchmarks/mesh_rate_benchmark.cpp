@@ -105,7 +105,7 @@ struct Row {
   const char* name;
   bool keep_volume, reuses;
   double shift = 0;  ///< of the cloth between calls [dx]: it moves to and fro
-  std::vector<double> milliseconds = {};
+  std::vector<double> milliseconds = {}, cpu = {};
   std::vector<ReconstructionReport> reports = {};
 
   double stage(double ReconstructionSeconds::*of) const {
@@ -117,10 +117,26 @@ struct Row {
 
 void print(const JetFrame& frame, const Row& row, std::size_t triangles) {
   using S = ReconstructionSeconds;
-  std::printf("%7zu %-22s %7.2f ms (blocks %.2f, field %.2f, contact %.2f, mesh %.2f, vertices %.2f)  %zu\n",
-              frame.positions.size(), row.name, median(row.milliseconds), row.stage(&S::blocks),
-              row.stage(&S::field), row.stage(&S::contact), row.stage(&S::mesh), row.stage(&S::vertices),
-              triangles);
+  std::printf(
+      "%7zu %-22s %7.2f ms, CPU %7.2f ms (blocks %.2f, field %.2f, contact %.2f, mesh %.2f, vertices %.2f); "
+      "%zu triangles\n",
+      frame.positions.size(), row.name, median(row.milliseconds), median(row.cpu), row.stage(&S::blocks),
+      row.stage(&S::field), row.stage(&S::contact), row.stage(&S::mesh), row.stage(&S::vertices), triangles);
+}
+
+void print_ellipsoids(const JetFrame& frame, int threads, int calls) {
+  EllipsoidOptions options;
+  options.spacing = frame.spacing;
+  options.gap = 0.1 * frame.spacing;
+  options.threads = threads;
+  std::vector<double> milliseconds;
+  std::vector<WaterEllipsoid> ellipsoids;
+  for (int call = 0; call < calls; ++call) {
+    const double begin = wall_seconds();
+    expect(make_ellipsoids(frame.input(), options, &ellipsoids));
+    milliseconds.push_back(1e3 * (wall_seconds() - begin));
+  }
+  std::printf("%7zu %-22s %7.2f ms\n", frame.positions.size(), "ellipsoids", median(milliseconds));
 }
 
 void print_rate(std::size_t particles, int threads, int calls) {
@@ -142,15 +158,17 @@ void print_rate(std::size_t particles, int threads, int calls) {
       cloth = frame.cloth.nodes;
       for (Vec3& v : cloth) v.x() += call % 2 * rows[r].shift * frame.spacing;
       input.obstacles[0].vertices = cloth;
-      const double begin = wall_seconds();
+      const double begin = wall_seconds(), cpu_begin = cpu_seconds();
       if (rows[r].reuses)
         expect(meshers[r].reconstruct(input, options, &meshes[r], &report));
       else
         expect(reconstruct_surface(input, options, &meshes[r], &report));
       rows[r].milliseconds.push_back(1e3 * (wall_seconds() - begin));
+      rows[r].cpu.push_back(1e3 * (cpu_seconds() - cpu_begin));
       rows[r].reports.push_back(report);
     }
   for (std::size_t r = 0; r < rows.size(); ++r) print(frame, rows[r], meshes[r].triangles.size());
+  print_ellipsoids(frame, threads, calls);
 }
 
 void print_pairs(const char* name, const ReconstructionInput& input, ReconstructionOptions options,
