@@ -295,7 +295,7 @@ struct WaterEllipsoid {
 };
 
 /// An ellipsoid per particle, in the order of the input, from the covariance of its neighbours [Yu2013]
-/// (R.34)–(R.38). It has the volume of its water, unless an obstacle leaves too little space. Neighbours
+/// (R.35)–(R.38). It has the volume of its water, unless an obstacle leaves too little space. Neighbours
 /// behind an obstacle do not count, and no ellipsoid touches a triangle of an obstacle or comes nearer to it
 /// than the gap, up to the rounding of the result to float. Takes positions, volumes and obstacles of the
 /// input. Refuses options out of range, and input that reconstruct_surface() refuses; `ellipsoids` is then

@@ -1,4 +1,4 @@
-// Particles as ellipsoids [Yu2013], (R.34) to (R.38).
+// Particles as ellipsoids [Yu2013], (R.35) to (R.38).
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -39,7 +39,7 @@ struct Shape {
 /// The neighbours of a particle that it sees.
 struct Neighbourhood {
   std::vector<Vec3> offset;    // [m]
-  std::vector<double> weight;  // (R.34)
+  std::vector<double> weight;  // (R.35)
 
   void clear() {
     offset.clear();

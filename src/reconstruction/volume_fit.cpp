@@ -38,8 +38,8 @@ constexpr double max_scale = 1.3;
 constexpr float small_area = 0.05f;
 
 /// The volume that a triangle sweeps while its corners move evenly from `from` to `to`: the mean of the moves
-/// times the integral of the area vector, which changes with the square of time (Simpson's rule is exact). So
-/// strips between neighbours cancel.
+/// times the integral of the area vector, which changes with the square of time (Simpson's rule is exact,
+/// R.34). So strips between neighbours cancel.
 double swept(const std::array<Vec3, 3>& from, const std::array<Vec3, 3>& to) {
   const Vec3 a0 = from[1] - from[0], b0 = from[2] - from[0], a1 = to[1] - to[0], b1 = to[2] - to[0];
   const Vec3 area = a0.cross(b0) + (a0 + a1).cross(b0 + b1) + a1.cross(b1);  // 4 (½ ½) in the middle

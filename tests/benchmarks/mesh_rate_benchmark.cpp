@@ -2,7 +2,7 @@
 //
 // rate: a jet on a sagging cloth of 6,272 triangles, 0.3 s long, simulated with the settings for games at the
 // spacing that gives about so many particles; cell 1 s, mode touch, gap 0.1 s, with velocities. Rows take
-// turns, so that all of them meet the same load of the machine.
+// turns, so that the load of the machine is the same for all of them.
 //
 // pairs: CPU seconds with keep_volume over those without it, taken in turns: the median of the ratios. dam: a
 // full box of 111³ particles, cell ½ s; jet: the 10,000 particles above, cell 0.8 s.
