@@ -15,6 +15,7 @@ namespace {
 
 using namespace reconstruction;  // NOLINT: the module of this file
 using Eigen::Matrix3d;
+using simd::F8;
 
 constexpr double pi = 3.14159265358979323846;
 
@@ -150,16 +151,22 @@ class EllipsoidMaker {
   }
   void collect(std::size_t p, const NearParticles& near, const NearestTriangle& triangles,
                Neighbourhood& out) const {
-    const Vec3 own(particles_.x[p], particles_.y[p], particles_.z[p]);
-    for (std::size_t c = 0; c < near.count; ++c) {
-      const Vec3 offset = cell_ * (Vec3(near.x[c], near.y[c], near.z[c]) - own);
-      const double distance = offset.norm();
-      if (!(distance < reach_)) continue;
-      const std::size_t q = near.particle[c];
-      if (q != p && !sees(p, q, distance, triangles)) continue;
-      out.offset.push_back(offset);
-      out.weight.push_back(1 - std::pow(distance / reach_, 3));
+    const F8 x = particles_.x[p], y = particles_.y[p], z = particles_.z[p];
+    const auto reach = static_cast<float>(1.0001 * reach_ / cell_);
+    for (std::size_t c = 0; c < near.padded(); c += 8) {
+      const F8 dx = F8::load(&near.x[c]) - x, dy = F8::load(&near.y[c]) - y, dz = F8::load(&near.z[c]) - z;
+      for (std::uint32_t bits = greater_mask(reach * reach, dx * dx + dy * dy + dz * dz); bits != 0;
+           bits &= bits - 1)
+        add(p, near.particle[c + std::size_t(__builtin_ctz(bits))], triangles, out);
     }
+  }
+  /// Adds a neighbour in reach that p sees.
+  void add(std::size_t p, std::size_t q, const NearestTriangle& triangles, Neighbourhood& out) const {
+    const Vec3 offset = place(q) - place(p);
+    const double distance = offset.norm(), share = distance / reach_;
+    if (!(share < 1) || (q != p && !sees(p, q, distance, triangles))) return;
+    out.offset.push_back(offset);
+    out.weight.push_back(1 - share * share * share);
   }
 
   WaterEllipsoid ellipsoid(std::size_t p, const Neighbourhood& neighbours,
