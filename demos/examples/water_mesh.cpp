@@ -4,6 +4,7 @@
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 
@@ -46,6 +47,12 @@ int main(int argc, char** argv) {
   options.spacing = double(spacing);
   options.gap = 0.0005;  // between water and cloth [m]
   options.smoothing_iterations = 10;
+  oilskin::EllipsoidOptions splats;  // for renderers without a mesh
+  splats.spacing = options.spacing;
+  splats.gap = options.gap;
+  oilskin::WaterMesher mesher;
+  oilskin::WaterMesh mesh;
+  std::vector<oilskin::WaterEllipsoid> ellipsoids;
   bool good = true;
   for (int frame = 0; frame < 10; ++frame) {
     world.stepSimulation(btScalar(1. / 60), 20, btScalar(0.001));
@@ -53,14 +60,17 @@ int main(int argc, char** argv) {
     oilskin::ReconstructionInput input;
     input.positions = water.getWorld().positions();
     input.obstacles.push_back({sheet.x_t1, sheet.triangles});
-    oilskin::WaterMesh mesh;
-    if (!accepted(reconstruct_surface(input, options, &mesh))) return 1;
+    if (!accepted(mesher.reconstruct(input, options, &mesh)) ||
+        !accepted(make_ellipsoids(input, splats, &ellipsoids)))
+      return 1;
 
     const std::string path =
         std::string(argc > 1 ? argv[1] : ".") + "/water_0" + std::to_string(frame) + ".obj";
     const oilskin::MeshCheck check = check_mesh(mesh, input.obstacles, options.gap);
-    std::printf("%s: %zu triangles, %.3g litres, %zu of them cut the cloth\n", path.c_str(),
-                mesh.triangles.size(), 1000 * check.volume, check.intersecting_pairs);
+    const auto drawn = std::count_if(ellipsoids.begin(), ellipsoids.end(),
+                                     [](const oilskin::WaterEllipsoid& e) { return e.radii[0] > 0; });
+    std::printf("%s: %zu triangles, %.3g litres, %zu of them cut the cloth; or %d ellipsoids\n", path.c_str(),
+                mesh.triangles.size(), 1000 * check.volume, check.intersecting_pairs, int(drawn));
     good = good && check.clean() && check.volume > 0 && write_obj(path, mesh);
   }
 

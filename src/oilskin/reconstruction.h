@@ -19,6 +19,7 @@
 /// triangles at a vertex form one fan. The same input gives the same bits for any number of threads.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "oilskin/types.h"
@@ -228,6 +229,79 @@ struct ReconstructionReport {
 /// particles the mesh is empty.
 Status reconstruct_surface(const ReconstructionInput& input, const ReconstructionOptions& options,
                            WaterMesh* mesh, ReconstructionReport* report = nullptr);
+
+/// Makes one mesh after another, and keeps its memory between them: for a mesh in every frame. What depends
+/// on the obstacles alone is kept, too, as long as they have the same numbers. reconstruct() gives the bits
+/// of reconstruct_surface(), whatever it was called with before. One thread at a time may use it.
+///
+///     WaterMesher mesher;
+///     for (each frame) status = mesher.reconstruct(input, options, &mesh);
+class WaterMesher {
+ public:
+  WaterMesher();
+  ~WaterMesher();
+  WaterMesher(WaterMesher&&) noexcept;
+  WaterMesher& operator=(WaterMesher&&) noexcept;
+
+  /// As reconstruct_surface(), with the same refusals. `mesh` serves best if it is that of the last call: its
+  /// memory is used, too.
+  Status reconstruct(const ReconstructionInput& input, const ReconstructionOptions& options, WaterMesh* mesh,
+                     ReconstructionReport* report = nullptr);
+
+  /// Memory that is kept for the next call [bytes]. It is that of the largest call so far; a new object frees
+  /// it.
+  std::size_t bytes() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Options of the ellipsoids.
+struct EllipsoidOptions {
+  /// The rest distance s of the particles [m], 1e-6 … 1e3.
+  double spacing = 0.005;
+  /// The radius of the neighbourhood that gives a particle its shape, in spacings, 1 … 4.
+  double reach = 2;
+  /// The longest axis over the shortest one that neighbours can give, 1 … 20; k_r of [Yu2013]. At an obstacle
+  /// an ellipsoid may become flatter.
+  double max_stretch = 4;
+  /// With fewer neighbours, a particle is a sphere, 0 … 1000; N_ε of [Yu2013].
+  int min_neighbours = 6;
+  /// How far a particle moves to the mean of its neighbours, 0 … 1; λ of [Yu2013]. Near obstacles it moves by
+  /// half of its distance from them at most.
+  double smoothing = 0;
+  /// [m], 0 … 1 spacing: ellipsoids are farther than this from obstacles.
+  double gap = 0;
+  /// 0 = all hardware threads. The results do not depend on it.
+  int threads = 0;
+
+  /// Accepted, or the first field that is out of range.
+  Status validate() const;
+};
+
+/// A particle drawn as an ellipsoid: for renderers that splat particles instead of drawing a mesh.
+struct WaterEllipsoid {
+  /// The centre [m].
+  std::array<float, 3> position;
+  /// Unit vectors along the axes; orthonormal to 1e-6, right-handed.
+  std::array<std::array<float, 3>, 3> axes;
+  /// The half axes [m], the longest first; 0 for particles that are not finite, have no water, or are nearer
+  /// to an obstacle than the gap.
+  std::array<float, 3> radii;
+  /// The water that a ray along the shortest axis crosses, averaged over the ellipse that it covers [m]:
+  /// 4/3 of the shortest half axis.
+  float thickness;
+};
+
+/// An ellipsoid per particle, in the order of the input, from the covariance of its neighbours [Yu2013]
+/// (R.35)–(R.38). It has the volume of its water, unless an obstacle leaves too little space. Neighbours
+/// behind an obstacle do not count, and no ellipsoid touches a triangle of an obstacle or comes nearer to it
+/// than the gap, up to the rounding of the result to float. Takes positions, volumes and obstacles of the
+/// input. Refuses options out of range, and input that reconstruct_surface() refuses; `ellipsoids` is then
+/// unchanged.
+Status make_ellipsoids(const ReconstructionInput& input, const EllipsoidOptions& options,
+                       std::vector<WaterEllipsoid>* ellipsoids);
 
 /// The faults of a mesh. In a mesh without a fault all counts except `components` are zero.
 struct MeshCheck {

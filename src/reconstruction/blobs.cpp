@@ -53,6 +53,29 @@ double six_volumes(const std::vector<std::array<float, 3>>& positions, const Tri
   return at(t[0]).dot(at(t[1]).cross(at(t[2])));
 }
 
+namespace {
+
+/// Keeps the triangles whose vertices have a new number.
+void keep_triangles(const std::vector<std::uint32_t>& renumbered, RawMesh& mesh) {
+  std::uint32_t kept = 0;
+  for (std::size_t b = 0; b + 1 < mesh.first_triangle.size(); ++b) {
+    const std::uint32_t begin = mesh.first_triangle[b], end = mesh.first_triangle[b + 1];
+    mesh.first_triangle[b] = kept;
+    for (std::uint32_t n = begin; n < end; ++n) {
+      const Triangle t = mesh.triangles[n];
+      if (renumbered[t[0]] == none) continue;
+      OILSKIN_ASSERT(renumbered[t[1]] != none && renumbered[t[2]] != none);
+      mesh.triangles[kept] = {renumbered[t[0]], renumbered[t[1]], renumbered[t[2]]};
+      mesh.triangle_cubes[kept++] = mesh.triangle_cubes[n];
+    }
+  }
+  mesh.first_triangle.back() = kept;
+  mesh.triangles.resize(kept);
+  mesh.triangle_cubes.resize(kept);
+}
+
+}  // namespace
+
 std::size_t remove_blobs(const Grid& grid, double min_volume, RawMesh& mesh) {
   OILSKIN_ASSERT(mesh.inside_nodes.size() == mesh.positions.size());
   if (mesh.positions.empty()) return 0;
@@ -89,13 +112,7 @@ std::size_t remove_blobs(const Grid& grid, double min_volume, RawMesh& mesh) {
   mesh.positions.resize(kept);
   mesh.inside_nodes.resize(kept);
   mesh.distances.resize(kept);
-  std::size_t triangles = 0;
-  for (const Triangle& t : mesh.triangles) {
-    if (renumbered[t[0]] == none) continue;
-    OILSKIN_ASSERT(renumbered[t[1]] != none && renumbered[t[2]] != none);
-    mesh.triangles[triangles++] = {renumbered[t[0]], renumbered[t[1]], renumbered[t[2]]};
-  }
-  mesh.triangles.resize(triangles);
+  keep_triangles(renumbered, mesh);
   return removed;
 }
 

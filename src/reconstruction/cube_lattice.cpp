@@ -5,54 +5,93 @@
 
 namespace oilskin::reconstruction {
 
-CubeLattice::CubeLattice(const Grid& grid) : grid_(grid), neighbours_(grid.blocks.size()) {
-  for (std::size_t b = 0; b < grid.blocks.size(); ++b)
-    for (int axis = 0; axis < 3; ++axis) {
-      const Int3 step{axis == 0, axis == 1, axis == 2};
-      neighbours_[b][std::size_t(2 * axis)] = grid.index.find(key_of(grid.blocks[b].at - step));
-      neighbours_[b][std::size_t(2 * axis + 1)] = grid.index.find(key_of(grid.blocks[b].at + step));
+namespace {
+
+/// Rings of blocks around those with surface.
+constexpr int rings = 3;
+
+/// Per block −x, +x, −y, …
+std::vector<std::array<std::uint32_t, 6>> neighbours_of(const Grid& grid) {
+  std::array<std::uint32_t, 6> alone;
+  alone.fill(none);
+  std::vector<std::array<std::uint32_t, 6>> result(grid.blocks.size(), alone);
+  for (std::uint32_t b = 0; b < grid.blocks.size(); ++b)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::uint32_t up = grid.blocks[b].plus[std::size_t{1} << axis];
+      if (up == none) continue;
+      result[b][2 * axis + 1] = up;
+      result[up][2 * axis] = b;
     }
+  return result;
 }
 
-std::uint32_t CubeLattice::cube_at(const Vec3& x) const {
-  const auto part = [](double v) { return static_cast<int>(std::floor(v / cube_side)); };
-  const int i = part(x.x()), j = part(x.y()), k = part(x.z());
-  const std::uint32_t b = grid_.index.find(key_of({i >> 1, j >> 1, k >> 1}));
-  return b == none ? none : 8 * b + static_cast<std::uint32_t>((i & 1) | (j & 1) << 1 | (k & 1) << 2);
-}
+}  // namespace
 
-/// The value at the next cube along an axis.
-float CubeLattice::next(const Cubes& values, std::size_t b, std::size_t cube, int axis, bool up) const {
-  const std::size_t bit = std::size_t{1} << axis, other = cube ^ bit;
-  if (((cube & bit) != 0) != up) return values[b][other];
-  const std::uint32_t n = neighbours_[b][std::size_t(2 * axis + up)];
-  return n == none ? 0 : values[n][other];
-}
-
-Cubes CubeLattice::smoothed(Cubes values, int passes, const Workers& workers) const {
-  Cubes next_values = zeros();
-  for (int pass = 0; pass < 3 * passes; ++pass) {
-    const int axis = pass % 3;
-    workers.for_each(values.size(), 64, [&](std::size_t b) {
-      for (std::size_t c = 0; c < 8; ++c)
-        next_values[b][c] =
-            0.5f * values[b][c] + 0.25f * (next(values, b, c, axis, false) + next(values, b, c, axis, true));
-    });
-    std::swap(values, next_values);
+CubeLattice::CubeLattice(const Grid& grid, std::vector<std::uint8_t> has_surface)
+    : grid_(grid), place_of_(grid.blocks.size(), none) {
+  OILSKIN_ASSERT(has_surface.size() == grid.blocks.size());
+  const auto around = neighbours_of(grid);
+  for (std::size_t pass = 0; pass < 3 * rings; ++pass) {
+    const std::vector<std::uint8_t> before = has_surface;
+    for (std::size_t b = 0; b < before.size(); ++b)
+      for (const std::uint32_t n : {around[b][2 * (pass % 3)], around[b][2 * (pass % 3) + 1]})
+        if (before[b] && n != none) has_surface[n] = 1;
   }
-  return values;
+  for (std::uint32_t b = 0; b < has_surface.size(); ++b) {
+    if (!has_surface[b]) continue;
+    place_of_[b] = static_cast<std::uint32_t>(blocks_.size());
+    blocks_.push_back(b);
+  }
+  neighbours_.resize(blocks_.size());
+  for (std::size_t n = 0; n < blocks_.size(); ++n)
+    for (std::size_t k = 0; k < 6; ++k) neighbours_[n][k] = place(around[blocks_[n]][k]);
+}
+
+/// Two passes along an axis at once: weights 1, 4, 6, 4, 1 over 16.
+void CubeLattice::smooth_twice(const Cubes& from, std::size_t axis, Cubes& to, const Workers& workers) const {
+  static constexpr std::array<float, 8> nothing{};
+  const std::size_t bit = std::size_t{1} << axis;
+  workers.for_each(from.size(), 128, [&](std::size_t n) {
+    const std::uint32_t down = neighbours_[n][2 * axis], up = neighbours_[n][2 * axis + 1];
+    const std::array<float, 8>&own = from[n], &before = down == none ? nothing : from[down],
+                            &after = up == none ? nothing : from[up];
+    for (std::size_t low = 0; low < 8; ++low) {
+      if (low & bit) continue;
+      const std::size_t high = low | bit;
+      to[n][low] =
+          0.0625f * (before[low] + after[low]) + 0.25f * (before[high] + own[high]) + 0.375f * own[low];
+      to[n][high] =
+          0.0625f * (before[high] + after[high]) + 0.25f * (own[low] + after[low]) + 0.375f * own[high];
+    }
+  });
+}
+
+void CubeLattice::smooth(Cubes& values, int passes, const Workers& workers) const {
+  OILSKIN_ASSERT(values.size() == size() && passes % 2 == 0 && passes <= 4);
+  Cubes other(size());
+  for (int pass = 0; pass < passes / 2; ++pass)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      smooth_twice(values, axis, other, workers);
+      std::swap(values, other);
+    }
 }
 
 CubeLattice::Around::Around(const CubeLattice& lattice, const Cubes& values, std::uint32_t block) {
   const Grid& grid = lattice.grid_;
+  std::array<const std::array<float, 8>*, 27> at{};
+  for (int o = 0; o < 27; ++o) {
+    const Int3 step{o % 3 - 1, o / 3 % 3 - 1, o / 9 - 1};
+    const std::uint32_t b = step == Int3{} ? block : grid.index.find(key_of(grid.blocks[block].at + step));
+    const std::uint32_t place = lattice.place(b);
+    if (place != none) at[std::size_t(o)] = &values[place];
+  }
   for (int k = -1; k <= 2; ++k)
     for (int j = -1; j <= 2; ++j)
       for (int i = -1; i <= 2; ++i) {
-        const Int3 step{i >> 1, j >> 1, k >> 1};
-        const std::uint32_t b =
-            step == Int3{} ? block : grid.index.find(key_of(grid.blocks[block].at + step));
+        const int o = ((i >> 1) + 1) + 3 * ((j >> 1) + 1) + 9 * ((k >> 1) + 1);
+        const auto* const cubes = at[std::size_t(o)];
         values_[std::size_t((i + 1) + 4 * (j + 1) + 16 * (k + 1))] =
-            b == none ? 0 : values[b][std::size_t((i & 1) | (j & 1) << 1 | (k & 1) << 2)];
+            cubes ? (*cubes)[std::size_t((i & 1) | (j & 1) << 1 | (k & 1) << 2)] : 0.0f;
       }
 }
 

@@ -14,20 +14,25 @@ inline std::size_t cube_of(int i, int j, int k) {
   return std::size_t(i >> 2 | j >> 2 << 1 | k >> 2 << 2);
 }
 
-/// A value per cube, per block.
+/// A value per cube, per block of the lattice.
 using Cubes = std::vector<std::array<float, 8>>;
 
+/// The cubes that count for the surface: those of the blocks with surface and of three rings around them.
+/// What lies deeper is not reached by CubeLattice::smooth() with up to 4 passes.
 class CubeLattice {
  public:
-  explicit CubeLattice(const Grid& grid);
+  /// `has_surface` per block of the grid.
+  CubeLattice(const Grid& grid, std::vector<std::uint8_t> has_surface);
 
-  Cubes zeros() const { return Cubes(grid_.blocks.size(), std::array<float, 8>{}); }
+  std::size_t size() const { return blocks_.size(); }
+  Cubes zeros() const { return Cubes(size(), std::array<float, 8>{}); }
+  /// The block of the grid at place n.
+  std::uint32_t block(std::size_t n) const { return blocks_[n]; }
+  /// The place of a block of the grid, or none.
+  std::uint32_t place(std::uint32_t block) const { return block == none ? none : place_of_[block]; }
 
-  /// The number of the cube at x [cells, from the world's origin], 8 block + cube; none outside the grid.
-  std::uint32_t cube_at(const Vec3& x) const;
-
-  /// Means with the weights ¼, ½, ¼ along each axis, `passes` times. 0 beyond the grid.
-  Cubes smoothed(Cubes values, int passes, const Workers& workers) const;
+  /// Means with the weights ¼, ½, ¼ along each axis, `passes` times; an even number. 0 beyond the lattice.
+  void smooth(Cubes& values, int passes, const Workers& workers) const;
 
   /// Values around a block, for interpolation.
   class Around {
@@ -41,10 +46,11 @@ class CubeLattice {
   };
 
  private:
-  float next(const Cubes& values, std::size_t b, std::size_t cube, int axis, bool up) const;
+  void smooth_twice(const Cubes& from, std::size_t axis, Cubes& to, const Workers& workers) const;
 
   const Grid& grid_;
-  std::vector<std::array<std::uint32_t, 6>> neighbours_;  // −x, +x, −y, …
+  std::vector<std::uint32_t> blocks_, place_of_;
+  std::vector<std::array<std::uint32_t, 6>> neighbours_;  // places: −x, +x, −y, …
 };
 
 }  // namespace oilskin::reconstruction

@@ -144,7 +144,7 @@ class DropMaker {
       const Corners own = stored_corners(at, t);
       for (const std::uint32_t n : near_) {
         const Corners other = obstacles_->corners(n);
-        if (!certified_apart(own, other, gap_ + rounding_of(other))) return false;
+        if (!certified_apart(own, other, gap_ + obstacles_->rounding(n))) return false;
       }
     }
     return true;

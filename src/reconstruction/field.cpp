@@ -80,10 +80,14 @@ inline void FieldBlock::add(const F8& weight, const std::array<float, 3>& q, Row
   (F8::load(row.z) + weight * q[2]).store(row.z);
 }
 
+/// How much of the radius for sparse water a particle brings.
+float FieldBlock::sparse_share(float volume) const {
+  if (!(p_.sparse_radius > 0)) return 0;
+  return std::clamp((volume - dense_below) / (sparse_above - dense_below), 0.0f, 1.0f);
+}
+
 /// Adds a particle's share of the radius for sparse water.
-inline void FieldBlock::add_sparse(const F8& weight, float volume, int row) {
-  const float share = std::clamp((volume - dense_below) / (sparse_above - dense_below), 0.0f, 1.0f);
-  if (share == 0) return;
+inline void FieldBlock::add_sparse(const F8& weight, float share, int row) {
   float* const at = &sparse_[std::size_t(row) * side];
   (F8::load(at) + weight * share).store(at);
 }
@@ -117,9 +121,10 @@ void FieldBlock::scatter(const NearParticles& near) {
   if (p_.sparse_radius > 0) sparse_.fill(0);
   for (std::size_t c = 0; c < near.count; ++c) {
     const std::array<float, 3> q = {near.x[c], near.y[c], near.z[c]};
+    const float sparse = sparse_share(near.volume[c]);
     for_weights(q, near.volume[c], [&](int j, int k, const F8& weights) {
       add(weights, q, rows_[j + side * k]);
-      if (p_.sparse_radius > 0) add_sparse(weights, near.volume[c], j + side * k);
+      if (sparse > 0) add_sparse(weights, sparse, j + side * k);
     });
   }
 }
@@ -225,12 +230,13 @@ void FieldBlock::scatter_visible(const NearParticles& near, const BlockVisibilit
   for (std::size_t c = 0; c < near.count; ++c) {
     const std::array<float, 3> q = {near.x[c], near.y[c], near.z[c]};
     const bool check = may_be_hidden(visibility, q);
+    const float sparse = sparse_share(near.volume[c]);
     for_weights(q, near.volume[c], [&](int j, int k, F8 weights) {
       if (check)
         if (const std::uint32_t bits = hidden(j, k, greater_mask(weights, 0.0f)); bits != 0)
           weights = cleared(weights, bits);
       add(weights, q, rows_[j + side * k]);
-      if (p_.sparse_radius > 0) add_sparse(weights, near.volume[c], j + side * k);
+      if (sparse > 0) add_sparse(weights, sparse, j + side * k);
     });
   }
 }
@@ -342,7 +348,7 @@ float FieldBlock::value_of(int node) const {
 }
 
 void FieldBlock::evaluate(const NearParticles& near, const BlockVisibility* visibility, float* values) {
-  OILSKIN_ASSERT(near.x.size() % 8 == 0 && near.count <= near.x.size());
+  OILSKIN_ASSERT(near.padded() <= near.x.size());
   if (visibility && visibility->empty()) visibility = nullptr;
   if (visibility)
     scatter_visible(near, *visibility);

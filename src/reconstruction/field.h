@@ -52,7 +52,8 @@ class FieldBlock {
     float weight[side], x[side], y[side], z[side];
   };
   static void add(const F8& weight, const std::array<float, 3>& q, Row& row);
-  void add_sparse(const F8& weight, float volume, int row);
+  float sparse_share(float volume) const;
+  void add_sparse(const F8& weight, float share, int row);
   template <class F>
   void for_rows(const std::array<float, 3>& q, const F& f) const;
   template <class F>
@@ -84,8 +85,9 @@ class FieldBlock {
 
 /// V_i of (R.3) in dx³: 1 / W(0) for a particle alone, about 1 inside the water. 1 for particles of blocks
 /// that are not in `needed`.
-std::vector<float> particle_volumes(const ParticleBlocks& particles, const FieldParameters& parameters,
-                                    const std::vector<std::uint8_t>& needed, const Workers& workers);
+void particle_volumes(const ParticleBlocks& particles, const FieldParameters& parameters,
+                      const std::vector<std::uint8_t>& needed, const Workers& workers,
+                      std::vector<float>& volumes);
 
 /// The largest real eigenvalue of a 3×3 matrix.
 double max_real_eigenvalue(const Eigen::Matrix3d& a);

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/closest_point.h"
+#include "reconstruction/film_kernel.h"
+#include "reconstruction/near_film.h"
+#include "reconstruction/nearest_triangle.h"
 
 namespace oilskin::reconstruction {
 
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 /// Distances along films in spacings, see FilmRule.
 constexpr double film_reach = 1, column_reach = 2.2, link = 3, min_radius = 0.66, max_radius = 1.6;
@@ -17,59 +17,25 @@ constexpr double film_reach = 1, column_reach = 2.2, link = 3, min_radius = 0.66
 /// Films are at least this thick on the grid [cells]: then a row of nodes lies inside, whatever the slope.
 constexpr double min_grid_height = 1.25;
 
-/// Vertices at the lower side of films are this near to it [cells].
-constexpr double at_lower_side = 0.2;
-
-/// Above the grid's films, thinning fades out over this [cells].
-constexpr double fade = 0.95;
-
 /// Discs of two particles at this fraction of their distance close the space between four.
 constexpr double radius_of_distance = 0.62;
-
-/// Two particles lie on the same side of the same sheet if their heights over each other's plane agree.
-constexpr double height_slack = 0.4, slope_slack = 0.25;  // [dx], per distance
-
-/// The columns of water up to the first are films; from the second on [dx] they are not.
-constexpr double film_up_to = 1, bulk_from = 2;
-
-/// The kernel of the mean along a film: 4/(π L²) (1 − ρ²/L²)³.
-struct FilmKernel {
-  explicit FilmKernel(double reach) : inverse_(1 / (reach * reach)), norm_(4 / (pi * reach * reach)) {}
-  double operator()(double rho_squared) const {
-    const double u = std::max(0.0, 1 - rho_squared * inverse_);
-    return norm_ * u * u * u;
-  }
-
- private:
-  double inverse_, norm_;
-};
-
-/// Offset of b from a, split into height over a's plane and distance along it.
-struct AlongFilm {
-  double height, rho_squared;
-  AlongFilm(const FilmParticle& a, const Vec3& offset)
-      : height(double(a.height) + vec(a.normal).dot(offset)),
-        rho_squared(std::max(0.0, offset.squaredNorm() - std::pow(vec(a.normal).dot(offset), 2))) {}
-};
 
 /// Calls f(item, particle, offset, rho²) for the particles near obstacles in `near` that lie on the same film
 /// as `own`.
 template <class F>
-void for_film_neighbours(const Film& film, const NearParticles& near, const FilmParticle& own, const Vec3& x,
+void for_film_neighbours(const FilmRule& rule, const NearFilm& near, const FilmParticle& own, const Vec3& x,
                          double reach, const F& f) {
-  const FilmRule& rule = film.rule();
-  for (std::size_t c = 0; c < near.count; ++c) {
-    const FilmParticle* other = film.find(near.particle[c]);
-    if (!other) continue;
-    const Vec3 offset = Vec3(near.x[c], near.y[c], near.z[c]) - x;
-    if (vec(own.normal).dot(vec(other->normal)) < 0.5) continue;
+  near.for_along(own.normal, x, reach, [&](std::size_t c) {
+    const FilmParticle& other = near.item(c);
+    const Vec3 offset = near.place(c) - x;
+    if (vec(own.normal).dot(vec(other.normal)) < 0.5) return;
     const AlongFilm along(own, offset);
     const double rho = std::sqrt(along.rho_squared);
-    if (rho > reach) continue;
-    if (std::abs(along.height - double(other->height)) > height_slack * rule.spacing + slope_slack * rho)
-      continue;
-    f(*other, near.particle[c], offset, along.rho_squared);
-  }
+    if (rho > reach) return;
+    if (std::abs(along.height - double(other.height)) > height_slack * rule.spacing + slope_slack * rho)
+      return;
+    f(other, near.particle(c), offset, along.rho_squared);
+  });
 }
 
 /// Two unit vectors along a film.
@@ -110,28 +76,6 @@ class Sectors {
   std::array<double, 6> nearest_;
 };
 
-/// 1 where a column of water of this thickness [cells] is a film, 0 where it is not.
-double thinness(const FilmRule& rule, double thickness) {
-  return std::clamp((bulk_from - thickness / rule.spacing) / (bulk_from - film_up_to), 0.0, 1.0);
-}
-
-/// The nearest point of the obstacles within `reach` [m]; at that distance if there is none.
-ClosestPoint nearest_point(const Obstacles& obstacles, const Vec3& x, double reach,
-                           std::vector<std::uint32_t>& near) {
-  Box box;
-  box.add(x);
-  near.clear();
-  obstacles.query(box.inflated(reach), near);
-  ClosestPoint best;
-  best.distance = reach;
-  for (const std::uint32_t t : near) {
-    const Corners c = obstacles.corners(t);
-    const ClosestPoint p = closest_point(x, c[0], c[1], c[2]);
-    if (p.distance < best.distance) best = p;
-  }
-  return best;
-}
-
 }  // namespace
 
 double film_band(double clearance) {
@@ -166,12 +110,19 @@ void Film::find_heights(const ParticleBlocks& particles, const Obstacles& obstac
   const Box bounds = obstacles.bounds().inflated(rule_.column_reach * cell);
   std::vector<std::vector<std::pair<std::uint32_t, FilmParticle>>> found(particles.blocks.size());
   workers.for_chunks(particles.blocks.size(), 16, [&](std::size_t from, std::size_t to, std::size_t) {
-    std::vector<std::uint32_t> near;
+    NearestTriangle nearest_triangle;
     for (std::size_t b = from; b < to; ++b) {
+      Box box;
+      for (std::size_t i = particles.begin[b]; i < particles.begin[b + 1]; ++i) {
+        const Vec3 x = cell * particles.place(b, i);
+        if (bounds.contains(x)) box.add(x);
+      }
+      if (!(box.min.x() <= box.max.x())) continue;
+      nearest_triangle.set(obstacles, box, rule_.column_reach * cell);
       for (std::size_t i = particles.begin[b]; i < particles.begin[b + 1]; ++i) {
         const Vec3 x = cell * particles.place(b, i);
         if (!bounds.contains(x)) continue;
-        const ClosestPoint nearest = nearest_point(obstacles, x, rule_.column_reach * cell, near);
+        const ClosestPoint nearest = nearest_triangle.find(x);
         if (!(nearest.distance > 0 && nearest.distance < rule_.column_reach * cell)) continue;
         FilmParticle p;
         const Vec3 n = nearest.offset / nearest.distance;
@@ -197,14 +148,18 @@ void Film::for_items(const ParticleBlocks& particles, double reach, const Worker
   const std::vector<float> no_volumes;
   workers.for_chunks(particles.blocks.size(), 8, [&](std::size_t from, std::size_t to, std::size_t) {
     NearParticles near;
+    NearFilm near_film;
     for (std::size_t b = from; b < to; ++b) {
       bool gathered = false;
       for (std::size_t i = particles.begin[b]; i < particles.begin[b + 1]; ++i) {
         if (index_[i] == none) continue;
-        if (!gathered) near.gather(particles, no_volumes, particles.blocks[b], 0, side, float(reach));
-        gathered = true;
+        if (!gathered) {
+          near.gather(particles, no_volumes, particles.blocks[b], 0, side, float(reach));
+          near_film.set(*this, near);
+          gathered = true;
+        }
         f(index_[i], static_cast<std::uint32_t>(i), Vec3(particles.x[i], particles.y[i], particles.z[i]),
-          near);
+          near_film);
       }
     }
   });
@@ -212,12 +167,12 @@ void Film::for_items(const ParticleBlocks& particles, double reach, const Worker
 
 void Film::find_radii(const ParticleBlocks& particles, const Workers& workers) {
   for_items(particles, rule_.link, workers,
-            [&](std::uint32_t item, std::uint32_t particle, const Vec3& x, const NearParticles& near) {
+            [&](std::uint32_t item, std::uint32_t particle, const Vec3& x, const NearFilm& near) {
               FilmParticle& own = items_[item];
               if (!(double(own.height) < rule_.film_reach)) return;
               Sectors sectors(vec(own.normal));
               for_film_neighbours(
-                  *this, near, own, x, rule_.link,
+                  rule_, near, own, x, rule_.link,
                   [&](const FilmParticle& other, std::uint32_t p, const Vec3& offset, double rho2) {
                     if (p != particle && double(other.height) < rule_.film_reach)
                       sectors.add(offset, std::sqrt(rho2));
@@ -236,13 +191,13 @@ void Film::find_shares(const ParticleBlocks& particles, const Water& water, cons
   // Only when all are known: neighbours read the radii.
   std::vector<std::uint8_t> is_deep(items_.size(), 0);
   for_items(particles, reach, workers,
-            [&](std::uint32_t item, std::uint32_t particle, const Vec3& x, const NearParticles& near) {
+            [&](std::uint32_t item, std::uint32_t particle, const Vec3& x, const NearFilm& near) {
               FilmParticle& own = items_[item];
               const TangentFrame frame(vec(own.normal));
               std::array<bool, kernel_points.size()> is_covered{};
               double volume = 0;
               for_film_neighbours(
-                  *this, near, own, x, reach,
+                  rule_, near, own, x, reach,
                   [&](const FilmParticle& other, std::uint32_t p, const Vec3& offset, double rho2) {
                     volume += water.of(p) * kernel(rho2);
                     if (!(other.radius > 0)) return;
@@ -265,103 +220,6 @@ void Film::find_shares(const ParticleBlocks& particles, const Water& water, cons
             });
   for (std::size_t i = 0; i < items_.size(); ++i)
     if (is_deep[i]) items_[i].radius = 0;
-}
-
-namespace {
-
-/// The film at a vertex.
-struct FilmAt {
-  double thickness = 0;
-  Vec3 normal = Vec3::Zero();
-  double weight = 0;
-  double height = 0;  ///< mean of its particles
-};
-
-/// The film at x, whose distance from obstacles is known.
-FilmAt film_at(const Film& film, const NearParticles& near, const Vec3& x, double distance,
-               const FilmKernel& kernel) {
-  const FilmRule& rule = film.rule();
-  FilmAt at;
-  for (std::size_t c = 0; c < near.count; ++c) {
-    const FilmParticle* p = film.find(near.particle[c]);
-    if (!p) continue;
-    const AlongFilm along(*p, x - Vec3(near.x[c], near.y[c], near.z[c]));
-    const double k = kernel(along.rho_squared);
-    if (!(k > 0)) continue;
-    const double slack = height_slack * rule.spacing + slope_slack * std::sqrt(along.rho_squared);
-    if (std::abs(along.height - distance) > slack) continue;
-    at.thickness += double(p->share) * k;
-    at.normal += k * vec(p->normal);
-    at.weight += k;
-    at.height += k * double(p->height);
-  }
-  if (at.weight > 0) {
-    at.normal.normalize();
-    at.height /= at.weight;
-  }
-  return at;
-}
-
-/// The distance of a film's lower side from the obstacle [cells].
-double film_lower(const FilmRule& rule, const FilmAt& film, double wetness, double thickness) {
-  return rule.clearance + (1 - wetness) * std::max(0.0, film.height - thickness / 2 - rule.clearance);
-}
-
-/// How far a vertex of a film moves along its normal [cells]. It is at the distance `now`.
-double film_shift(const FilmRule& rule, const FilmAt& film, double wetness, double now) {
-  const double on_grid = film_lower(rule, film, wetness, rule.grid_height);
-  const double above = std::clamp((now - on_grid) / rule.grid_height, 0.0, 1.0);
-  return film_lower(rule, film, wetness, film.thickness) + film.thickness * above - now;
-}
-
-}  // namespace
-
-FilmVertices thin_films(const Film& film, ObstacleMode mode, const ParticleBlocks& particles,
-                        const Grid& grid, const std::vector<std::array<float, 3>>& polygonised,
-                        const std::optional<Box>& clip, RawMesh& mesh, const Workers& workers) {
-  FilmVertices result;
-  result.thickness.assign(mesh.positions.size(), 0.0f);
-  result.share = result.thickness;
-  if (film.empty()) return result;
-  std::optional<Box> within_clip;
-  if (clip) within_clip = clip->inflated(-0.05 * grid.cell);
-  const FilmRule& rule = film.rule();
-  const FilmKernel kernel(rule.link);
-  const std::vector<float> no_volumes;
-  workers.for_chunks(grid.blocks.size(), 8, [&](std::size_t from, std::size_t to, std::size_t) {
-    NearParticles near;
-    for (std::size_t b = from; b < to; ++b) {
-      const std::uint32_t begin = mesh.first_vertex[b], end = mesh.first_vertex[b + 1];
-      if (begin == end || grid.blocks[b].near == none) continue;
-      near.gather(particles, no_volumes, grid.blocks[b].at, -1, side + 1, float(rule.link));
-      const Vec3 origin = grid.origin(grid.blocks[b]);
-      for (std::uint32_t v = begin; v < end; ++v) {
-        const double distance = mesh.distances[v];
-        const Vec3 place = vec(mesh.positions[v]);
-        if (!(distance < rule.band) || (within_clip && !within_clip->contains(place))) continue;
-        const FilmAt at = film_at(film, near, (place - origin) / grid.cell, distance, kernel);
-        if (!(at.weight > 0)) continue;
-        const double share =
-            thinness(rule, at.thickness) * std::clamp((rule.band - 1 - distance) / fade, 0.0, 1.0);
-        result.thickness[v] = static_cast<float>(at.thickness);
-        result.share[v] = static_cast<float>(share);
-        const NodeRef& inner = mesh.inside_nodes[v];
-        const std::uint32_t inner_near = grid.blocks[inner.block].near;
-        const double wetness =
-            inner_near == none ? mode == ObstacleMode::touch
-                               : double(film_wetness(mode, grid.nears[inner_near], std::size_t(inner.node)));
-        const double now = distance + at.normal.dot(place - vec(polygonised[v])) / grid.cell;
-        // Into the water only, where there is no obstacle: lower sides go up, all others down.
-        const bool is_lower = double(grid.distance(inner)) > distance &&
-                              now < film_lower(rule, at, wetness, rule.grid_height) + at_lower_side;
-        const double shift = share * film_shift(rule, at, wetness, now);
-        const double inwards = is_lower ? std::max(0.0, shift) : std::min(0.0, shift);
-        const Vec3 moved = place + inwards * grid.cell * at.normal;
-        mesh.positions[v] = {float(moved.x()), float(moved.y()), float(moved.z())};
-      }
-    }
-  });
-  return result;
 }
 
 }  // namespace oilskin::reconstruction

@@ -63,6 +63,16 @@ class KeyMap {
     return value;
   }
   std::size_t size() const { return size_; }
+  /// Empty, with space for `expected` keys. Keeps its memory.
+  void reset(std::size_t expected) {
+    std::size_t slots = 16;
+    while (slots < 4 * expected) slots *= 2;
+    keys_.resize(slots);
+    values_.assign(slots, none);
+    mask_ = slots - 1;
+    size_ = 0;
+  }
+  std::size_t bytes() const { return keys_.capacity() * 8 + values_.capacity() * 4; }
 
  private:
   std::size_t slot(std::uint64_t key) const {
@@ -101,8 +111,21 @@ struct NearBlock {
   std::vector<float> wetness;      ///< per node: 1 at a wet obstacle, 0 at a dry one; empty: 0 everywhere
   std::vector<CutEdge> cut_edges;  ///< ascending
   std::array<std::array<std::uint64_t, side>, 3>
-      cut{};  ///< per axis and slice, a bit per node: its edge is cut
+      cut{};                 ///< per axis and slice, a bit per node: its edge is cut
+  bool is_measured = false;  ///< distance, wetness and cuts are known
 
+  void forget_measures() {
+    if (!is_measured) return;
+    distance.clear();
+    wetness.clear();
+    cut_edges.clear();
+    cut = {};
+    is_measured = false;
+  }
+  std::size_t bytes() const {
+    return sizeof(NearBlock) + 4 * (triangles.capacity() + distance.capacity() + wetness.capacity()) +
+           sizeof(CutEdge) * cut_edges.capacity();
+  }
   const CutEdge* find_cut(int axis, int node) const;
 };
 

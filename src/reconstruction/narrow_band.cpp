@@ -94,6 +94,8 @@ Status find_blocks(const ParticleBlocks& particles, const FieldParameters& field
   // Particles reach nodes within R; one cell more covers rounding.
   const float reach = field.kernel_radius + 1;
   std::vector<std::uint64_t> keys;
+  grid.index.reset(particles.blocks.size());
+  grid.blocks.clear();
   const auto add = [&](const Int3& at) {
     const std::uint64_t key = key_of(at);
     const auto next = static_cast<std::uint32_t>(keys.size());
@@ -115,7 +117,7 @@ Status find_blocks(const ParticleBlocks& particles, const FieldParameters& field
   if (!memory.fits()) return memory.refusal("the blocks of the grid");
 
   std::sort(keys.begin(), keys.end());
-  grid.index = KeyMap(keys.size());
+  grid.index.reset(keys.size());
   grid.blocks.resize(keys.size());
   for (std::uint32_t b = 0; b < keys.size(); ++b) {
     grid.blocks[b].at = block_of_key(keys[b]);
@@ -127,13 +129,21 @@ Status find_blocks(const ParticleBlocks& particles, const FieldParameters& field
   return {};
 }
 
-void find_near_triangles(const Obstacles& obstacles, double reach, Grid& grid) {
-  const double margin = reach * grid.cell;  // [m]
+namespace {
+
+/// The triangles near the blocks that `memory` does not know.
+std::vector<std::vector<std::uint32_t>> triangles_near_new_blocks(const Obstacles& obstacles, double margin,
+                                                                  const ObstacleMemory& memory,
+                                                                  const Grid& grid) {
   std::vector<std::vector<std::uint32_t>> found(grid.blocks.size());
+  std::vector<std::uint8_t> is_new(grid.blocks.size());
+  for (std::size_t b = 0; b < is_new.size(); ++b) is_new[b] = !memory.knows(grid.blocks[b].at);
+  if (std::find(is_new.begin(), is_new.end(), 1) == is_new.end()) return found;
   for (std::uint32_t t = 0; t < obstacles.size(); ++t) {
     const Box triangle = obstacles.box(t);
     const auto add = [&](std::uint32_t b) {
-      if (triangle.overlaps(box_of(grid, grid.blocks[b]).inflated(margin))) found[b].push_back(t);
+      if (is_new[b] && triangle.overlaps(box_of(grid, grid.blocks[b]).inflated(margin)))
+        found[b].push_back(t);
     };
     const Blocks range = blocks_of(grid, triangle.inflated(margin));
     if (range.count() > double(grid.blocks.size()))
@@ -143,11 +153,23 @@ void find_near_triangles(const Obstacles& obstacles, double reach, Grid& grid) {
         if (const std::uint32_t b = grid.index.find(key_of(at)); b != none) add(b);
       });
   }
+  return found;
+}
+
+}  // namespace
+
+void find_near_triangles(const Obstacles& obstacles, double reach, ObstacleMemory& memory, Grid& grid) {
+  auto found = triangles_near_new_blocks(obstacles, reach * grid.cell, memory, grid);
+  grid.nears.clear();
   for (std::size_t b = 0; b < found.size(); ++b) {
-    if (found[b].empty()) continue;
+    NearBlock* const known = memory.find(grid.blocks[b].at);
+    if (!known && found[b].empty()) continue;
     grid.blocks[b].near = static_cast<std::uint32_t>(grid.nears.size());
     grid.nears.emplace_back();
-    grid.nears.back().triangles = std::move(found[b]);
+    if (known)
+      grid.nears.back() = std::move(*known);
+    else
+      grid.nears.back().triangles = std::move(found[b]);
   }
 }
 

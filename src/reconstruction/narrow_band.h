@@ -3,6 +3,7 @@
 
 #include "reconstruction/field.h"
 #include "reconstruction/grid.h"
+#include "reconstruction/obstacle_memory.h"
 
 namespace oilskin::reconstruction {
 
@@ -24,8 +25,9 @@ class MemoryPlan {
 Status find_blocks(const ParticleBlocks& particles, const FieldParameters& field,
                    const std::optional<Box>& clip, Grid& grid, MemoryPlan& memory);
 
-/// Fills Grid::nears: the triangles within `reach` [cells] of each block.
-void find_near_triangles(const Obstacles& obstacles, double reach, Grid& grid);
+/// Fills Grid::nears: the triangles within `reach` [cells] of each block. What is in `memory` moves from
+/// there.
+void find_near_triangles(const Obstacles& obstacles, double reach, ObstacleMemory& memory, Grid& grid);
 
 /// Numbers the blocks that need values; the others are solid or outside. A block is solid if its nodes and
 /// one ring of nodes around it are in deep water, no obstacle is near, and the clip box does not cut it.

@@ -22,6 +22,12 @@ struct Bounds {
       high[a] = std::max({c[0][a], c[1][a], c[2][a]});
     }
   }
+  /// A lower bound for the nodes 0 … 7 of a row.
+  double distance_from_row(int j, int k) const {
+    const double x = std::max({0.0, low[0] - (side - 1), -high[0]}),
+                 y = std::max({0.0, low[1] - j, j - high[1]}), z = std::max({0.0, low[2] - k, k - high[2]});
+    return std::sqrt(x * x + y * y + z * z);
+  }
   bool reaches_block(double by) const {
     for (int a = 0; a < 3; ++a)
       if (low[a] - by > side || high[a] + by < 0) return false;
@@ -78,6 +84,15 @@ class TrianglePlanes {
              beside = positive_part(beyond - rounding);
     return {off * off + beside * beside, greater_mask(-rounding, beyond)};
   }
+  /// Are all nodes of a row farther than `distance` from the layer, or beyond one of the sides?
+  bool is_beyond(int j, int k, double distance) const {
+    for (std::size_t p = 0; p < 4; ++p) {
+      const double first = planes_[p].at(0, j, k), last = first + (side - 1) * planes_[p].normal.x();
+      if (std::min(first, last) > distance) return true;
+      if (p == 0 && std::max(first, last) < -distance) return true;
+    }
+    return false;
+  }
   double distance_to_plane(int i, int j, int k) const { return std::abs(planes_[0].at(i, j, k)); }
 
  private:
@@ -94,7 +109,9 @@ class TrianglePlanes {
 /// of the other pairs, which finish() computes.
 class NodeDistances {
  public:
-  NodeDistances(double band, std::vector<float>& distance) : band_(band), distance_(distance) {}
+  NodeDistances(double band, std::vector<float>& distance) : band_(band), distance_(distance) {
+    farthest_.fill(band);
+  }
 
   void add(const Corners& c, const Bounds& bounds) {
     const Covered s(bounds, band_);
@@ -106,6 +123,10 @@ class NodeDistances {
     bool any_waiting = false;
     for (int k = s.first[2]; k <= s.last[2]; ++k)
       for (int j = s.first[1]; j <= s.last[1]; ++j) {
+        double& farthest = farthest_[std::size_t(j + side * k)];
+        if (bounds.distance_from_row(j, k) > farthest + rounding ||
+            planes.is_beyond(j, k, farthest + rounding))
+          continue;
         float* const row = &distance_[std::size_t(node_index(0, j, k))];
         const F8 now = F8::load(row);
         const RowView view = planes.row(j, k);
@@ -115,6 +136,8 @@ class NodeDistances {
           const int i = __builtin_ctz(bits);
           lower(row[i], planes.distance_to_plane(i, j, k));
         }
+        if ((may & view.over_face) != 0)
+          farthest = std::min(band_, double(*std::max_element(row, row + side)));
         if (const std::uint32_t rest = may & ~view.over_face; rest != 0) {
           waiting_.push_back(
               {view.min_squared, rest, static_cast<std::uint32_t>(waiting_corners_.size()), j, k});
@@ -145,8 +168,10 @@ class NodeDistances {
     std::uint32_t nodes, corners;
     int j, k;
   };
+  static constexpr double rounding = 1e-3;
   double band_;
   std::vector<float>& distance_;
+  std::array<double, side * side> farthest_;  // per row: no node has a distance above this that counts
   std::vector<Waiting> waiting_;
   std::vector<Corners> waiting_corners_;
 };

@@ -73,16 +73,58 @@ Status validate_resolution(const std::vector<ObstacleMesh>& obstacles, const Box
   return {};
 }
 
-Obstacles::Obstacles(Span<const ObstacleMesh> meshes, const Box& region) {
-  for (const ObstacleMesh& mesh : meshes) {
-    const auto first = static_cast<std::uint32_t>(vertices_.size());
-    vertices_.insert(vertices_.end(), mesh.vertices.begin(), mesh.vertices.end());
-    add_saturation(mesh);
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      if (!box_of(corners_of(mesh, t)).overlaps(region)) continue;
-      const Triangle& i = mesh.triangles[t];
-      triangles_.push_back({first + i[0], first + i[1], first + i[2]});
-    }
+void Obstacles::clear() {
+  vertices_.clear();
+  saturation_.clear();
+  triangles_.clear();
+  rounding_.clear();
+  counts_.clear();
+  given_.clear();
+  region_ = Box();
+  pieces_.clear();
+  has_pieces_ = is_prepared_ = false;
+}
+
+/// The same numbers, bit by bit?
+bool Obstacles::has(Span<const ObstacleMesh> meshes, const Box& region) const {
+  if (meshes.size() != counts_.size() || !region_.contains(region)) return false;
+  std::size_t vertex = 0, triangle = 0;
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    const ObstacleMesh& mesh = meshes[m];
+    const std::size_t v = mesh.vertices.size(), t = mesh.triangles.size(), s = mesh.saturation.size();
+    if (counts_[m] != std::array<std::size_t, 3>{v, t, s}) return false;
+    if (!std::equal(mesh.vertices.begin(), mesh.vertices.end(), vertices_.begin() + std::ptrdiff_t(vertex)) ||
+        !std::equal(mesh.triangles.begin(), mesh.triangles.end(), given_.begin() + std::ptrdiff_t(triangle)))
+      return false;
+    if (s > 0 && !std::equal(mesh.saturation.begin(), mesh.saturation.end(),
+                             saturation_.begin() + std::ptrdiff_t(vertex)))
+      return false;
+    vertex += v;
+    triangle += t;
+  }
+  return true;
+}
+
+bool Obstacles::set(Span<const ObstacleMesh> meshes, const Box& region, const Box& larger) {
+  if (has(meshes, region)) return false;
+  clear();
+  region_ = larger;
+  for (const ObstacleMesh& mesh : meshes) add(mesh);
+  rounding_.reserve(triangles_.size());
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t) rounding_.push_back(rounding_of(corners(t)));
+  return true;
+}
+
+void Obstacles::add(const ObstacleMesh& mesh) {
+  const auto first = static_cast<std::uint32_t>(vertices_.size());
+  counts_.push_back({mesh.vertices.size(), mesh.triangles.size(), mesh.saturation.size()});
+  vertices_.insert(vertices_.end(), mesh.vertices.begin(), mesh.vertices.end());
+  given_.insert(given_.end(), mesh.triangles.begin(), mesh.triangles.end());
+  add_saturation(mesh);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!box_of(corners_of(mesh, t)).overlaps(region_)) continue;
+    const Triangle& i = mesh.triangles[t];
+    triangles_.push_back({first + i[0], first + i[1], first + i[2]});
   }
 }
 
@@ -93,7 +135,21 @@ void Obstacles::add_saturation(const ObstacleMesh& mesh) {
   saturation_.insert(saturation_.end(), mesh.saturation.begin(), mesh.saturation.end());
 }
 
-std::vector<std::vector<std::uint32_t>> Obstacles::pieces() const {
+const std::vector<std::vector<std::uint32_t>>& Obstacles::pieces() const {
+  if (!has_pieces_) pieces_ = find_pieces();
+  has_pieces_ = true;
+  return pieces_;
+}
+
+std::size_t Obstacles::bytes() const {
+  std::size_t bytes = vertices_.capacity() * sizeof(Vec3) + 4 * saturation_.capacity() +
+                      8 * rounding_.capacity() +
+                      (triangles_.capacity() + given_.capacity()) * sizeof(Triangle);
+  for (const auto& piece : pieces_) bytes += sizeof piece + 4 * piece.capacity();
+  return bytes;
+}
+
+std::vector<std::vector<std::uint32_t>> Obstacles::find_pieces() const {
   DisjointSets sets(vertices_.size());
   std::vector<std::uint8_t> used(vertices_.size(), 0);
   for (const Triangle& t : triangles_) {

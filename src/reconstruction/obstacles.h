@@ -23,9 +23,11 @@ class Obstacles {
  public:
   Obstacles() = default;
   /// Meshes must be valid. Triangles keep their order; the vertices of mesh m follow those of mesh m − 1.
-  explicit Obstacles(Span<const ObstacleMesh> meshes) : Obstacles(meshes, everywhere()) {}
-  /// Only triangles whose boxes overlap the region.
-  Obstacles(Span<const ObstacleMesh> meshes, const Box& region);
+  explicit Obstacles(Span<const ObstacleMesh> meshes) { set(meshes, everywhere(), everywhere()); }
+  /// Takes the triangles whose boxes overlap the region `larger`, unless these meshes are there already, with
+  /// all triangles that overlap `region`. Returns whether it took them.
+  bool set(Span<const ObstacleMesh> meshes, const Box& region, const Box& larger);
+  void clear();
 
   bool empty() const { return triangles_.empty(); }
   std::size_t size() const { return triangles_.size(); }
@@ -42,23 +44,41 @@ class Obstacles {
     for (std::uint32_t v : triangles_[t]) box.add(vertices_[v]);
     return box;
   }
-  /// Builds the tree for query() and bounds().
-  void prepare_queries() { tree_.update(triangles_, vertices_, vertices_); }
+  /// ‖float(c) − c‖ of its corners, at most (R.18) [m].
+  double rounding(std::uint32_t t) const { return rounding_[t]; }
+  /// Builds the tree for query() and bounds(), if it is not there.
+  void prepare_queries() {
+    if (!is_prepared_) tree_.update(triangles_, vertices_, vertices_);
+    is_prepared_ = true;
+  }
   Box bounds() const { return tree_.bounds(); }
   /// Triangles whose boxes overlap the box, ascending.
   void query(const Box& box, std::vector<std::uint32_t>& triangles) const { tree_.query(box, triangles); }
 
-  /// The vertices of each connected piece; triangles that share a vertex are connected.
-  std::vector<std::vector<std::uint32_t>> pieces() const;
+  /// The vertices of each connected piece; triangles that share a vertex are connected. Kept for the next
+  /// call, so not for several threads.
+  const std::vector<std::vector<std::uint32_t>>& pieces() const;
+  std::size_t bytes() const;
 
  private:
   static Box everywhere() { return {Box().max, Box().min}; }
 
+  bool has(Span<const ObstacleMesh> meshes, const Box& region) const;
+  void add(const ObstacleMesh& mesh);
   void add_saturation(const ObstacleMesh& mesh);
+  std::vector<std::vector<std::uint32_t>> find_pieces() const;
 
   std::vector<Vec3> vertices_;
   std::vector<float> saturation_;  // empty if no mesh has one
   std::vector<Triangle> triangles_;
+  std::vector<double> rounding_;
+  // As given: vertices and triangles of each mesh, all triangles, and where they were taken from.
+  std::vector<std::array<std::size_t, 3>> counts_;
+  std::vector<Triangle> given_;
+  Box region_;
+  mutable std::vector<std::vector<std::uint32_t>> pieces_;
+  mutable bool has_pieces_ = false;
+  bool is_prepared_ = false;
   proximity::SurfaceTree tree_;
 };
 

@@ -36,4 +36,16 @@ Status ReconstructionOptions::validate() const {
   return {};
 }
 
+Status EllipsoidOptions::validate() const {
+  if (!within(spacing, 1e-6, 1e3)) return refuse_value("spacing", spacing, "1e-6 … 1e3 m");
+  if (!within(reach, 1, 4)) return refuse_value("reach", reach, "1 … 4 (spacings)");
+  if (!within(max_stretch, 1, 20)) return refuse_value("max_stretch", max_stretch, "1 … 20");
+  if (min_neighbours < 0 || min_neighbours > 1000)
+    return refuse_value("min_neighbours", min_neighbours, "0 … 1000");
+  if (!within(smoothing, 0, 1)) return refuse_value("smoothing", smoothing, "0 … 1");
+  if (!within(gap, 0, spacing)) return refuse_value("gap", gap, "0 … 1 spacing, in metres");
+  if (threads < 0 || threads > 1024) return refuse_value("threads", threads, "0 … 1024");
+  return {};
+}
+
 }  // namespace oilskin

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/simd.h"
+
 namespace oilskin::reconstruction {
 
 namespace {
@@ -59,7 +61,8 @@ void order_by_key(const BlocksByAppearance& found, ParticleBlocks& out) {
   std::vector<std::uint32_t> order(keys.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; });
-  out.index = KeyMap(keys.size());
+  out.index.reset(keys.size());
+  out.blocks.clear();
   out.begin.assign(1, 0);
   std::vector<std::uint32_t> next(keys.size());
   for (std::uint32_t b : order) {
@@ -75,10 +78,9 @@ void order_by_key(const BlocksByAppearance& found, ParticleBlocks& out) {
 
 }  // namespace
 
-ParticleBlocks sort_into_blocks(Span<const Vec3> positions, double cell, const Workers& workers) {
+void sort_into_blocks(Span<const Vec3> positions, double cell, const Workers& workers, ParticleBlocks& out) {
   OILSKIN_ASSERT(cell > 0 && positions.size() < none);
   const double per_cell = 1 / cell;
-  ParticleBlocks out;
   {
     const BlocksByAppearance found(positions, per_cell);
     out.skipped = found.skipped;
@@ -95,7 +97,6 @@ ParticleBlocks sort_into_blocks(Span<const Vec3> positions, double cell, const W
       out.z[s] = static_cast<float>(p.z());
     }
   });
-  return out;
 }
 
 Box ParticleBlocks::bounds() const {
@@ -107,58 +108,97 @@ Box ParticleBlocks::bounds() const {
   return box;
 }
 
+namespace {
+
+using simd::F8;
+
+/// Calls f(i) for the elements i of [begin, end) with x, y and z in [low, high], in their order.
+template <class F>
+void for_inside(const float* x, const float* y, const float* z, std::size_t begin, std::size_t end,
+                const std::array<float, 3>& low, const std::array<float, 3>& high, const F& f) {
+  const auto out = [&](const float* v, std::size_t axis) {
+    const F8 at = F8::load(v);
+    return greater_mask(low[axis], at) | greater_mask(at, high[axis]);
+  };
+  std::size_t i = begin;
+  for (; i + 8 <= end; i += 8)
+    for (std::uint32_t bits = 0xff & ~(out(x + i, 0) | out(y + i, 1) | out(z + i, 2)); bits != 0;
+         bits &= bits - 1)
+      f(i + std::size_t(__builtin_ctz(bits)));
+  for (; i < end; ++i)
+    if (x[i] >= low[0] && x[i] <= high[0] && y[i] >= low[1] && y[i] <= high[1] && z[i] >= low[2] &&
+        z[i] <= high[2])
+      f(i);
+}
+
+}  // namespace
+
+void NearParticles::make_space(std::size_t more) {
+  const std::size_t needed = count + more + 8;
+  if (needed <= x.size()) return;
+  for (std::vector<float>* v : {&x, &y, &z, &volume}) v->resize(2 * needed);
+  particle.resize(2 * needed);
+}
+
+/// The block lies `step` blocks away.
+void NearParticles::add_block(const ParticleBlocks& p, const std::vector<float>& volumes, std::size_t block,
+                              const Int3& step, const Limits& limits) {
+  const std::array<float, 3> offset = {float(side * step.x), float(side * step.y), float(side * step.z)};
+  const std::size_t begin = p.begin[block], end = p.begin[block + 1];
+  make_space(end - begin);
+  std::array<float, 3> low, high;
+  for (std::size_t a = 0; a < 3; ++a) {
+    low[a] = limits.low[a] - offset[a];
+    high[a] = limits.high[a] - offset[a];
+  }
+  const auto add = [&](std::size_t s) {
+    x[count] = p.x[s] + offset[0];
+    y[count] = p.y[s] + offset[1];
+    z[count] = p.z[s] + offset[2];
+    volume[count] = volumes.empty() ? 1.0f : volumes[s];
+    particle[count++] = static_cast<std::uint32_t>(s);
+  };
+  for_inside(p.x.data(), p.y.data(), p.z.data(), begin, end, low, high, add);
+}
+
 void NearParticles::gather(const ParticleBlocks& p, const std::vector<float>& volumes, const Int3& at,
                            float low, float high, float reach) {
-  x.clear();
-  y.clear();
-  z.clear();
-  volume.clear();
-  particle.clear();
+  count = 0;
   const float from = low - reach, to = high + reach;
   const int first = static_cast<int>(std::floor(from / side)), last = static_cast<int>(std::floor(to / side));
+  const Limits limits = {{from, from, from}, {to, to, to}};
   for (int dz = first; dz <= last; ++dz)
     for (int dy = first; dy <= last; ++dy)
       for (int dx = first; dx <= last; ++dx) {
         const std::uint32_t b = p.index.find(key_of(at + Int3{dx, dy, dz}));
-        if (b == none) continue;
-        const float ox = static_cast<float>(side * dx), oy = static_cast<float>(side * dy),
-                    oz = static_cast<float>(side * dz);
-        for (std::size_t s = p.begin[b]; s < p.begin[b + 1]; ++s) {
-          const float px = p.x[s] + ox, py = p.y[s] + oy, pz = p.z[s] + oz;
-          if (!(px >= from && px <= to && py >= from && py <= to && pz >= from && pz <= to)) continue;
-          x.push_back(px);
-          y.push_back(py);
-          z.push_back(pz);
-          volume.push_back(volumes.empty() ? 1.0f : volumes[s]);
-          particle.push_back(static_cast<std::uint32_t>(s));
-        }
+        if (b != none) add_block(p, volumes, b, {dx, dy, dz}, limits);
       }
   pad();
 }
 
 void NearParticles::select(const NearParticles& from, const std::array<float, 3>& low, float edge,
                            float reach) {
-  for (std::vector<float>* v : {&x, &y, &z, &volume}) v->clear();
-  particle.clear();
-  const auto in = [&](float value, std::size_t a) {
-    return value >= low[a] - reach && value <= low[a] + edge + reach;
-  };
-  for (std::size_t c = 0; c < from.count; ++c) {
-    if (!in(from.x[c], 0) || !in(from.y[c], 1) || !in(from.z[c], 2)) continue;
-    x.push_back(from.x[c]);
-    y.push_back(from.y[c]);
-    z.push_back(from.z[c]);
-    volume.push_back(from.volume[c]);
-    particle.push_back(from.particle[c]);
+  count = 0;
+  make_space(from.count);
+  std::array<float, 3> least, most;
+  for (std::size_t a = 0; a < 3; ++a) {
+    least[a] = low[a] - reach;
+    most[a] = low[a] + edge + reach;
   }
+  for_inside(from.x.data(), from.y.data(), from.z.data(), 0, from.count, least, most, [&](std::size_t c) {
+    x[count] = from.x[c];
+    y[count] = from.y[c];
+    z[count++] = from.z[c];
+  });
   pad();
 }
 
 void NearParticles::pad() {
-  count = x.size();
-  for (; x.size() % 8 != 0; particle.push_back(none)) {
-    for (std::vector<float>* v : {&x, &y, &z}) v->push_back(1e15f);
-    volume.push_back(0);
+  make_space(0);
+  for (std::size_t c = count; c < padded(); ++c) {
+    x[c] = y[c] = z[c] = 1e15f;
+    volume[c] = 0;
+    particle[c] = none;
   }
 }
 

@@ -24,23 +24,33 @@ struct ParticleBlocks {
   Box bounds() const;  ///< of the blocks [cells]
 };
 
-/// Skips particles that are not finite or have a coordinate of 2²⁰ cells or more.
-ParticleBlocks sort_into_blocks(Span<const Vec3> positions, double cell, const Workers& workers);
+/// Fills `out`. Skips particles that are not finite or have a coordinate of 2²⁰ cells or more.
+void sort_into_blocks(Span<const Vec3> positions, double cell, const Workers& workers, ParticleBlocks& out);
 
-/// Particles around one block, relative to its origin, padded with distant particles to a multiple of 8.
+/// Particles around one block, relative to its origin, padded with distant particles to a multiple of 8. The
+/// vectors only grow: what lies behind the padding is left from earlier uses.
 struct NearParticles {
   std::vector<float> x, y, z, volume;
   std::vector<std::uint32_t> particle;  ///< number in ParticleBlocks
   std::size_t count = 0;                ///< without padding
+
+  std::size_t padded() const { return (count + 7) / 8 * 8; }
 
   /// Gathers the particles within `reach` of the box [low, high]³ of the block at `at`, in order of blocks.
   /// Empty `volumes` stand for volumes of 1.
   void gather(const ParticleBlocks& particles, const std::vector<float>& volumes, const Int3& at, float low,
               float high, float reach);
   /// Selects from `from` the particles within `reach`, on each axis, of the cube of edge `edge` at `low`.
+  /// Places only.
   void select(const NearParticles& from, const std::array<float, 3>& low, float edge, float reach);
 
  private:
+  struct Limits {  // of coordinates
+    std::array<float, 3> low, high;
+  };
+  void make_space(std::size_t more);
+  void add_block(const ParticleBlocks& particles, const std::vector<float>& volumes, std::size_t block,
+                 const Int3& step, const Limits& limits);
   void pad();
 };
 

@@ -18,7 +18,7 @@ int octant_of(const std::array<float, 3>& x) {
 /// Σ k as eight partial sums, which are added in a fixed order.
 float kernel_sum(const NearParticles& near, const std::array<float, 3>& x, float scale) {
   F8 sums;
-  for (std::size_t c = 0; c < near.x.size(); c += 8) {
+  for (std::size_t c = 0; c < near.padded(); c += 8) {
     const F8 dx = F8::load(&near.x[c]) - x[0], dy = F8::load(&near.y[c]) - x[1],
              dz = F8::load(&near.z[c]) - x[2];
     const F8 u = positive_part(F8(1.0f) - (dx * dx + dy * dy + dz * dz) * scale);
@@ -31,10 +31,11 @@ float kernel_sum(const NearParticles& near, const std::array<float, 3>& x, float
 
 }  // namespace
 
-std::vector<float> particle_volumes(const ParticleBlocks& particles, const FieldParameters& p,
-                                    const std::vector<std::uint8_t>& needed, const Workers& workers) {
+void particle_volumes(const ParticleBlocks& particles, const FieldParameters& p,
+                      const std::vector<std::uint8_t>& needed, const Workers& workers,
+                      std::vector<float>& volumes) {
   OILSKIN_ASSERT(needed.size() == particles.blocks.size());
-  std::vector<float> volumes(particles.size(), 1.0f);
+  volumes.assign(particles.size(), 1.0f);
   const std::vector<float> no_volumes;
   const float scale = 1 / (p.kernel_radius * p.kernel_radius);
   workers.for_chunks(particles.blocks.size(), 16, [&](std::size_t from, std::size_t to, std::size_t) {
@@ -62,7 +63,6 @@ std::vector<float> particle_volumes(const ParticleBlocks& particles, const Field
       }
     }
   });
-  return volumes;
 }
 
 }  // namespace oilskin::reconstruction

@@ -38,7 +38,9 @@ SmallPieces small_pieces(const RawMesh& mesh, double max_volume) {
   return pieces;
 }
 
-PieceFinder::PieceFinder(const Grid& grid, const RawMesh& mesh, const SmallPieces& pieces) : grid_(grid) {
+PieceFinder::PieceFinder(const Grid& grid, const RawMesh& mesh, const SmallPieces& pieces)
+    : grid_(grid), is_near_(grid.blocks.size(), 0) {
+  if (pieces.count == 0) return;
   std::vector<NodeRef> reached;
   for (std::size_t v = 0; v < mesh.inside_nodes.size(); ++v)
     if (pieces.of_vertex[v] != none) add(mesh.inside_nodes[v], pieces.of_vertex[v], reached);
@@ -61,19 +63,27 @@ void PieceFinder::add(const NodeRef& node, std::uint32_t piece, std::vector<Node
   piece_of_node_.insert(key_of_node(node), piece);
   if (piece_of_node_.size() == before) return;
   reached.push_back(node);
-  // A point is within two nodes of that to which it belongs.
-  const Int3 b = grid_.blocks[node.block].at;
-  const Int3 n{b.x * side + (node.node & 7), b.y * side + (node.node >> 3 & 7),
-               b.z * side + (node.node >> 6)};
-  for (int c = 0; c < 8; ++c) {
-    const Int3 end{n.x + (c & 1 ? 2 : -2), n.y + (c >> 1 & 1 ? 2 : -2), n.z + (c >> 2 ? 2 : -2)};
-    near_blocks_.insert(key_of({end.x >> 3, end.y >> 3, end.z >> 3}), 1);
+  mark_near(node);
+}
+
+/// A point is within two nodes of that to which it belongs.
+void PieceFinder::mark_near(const NodeRef& node) {
+  is_near_[node.block] = 1;
+  const int at[3] = {node.node & 7, node.node >> 3 & 7, node.node >> 6};
+  int step[3];
+  for (int a = 0; a < 3; ++a) step[a] = at[a] < 2 ? -1 : (at[a] >= side - 2 ? 1 : 0);
+  for (int c = 1; c < 8; ++c) {
+    const Int3 to{c & 1 ? step[0] : 0, c & 2 ? step[1] : 0, c & 4 ? step[2] : 0};
+    if (to == Int3{}) continue;
+    const std::uint32_t b = grid_.index.find(key_of(grid_.blocks[node.block].at + to));
+    if (b != none) is_near_[b] = 1;
   }
 }
 
 NodeRef PieceFinder::next(const NodeRef& node, int axis, bool up) const {
+  const int shift = 3 * axis, along = node.node >> shift & 7, step = up ? 1 : -1;
+  if (along + step >= 0 && along + step < side) return {node.block, node.node + step * (1 << shift)};
   const Int3 b = grid_.blocks[node.block].at;
-  const int step = up ? 1 : -1;
   return grid_.node_at({b.x * side + (node.node & 7) + (axis == 0 ? step : 0),
                         b.y * side + (node.node >> 3 & 7) + (axis == 1 ? step : 0),
                         b.z * side + (node.node >> 6) + (axis == 2 ? step : 0)});
@@ -125,6 +135,11 @@ std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const 
   std::vector<std::uint8_t> result(particles.size(), 1);
   workers.for_each(particles.blocks.size(), 64, [&](std::size_t b) {
     const std::uint32_t block = grid.index.find(key_of(particles.blocks[b]));
+    if (block != none && grid.blocks[block].solid) {
+      std::fill(result.begin() + particles.begin[b], result.begin() + particles.begin[b + 1],
+                std::uint8_t{0});
+      return;
+    }
     for (std::size_t p = particles.begin[b]; p < particles.begin[b + 1]; ++p) {
       // A coordinate may be 8 by rounding.
       const int i = std::min(int(particles.x[p]), side - 1), j = std::min(int(particles.y[p]), side - 1),

@@ -20,19 +20,24 @@ class PieceFinder {
  public:
   PieceFinder(const Grid& grid, const RawMesh& mesh, const SmallPieces& pieces);
   /// May a point in the block at `at` lie in a small piece?
-  bool is_near(const Int3& at) const { return near_blocks_.find(key_of(at)) != none; }
+  bool is_near(const Int3& at) const {
+    const std::uint32_t b = grid_.index.find(key_of(at));
+    return b != none && is_near_[b] != 0;
+  }
   /// The piece of the nearest inside node within two cells of x [cells, from the world's origin]; none: it is
   /// not of a small piece, or there is none.
   std::uint32_t find(const Vec3& x) const;
 
  private:
+  void mark_near(const NodeRef& node);
   void add(const NodeRef& node, std::uint32_t piece, std::vector<NodeRef>& reached);
   NodeRef next(const NodeRef& node, int axis, bool up) const;
   bool is_cut(const NodeRef& low, int axis) const;
   NodeRef nearest_inside(const Vec3& x, int ring) const;
 
   const Grid& grid_;
-  KeyMap piece_of_node_, near_blocks_;
+  KeyMap piece_of_node_;
+  std::vector<std::uint8_t> is_near_;  // per block
 };
 
 /// Is an inside node among the corners of the cell of x, or of the 26 cells around it? x in cells.

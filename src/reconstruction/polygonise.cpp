@@ -43,9 +43,13 @@ double fraction_from_inside_end(const Grid& grid, const VertexRef& v) {
   return std::min(here / (here - behind), crossing * std::max(0.0, 1 - clearance / own_distance));
 }
 
-/// The distance of a vertex from obstacles [cells], linear between the ends of its edge.
-float vertex_distance(const Grid& grid, const VertexRef& v) {
-  const double t = std::min(std::max(fraction_from_inside_end(grid, v), end_margin), 1 - end_margin);
+/// The same, off the ends of the edge.
+double vertex_fraction(const Grid& grid, const VertexRef& v) {
+  return std::min(std::max(fraction_from_inside_end(grid, v), end_margin), 1 - end_margin);
+}
+
+/// The distance of a vertex from obstacles [cells], linear between the ends of its edge. `t`: its fraction.
+float vertex_distance(const Grid& grid, const VertexRef& v, double t) {
   const NodeRef low{v.block, v.node}, high = high_end(grid, v);
   const double own = grid.distance(v.of_high_end ? high : low),
                other = grid.distance(v.of_high_end ? low : high);
@@ -123,6 +127,12 @@ unsigned full_cells(const BlockRows& rows, int j, int k) {
   return all & all >> 1 & 0xff;
 }
 
+/// What the cells of some blocks give.
+struct Cells {
+  std::vector<Triangle> triangles;
+  std::vector<std::uint8_t> cubes;
+};
+
 /// Makes the triangles of blocks.
 class Triangulation {
  public:
@@ -131,20 +141,13 @@ class Triangulation {
       : grid_(grid), masks_(masks), mask_of_(mask_of), mesh_(mesh) {}
 
   void add(std::uint32_t block, const BlockRows& rows, std::vector<Triangle>& out) const {
-    const auto& table = marching_cubes_table();
     for_surface_cells(rows, [&](int i, int j, int k) {
-      for_parts(rows.corners(i, j, k), rows.cuts(i, j, k), [&](std::uint8_t part) {
-        const CellCase& c = table[part];
-        for (std::size_t t = 0; t < c.count; ++t) {
-          Triangle triangle;
-          for (std::size_t n = 0; n < 3; ++n) triangle[n] = number(block, i, j, k, c.triangles[t][n], part);
-          out.push_back(triangle);
-        }
-      });
+      for_parts(rows.corners(i, j, k), rows.cuts(i, j, k),
+                [&](std::uint8_t part) { add_part(part, numbers_of(block, i, j, k, part), out); });
     });
   }
-  /// The water in the cubes of a block. Needs the positions.
-  std::array<float, 8> volumes(std::uint32_t block, const BlockRows& rows) const {
+  /// The same, with the cube of each triangle. Returns the water in the block's cubes. Needs the positions.
+  std::array<float, 8> add_with_cubes(std::uint32_t block, const BlockRows& rows, Cells& out) const {
     std::array<double, 8> sum{};
     const Vec3 origin = grid_.origin(grid_.blocks[block]);
     for (int k = 0; k < side; ++k)
@@ -152,11 +155,19 @@ class Triangulation {
         for (unsigned bits = full_cells(rows, j, k); bits != 0; bits &= bits - 1)
           sum[cube_of(__builtin_ctz(bits), j, k)] += 1;
     for_surface_cells(rows, [&](int i, int j, int k) {
-      double& volume = sum[cube_of(i, j, k)];
-      if (full_cells(rows, j, k) >> i & 1) volume -= 1;
+      const std::size_t cube = cube_of(i, j, k);
+      if (full_cells(rows, j, k) >> i & 1) sum[cube] -= 1;
       const Vec3 corner = origin + grid_.cell * Vec3(i, j, k);
-      for_all_parts(rows.corners(i, j, k), rows.cuts(i, j, k),
-                    [&](std::uint8_t part) { volume += volume_of(block, i, j, k, part, corner); });
+      for_all_parts(rows.corners(i, j, k), rows.cuts(i, j, k), [&](std::uint8_t part) {
+        if (part == 0xff) {
+          sum[cube] += 1;
+          return;
+        }
+        const Numbers numbers = numbers_of(block, i, j, k, part);
+        add_part(part, numbers, out.triangles);
+        sum[cube] += volume_of(part, numbers, corner);
+      });
+      out.cubes.resize(out.triangles.size(), static_cast<std::uint8_t>(cube));
     });
     std::array<float, 8> result{};
     for (std::size_t c = 0; c < 8; ++c) result[c] = static_cast<float>(sum[c]);
@@ -164,6 +175,9 @@ class Triangulation {
   }
 
  private:
+  /// The vertices on the edges of a cell; those of edges without a vertex of the part are not set.
+  using Numbers = std::array<std::uint32_t, 12>;
+
   /// As for_parts(), also the part of all corners.
   template <class F>
   static void for_all_parts(std::uint8_t inside, std::uint16_t cuts, const F& f) {
@@ -173,19 +187,32 @@ class Triangulation {
       left &= ~unsigned(part);
     }
   }
-  double volume_of(std::uint32_t block, int i, int j, int k, std::uint8_t part, const Vec3& corner) const {
-    if (part == 0xff) return 1;
-    std::array<Vec3, 12> at;
-    for (int e = 0; e < 12; ++e) {
-      const CellEdge& edge = cell_edges[std::size_t(e)];
-      if ((part >> edge.low & 1) == (part >> edge.high & 1)) continue;
-      const auto& p = mesh_.positions[number(block, i, j, k, e, part)];
-      at[std::size_t(e)] = (Vec3(p[0], p[1], p[2]) - corner) / grid_.cell;
+  static bool has_vertex(std::uint8_t part, int e) {
+    const CellEdge& edge = cell_edges[std::size_t(e)];
+    return (part >> edge.low & 1) != (part >> edge.high & 1);
+  }
+  static void add_part(std::uint8_t part, const Numbers& numbers, std::vector<Triangle>& out) {
+    const CellCase& c = marching_cubes_table()[part];
+    for (std::size_t t = 0; t < c.count; ++t) {
+      const auto& edges = c.triangles[t];
+      out.push_back({numbers[edges[0]], numbers[edges[1]], numbers[edges[2]]});
     }
+  }
+  double volume_of(std::uint8_t part, const Numbers& numbers, const Vec3& corner) const {
+    std::array<Vec3, 12> at;
+    const double per_cell = 1 / grid_.cell;
+    for (int e = 0; e < 12; ++e)
+      if (has_vertex(part, e))
+        at[std::size_t(e)] = (vec(mesh_.positions[numbers[std::size_t(e)]]) - corner) * per_cell;
     return part_volume(part, at);
   }
-  std::uint32_t number(std::uint32_t block, int i, int j, int k, int edge, std::uint8_t part) const {
-    const VertexRef v = cell_vertex(grid_, block, i, j, k, edge, part);
+  Numbers numbers_of(std::uint32_t block, int i, int j, int k, std::uint8_t part) const {
+    Numbers numbers;
+    for (int e = 0; e < 12; ++e)
+      if (has_vertex(part, e)) numbers[std::size_t(e)] = number(cell_vertex(grid_, block, i, j, k, e, part));
+    return numbers;
+  }
+  std::uint32_t number(const VertexRef& v) const {
     OILSKIN_ASSERT(v.block != none && mask_of_[v.block] != none);
     return mesh_.first_vertex[v.block] + masks_[mask_of_[v.block]].number(v);
   }
@@ -203,10 +230,7 @@ void fill_solid_blocks(const Grid& grid, const std::vector<std::uint32_t>& mask_
     if (mask_of[b] == none && grid.is_inside({b, 0})) mesh.cube_volumes[b].fill(64);
 }
 
-}  // namespace
-
-std::array<float, 3> vertex_position(const Grid& grid, const VertexRef& v) {
-  const double fraction = std::min(std::max(fraction_from_inside_end(grid, v), end_margin), 1 - end_margin);
+std::array<float, 3> position_at(const Grid& grid, const VertexRef& v, double fraction) {
   const double t = v.of_high_end ? 1 - fraction : fraction;
   const Int3 at = grid.blocks[v.block].at, s = step(v.axis);
   const double x = double(at.x) * side + (v.node & 7) + s.x * t,
@@ -216,11 +240,62 @@ std::array<float, 3> vertex_position(const Grid& grid, const VertexRef& v) {
           static_cast<float>(z * grid.cell)};
 }
 
+}  // namespace
+
+std::array<float, 3> vertex_position(const Grid& grid, const VertexRef& v) {
+  return position_at(grid, v, vertex_fraction(grid, v));
+}
+
 NodeRef inside_end(const Grid& grid, const VertexRef& v) {
   return v.of_high_end ? high_end(grid, v) : NodeRef{v.block, v.node};
 }
 
-RawMesh polygonise(const Grid& grid, bool with_nodes, const Workers& workers) {
+SurfaceBlocks::SurfaceBlocks(const Grid& grid, const RawMesh& mesh) {
+  OILSKIN_ASSERT(mesh.first_triangle.size() == grid.blocks.size() + 1);
+  for (std::uint32_t b = 0; b < grid.blocks.size(); ++b) {
+    if (mesh.first_triangle[b] == mesh.first_triangle[b + 1]) continue;
+    const Int3& at = grid.blocks[b].at;
+    groups[std::size_t((at.x & 1) | (at.y & 1) << 1 | (at.z & 1) << 2)].push_back(b);
+  }
+}
+
+namespace {
+
+/// Positions, and all that is per vertex.
+void place_vertices(const Grid& grid, const std::vector<std::uint32_t>& with_surface,
+                    const std::vector<VertexMasks>& masks, bool with_nodes, RawMesh& mesh,
+                    const Workers& workers) {
+  mesh.positions.resize(mesh.first_vertex.back());
+  if (with_nodes) mesh.inside_nodes.resize(mesh.positions.size());
+  if (with_nodes) mesh.distances.resize(mesh.positions.size());
+  workers.for_each(with_surface.size(), chunk, [&](std::size_t m) {
+    const std::uint32_t b = with_surface[m], first = mesh.first_vertex[b];
+    for_vertices(masks[m], b, [&](std::uint32_t number, const VertexRef& v) {
+      const double t = vertex_fraction(grid, v);
+      mesh.positions[first + number] = position_at(grid, v, t);
+      if (!with_nodes) return;
+      mesh.inside_nodes[first + number] = inside_end(grid, v);
+      mesh.distances[first + number] = vertex_distance(grid, v, t);
+    });
+  });
+}
+
+/// Joins the triangles of chunks.
+void append_triangles(std::vector<Cells>& found, RawMesh& mesh) {
+  std::size_t total = 0;
+  for (const Cells& part : found) total += part.triangles.size();
+  mesh.triangles.reserve(total);
+  if (!mesh.cube_volumes.empty()) mesh.triangle_cubes.reserve(total);
+  for (Cells& part : found) {
+    mesh.triangles.insert(mesh.triangles.end(), part.triangles.begin(), part.triangles.end());
+    mesh.triangle_cubes.insert(mesh.triangle_cubes.end(), part.cubes.begin(), part.cubes.end());
+    part = {};
+  }
+}
+
+}  // namespace
+
+void polygonise(const Grid& grid, bool with_nodes, const Workers& workers, RawMesh& mesh) {
   const std::vector<std::uint32_t> with_surface = blocks_with_surface(grid, workers);
   const std::size_t n = with_surface.size();
   std::vector<std::uint32_t> mask_of(grid.blocks.size(), none);
@@ -232,42 +307,32 @@ RawMesh polygonise(const Grid& grid, bool with_nodes, const Workers& workers) {
     masks[m].fill(rows);
   });
 
-  RawMesh mesh;
+  mesh.clear();
   mesh.first_vertex.assign(grid.blocks.size() + 1, 0);
   for (std::uint32_t b = 0; b < grid.blocks.size(); ++b)
     mesh.first_vertex[b + 1] = mesh.first_vertex[b] + (mask_of[b] == none ? 0 : masks[mask_of[b]].count);
-  mesh.positions.resize(mesh.first_vertex.back());
-  if (with_nodes) mesh.inside_nodes.resize(mesh.positions.size());
-  if (with_nodes) mesh.distances.resize(mesh.positions.size());
-  std::vector<std::vector<Triangle>> found((n + chunk - 1) / chunk);
-  workers.for_each(n, chunk, [&](std::size_t m) {
-    const std::uint32_t b = with_surface[m];
-    for_vertices(masks[m], b, [&](std::uint32_t number, const VertexRef& v) {
-      mesh.positions[mesh.first_vertex[b] + number] = vertex_position(grid, v);
-      if (!with_nodes) return;
-      mesh.inside_nodes[mesh.first_vertex[b] + number] = inside_end(grid, v);
-      mesh.distances[mesh.first_vertex[b] + number] = vertex_distance(grid, v);
-    });
-  });
+  place_vertices(grid, with_surface, masks, with_nodes, mesh, workers);
   if (with_nodes) fill_solid_blocks(grid, mask_of, mesh);
   const Triangulation triangulation(grid, masks, mask_of, mesh);
+  std::vector<Cells> found((n + chunk - 1) / chunk);
+  std::vector<std::uint32_t> count(n);
   workers.for_chunks(n, chunk, [&](std::size_t from, std::size_t to, std::size_t c) {
     BlockRows rows;
     for (std::size_t m = from; m < to; ++m) {
       const std::uint32_t b = with_surface[m];
+      const std::size_t before = found[c].triangles.size();
       rows.gather(grid, b);
-      triangulation.add(b, rows, found[c]);
-      if (with_nodes) mesh.cube_volumes[b] = triangulation.volumes(b, rows);
+      if (with_nodes)
+        mesh.cube_volumes[b] = triangulation.add_with_cubes(b, rows, found[c]);
+      else
+        triangulation.add(b, rows, found[c].triangles);
+      count[m] = static_cast<std::uint32_t>(found[c].triangles.size() - before);
     }
   });
-  std::size_t total = 0;
-  for (const auto& part : found) total += part.size();
-  mesh.triangles.reserve(total);
-  for (auto& part : found) {
-    mesh.triangles.insert(mesh.triangles.end(), part.begin(), part.end());
-    std::vector<Triangle>().swap(part);
-  }
-  return mesh;
+  mesh.first_triangle.assign(grid.blocks.size() + 1, 0);
+  for (std::uint32_t b = 0; b < grid.blocks.size(); ++b)
+    mesh.first_triangle[b + 1] = mesh.first_triangle[b] + (mask_of[b] == none ? 0 : count[mask_of[b]]);
+  append_triangles(found, mesh);
 }
 
 }  // namespace oilskin::reconstruction

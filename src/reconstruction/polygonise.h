@@ -38,15 +38,46 @@ struct RawMesh {
   std::vector<Triangle> triangles;
   /// Number of the first vertex of each block, and the number of vertices. Blocks own vertices in order.
   std::vector<std::uint32_t> first_vertex;
+  /// The same for triangles, which belong to the blocks of their cells. Their vertices belong to the block
+  /// and to its neighbours Block::plus.
+  std::vector<std::uint32_t> first_triangle;
+  /// Per triangle, the cube of 4³ cells of its block with its cell: x + 2y + 4z.
+  std::vector<std::uint8_t> triangle_cubes;
   /// Per vertex, its inside end.
   std::vector<NodeRef> inside_nodes;
   /// Per vertex, its distance from obstacles [cells], linear between the ends of its edge.
   std::vector<float> distances;
   /// Per block, the water in its eight cubes of 4³ cells [cells³]; cube x + 2y + 4z.
   std::vector<std::array<float, 8>> cube_volumes;
+
+  /// Empty, with the memory that it has.
+  void clear() {
+    positions.clear();
+    triangles.clear();
+    first_vertex.clear();
+    first_triangle.clear();
+    triangle_cubes.clear();
+    inside_nodes.clear();
+    distances.clear();
+    cube_volumes.clear();
+  }
 };
 
-/// The mesh, in the order of blocks. `with_nodes` fills all that is per vertex and per block.
-RawMesh polygonise(const Grid& grid, bool with_nodes, const Workers& workers);
+/// Blocks with triangles. Blocks of a group share no vertex, so threads may write to the vertices of all
+/// triangles of a group; groups in turn give sums in a fixed order.
+struct SurfaceBlocks {
+  std::array<std::vector<std::uint32_t>, 8> groups;
+
+  SurfaceBlocks(const Grid& grid, const RawMesh& mesh);
+  /// Calls f(block) for all blocks with triangles, group by group.
+  template <class F>
+  void for_each(const Workers& workers, const F& f) const {
+    for (const std::vector<std::uint32_t>& group : groups)
+      workers.for_each(group.size(), 8, [&](std::size_t n) { f(group[n]); });
+  }
+};
+
+/// Fills the mesh, in the order of blocks. `with_nodes` fills all that is per vertex, triangle and cube.
+void polygonise(const Grid& grid, bool with_nodes, const Workers& workers, RawMesh& mesh);
 
 }  // namespace oilskin::reconstruction

@@ -21,7 +21,7 @@ class NearTriangles {
       Item item;
       item.corners = obstacles.corners(t);
       for (const Vec3& x : item.corners) item.box.add(x);
-      item.limit = gap + rounding_of(item.corners);
+      item.limit = gap + obstacles.rounding(t);
       item.box = item.box.inflated(item.limit * (1 + 1e-9));
       if (!item.box.overlaps(cells)) continue;
       item.project_on_normal();

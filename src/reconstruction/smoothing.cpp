@@ -40,7 +40,7 @@ class SpareDistance {
     walls_.reserve(obstacles.size());
     for (std::uint32_t t = 0; t < obstacles.size(); ++t) {
       const Corners c = obstacles.corners(t);
-      walls_.push_back({TrianglePrism(c), gap + rounding_of(c)});
+      walls_.push_back({TrianglePrism(c), gap + obstacles.rounding(t)});
     }
   }
   /// Accepts the inexpensive lower bound if it is within `loss` of the best exact distance.
@@ -150,7 +150,7 @@ std::size_t put_back(const Obstacles& obstacles, double gap, const std::vector<s
                      const Corners own = stored_corners(mesh.positions, mesh.triangles[t]);
                      for (std::uint32_t c : candidates) {
                        const Corners other = obstacles.corners(c);
-                       if (!certified_apart(own, other, gap + rounding_of(other))) failed[t] = 1;
+                       if (!certified_apart(own, other, gap + obstacles.rounding(c))) failed[t] = 1;
                      }
                    });
     bool changed = false;

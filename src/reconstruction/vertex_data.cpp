@@ -102,26 +102,38 @@ class BlockSampler {
  private:
   void collect(const std::array<float, 3>& x, bool visible_only, Sample& out) {
     out.clear();
-    const float scale = 1 / (field_.kernel_radius * field_.kernel_radius);
+    const F8 scale = 1 / (field_.kernel_radius * field_.kernel_radius);
     if (visible_only) visibility_.sides(x, own_front_, own_back_);
-    std::uint32_t last = none;
-    for (std::size_t c = 0; c < gathered_.count; ++c) {
-      const float dx = gathered_.x[c] - x[0], dy = gathered_.y[c] - x[1], dz = gathered_.z[c] - x[2];
-      const float u = 1 - (dx * dx + dy * dy + dz * dz) * scale;
-      if (!(u > 0)) continue;
+    last_hit_ = none;
+    for (std::size_t c = 0; c < gathered_.padded(); c += 8) {
+      const F8 dx = F8::load(&gathered_.x[c]) - x[0], dy = F8::load(&gathered_.y[c]) - x[1],
+               dz = F8::load(&gathered_.z[c]) - x[2];
+      const F8 u = F8(1.0f) - (dx * dx + dy * dy + dz * dz) * scale;
+      std::uint32_t bits = greater_mask(u, 0.0f);
+      if (bits == 0) continue;
+      float weight[8];
+      u.store(weight);
+      for (; bits != 0; bits &= bits - 1) {
+        const auto lane = std::size_t(__builtin_ctz(bits));
+        add(c + lane, x, weight[lane], visible_only, out);
+      }
+    }
+  }
+  /// Adds a particle in reach, if the vertex sees it.
+  void add(std::size_t c, const std::array<float, 3>& x, float u, bool visible_only, Sample& out) {
+    const std::array<float, 3> q = {gathered_.x[c], gathered_.y[c], gathered_.z[c]};
+    if (visible_only) {
       const std::size_t at = c * visibility_.words();
-      const std::array<float, 3> q = {gathered_.x[c], gathered_.y[c], gathered_.z[c]};
-      if (visible_only &&
-          visibility_.may_hide(own_front_.data(), own_back_.data(), &front_[at], &back_[at],
+      if (visibility_.may_hide(own_front_.data(), own_back_.data(), &front_[at], &back_[at],
                                {std::min(q[0], x[0]), std::min(q[1], x[1]), std::min(q[2], x[2])},
                                {std::max(q[0], x[0]), std::max(q[1], x[1]), std::max(q[2], x[2])},
                                open_.data()) &&
-          visibility_.hides(x, q, open_.data(), last))
-        continue;
-      out.particle.push_back(particles_.source[gathered_.particle[c]]);
-      out.offset.emplace_back(dx, dy, dz);
-      out.weight.push_back(double(u) * u * u);
+          visibility_.hides(x, q, open_.data(), last_hit_))
+        return;
     }
+    out.particle.push_back(particles_.source[gathered_.particle[c]]);
+    out.offset.emplace_back(q[0] - x[0], q[1] - x[1], q[2] - x[2]);
+    out.weight.push_back(double(u) * u * u);
   }
 
   const ParticleBlocks& particles_;
@@ -129,28 +141,34 @@ class BlockSampler {
   NearParticles gathered_;
   BlockVisibility visibility_;
   Words front_, back_, own_front_, own_back_, open_;
+  std::uint32_t last_hit_ = none;
 };
 
 }  // namespace
 
-std::vector<std::array<float, 3>> vertex_normals(const RawMesh& mesh) {
-  std::vector<std::array<float, 3>> normals(mesh.positions.size(), {0, 0, 0});
-  for (const Triangle& t : mesh.triangles) {
-    const auto &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
-    const float u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]},
-                v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-    const float n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-    for (std::uint32_t corner : t)
-      for (std::size_t k = 0; k < 3; ++k) normals[corner][k] += n[k];
-  }
-  for (auto& n : normals) {
+void vertex_normals(const RawMesh& mesh, const SurfaceBlocks& blocks, const Workers& workers,
+                    std::vector<std::array<float, 3>>& normals) {
+  normals.assign(mesh.positions.size(), {0, 0, 0});
+  blocks.for_each(workers, [&](std::uint32_t block) {
+    for (std::uint32_t n = mesh.first_triangle[block]; n < mesh.first_triangle[block + 1]; ++n) {
+      const Triangle& t = mesh.triangles[n];
+      const auto &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+      const float u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]},
+                  v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+      const float cross[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
+                              u[0] * v[1] - u[1] * v[0]};
+      for (std::uint32_t corner : t)
+        for (std::size_t k = 0; k < 3; ++k) normals[corner][k] += cross[k];
+    }
+  });
+  workers.for_each(normals.size(), 1 << 12, [&](std::size_t v) {
+    std::array<float, 3>& n = normals[v];
     const double length = std::sqrt(double(n[0]) * n[0] + double(n[1]) * n[1] + double(n[2]) * n[2]);
     if (length > 0)
       for (float& x : n) x = static_cast<float>(x / length);
     else
       n = {0, 0, 1};
-  }
-  return normals;
+  });
 }
 
 void interpolate(const ReconstructionInput& input, const ParticleBlocks& particles,
@@ -159,10 +177,13 @@ void interpolate(const ReconstructionInput& input, const ParticleBlocks& particl
                  const Workers& workers) {
   const std::size_t n = raw.positions.size();
   OILSKIN_ASSERT(raw.first_vertex.size() == grid.blocks.size() + 1 && raw.first_vertex.back() == n);
-  if (!input.velocities.empty()) mesh.velocities.resize(n);
-  for (const ParticleAttribute& a : input.attributes)
-    mesh.attributes.push_back({std::vector<float>(n * std::size_t(a.components)), a.components});
-  if (wants_nearest) mesh.nearest.resize(n);
+  mesh.velocities.resize(input.velocities.empty() ? 0 : n);
+  mesh.attributes.resize(input.attributes.size());
+  for (std::size_t a = 0; a < input.attributes.size(); ++a) {
+    mesh.attributes[a].components = input.attributes[a].components;
+    mesh.attributes[a].values.resize(n * std::size_t(input.attributes[a].components));
+  }
+  mesh.nearest.resize(wants_nearest ? n : 0);
   if (mesh.velocities.empty() && mesh.attributes.empty() && !wants_nearest) return;
   workers.for_chunks(grid.blocks.size(), 8, [&](std::size_t from, std::size_t to, std::size_t) {
     BlockSampler sampler(particles, field);

@@ -6,7 +6,9 @@
 
 namespace oilskin::reconstruction {
 
-std::vector<std::array<float, 3>> vertex_normals(const RawMesh& mesh);
+/// Unit: the mean of the triangles, weighted by area. (0, 0, 1) where it has no direction.
+void vertex_normals(const RawMesh& mesh, const SurfaceBlocks& blocks, const Workers& workers,
+                    std::vector<std::array<float, 3>>& normals);
 
 /// Velocities and attributes of the particles that a vertex sees, by moving least squares of first order
 /// (R.24): linear fields are reproduced, also if all particles are on one side. Extrapolation is limited to

@@ -24,6 +24,7 @@ struct FitLimits {
 /// belong. Films have their local volume already: they only grow or shrink by the same factor everywhere.
 void fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const Water& water,
                 const Grid& grid, const std::vector<std::array<float, 3>>& polygonised,
-                const FilmVertices& films, RawMesh& mesh, const Workers& workers);
+                const FilmVertices& films, const SurfaceBlocks& blocks, RawMesh& mesh,
+                const Workers& workers);
 
 }  // namespace oilskin::reconstruction

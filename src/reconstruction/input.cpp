@@ -1,0 +1,34 @@
+// What the reconstruction accepts.
+#include <cmath>
+
+#include "core/refuse.h"
+#include "reconstruction/run.h"
+
+namespace oilskin::reconstruction {
+
+Status validate_input(const ReconstructionInput& input) {
+  const std::size_t n = input.positions.size();
+  const auto wrong_count = [n](const std::string& name, std::size_t count) {
+    return refuse(name, " has ", count, " values; there are ", n, " positions");
+  };
+  if (n >= 0xfffffff0u) return Status::refused("positions: more than 2^32 − 16");
+  if (!input.velocities.empty() && input.velocities.size() != n)
+    return wrong_count("velocities", input.velocities.size());
+  if (!input.volumes.empty() && input.volumes.size() != n)
+    return wrong_count("volumes", input.volumes.size());
+  for (std::size_t i = 0; i < input.volumes.size(); ++i)
+    if (!(input.volumes[i] >= 0 && std::isfinite(input.volumes[i])))
+      return refuse("volume ", i, " is ", input.volumes[i], "; it must be finite and ≥ 0 m³");
+  for (std::size_t a = 0; a < input.attributes.size(); ++a) {
+    const ParticleAttribute& attribute = input.attributes[a];
+    const std::string name = "attribute " + std::to_string(a);
+    if (attribute.components < 1)
+      return refuse(name, ": components is ", attribute.components, "; it must be ≥ 1");
+    if (attribute.values.size() != n * std::size_t(attribute.components))
+      return wrong_count(name + " of " + std::to_string(attribute.components) + " components",
+                         attribute.values.size());
+  }
+  return validate_obstacles(input.obstacles);
+}
+
+}  // namespace oilskin::reconstruction
