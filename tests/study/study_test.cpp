@@ -145,11 +145,11 @@ TEST(Sweeps, change_what_they_name) {
   EXPECT_EQ(varied_scene(of, 0.005, v).dt, 0.001);
   v.step = 4;
   v.thickness = 0.5;
-  v.set = {"fluid.solver=mcg03"};
+  v.set = {"fluid.solver=pcisph"};
   const Scene scene = varied_scene(of, 0.005, v);
   EXPECT_EQ(scene.dt, 0.004);
   EXPECT_EQ(scene.bodies[0].surface.thickness, 0.0025);
-  EXPECT_EQ(scene.fluid.solver, PressureSolver::mcg03);
+  EXPECT_EQ(scene.fluid.solver, PressureSolver::pcisph);
   v.preset = PresetKind::game;
   EXPECT_NE(varied_scene(of, 0.005, v).dt, 0.004) << "the preset has a step of its own";
   v.set = {"bodies.0.thickness=1"};

@@ -18,6 +18,13 @@ Sweep setting(const std::string& name, const std::string& title, const std::stri
   return sweep;
 }
 
+/// The state equation has no boundary terms.
+Sweep solver_sweep() {
+  Sweep sweep = setting("solver", "pressure solver", "fluid.solver", {"mcg03", "pcisph", "dfsph"});
+  sweep.points.front().variation.set.push_back("fluid.boundary=contact_only");
+  return sweep;
+}
+
 Sweep step_sweep() {
   Sweep sweep{"step", "length of the step, over the case's", {}};
   for (const char* label : {"0.25", "0.5", "1", "2", "4", "8", "16"}) {
@@ -69,8 +76,8 @@ const std::vector<Sweep>& sweeps() {
       {"spacing", "spacing of the particles: those of the case", {}},
       step_sweep(),
       setting("tolerance", "fluid.tolerance", "fluid.tolerance", {"0.1", "0.01", "0.001", "0.0001"}),
-      setting("solver", "pressure solver", "fluid.solver", {"mcg03", "pcisph", "dfsph"}),
-      setting("sweeps", "contact.solver_iterations", "contact.solver_iterations", {"1", "5", "20"}),
+      solver_sweep(),
+      setting("sweeps", "contact.sweeps, the Gauss-Seidel iterations", "contact.sweeps", {"1", "5", "20"}),
       setting("boundary", "boundary terms", "fluid.boundary", {"contact_only", "mirrored"}),
       setting("support", "support radius / spacing", "fluid.support_ratio", {"1.8", "2", "2.2", "2.5"}),
       thickness_sweep(),
