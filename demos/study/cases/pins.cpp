@@ -27,9 +27,9 @@ class Reaction : public Probe {
 };
 
 Scene scene_at(double spacing) {
-  Scene scene = empty_scene(spacing, 2.2);
+  Scene scene = empty_scene(spacing, 1.8);
   Cloth basin;
-  basin.grid = {21, 21};
+  basin.grid = {11, 11};
   basin.size = {0.25, 0.25};
   basin.bowl_depth = 0.08;
   basin.areal_density = 0.5;

@@ -9,7 +9,9 @@ namespace oilskin::demo {
 namespace {
 
 constexpr double length = 0.12, depth = 0.06, breadth = 0.02;  // [m]
-constexpr double amplitude = 0.004;                            // at the walls [m]
+// At the walls [m]: k a = 0.21. Water that is strained less than about 0.2 swings faster, on all spacings:
+// its particles keep their neighbours, and their arrangement resists shear.
+constexpr double amplitude = 0.008;
 constexpr double pi = 3.14159265358979323846;
 constexpr double wavenumber = pi / length;  // [1/m]
 
@@ -58,8 +60,9 @@ class Wave : public Probe {
     }
     const double exact = earth * wavenumber * std::tanh(wavenumber * depth);
     const double viscous = 2 * end.scene.fluid.viscosity * wavenumber * wavenumber;
-    // Waves of finite amplitude are slower by about (k a)²/8 of ω² or less.
-    return {{"ω² [1/s²]", squared, exact, 0, 0.0015, 0.02},
+    // At k h = π/2 a standing wave of finite amplitude a has ω² lower by 0.194 (k a)² [Tadjbakhsh, Keller
+    // 1960], which is 0.9 % here.
+    return {{"ω² [1/s²]", squared, exact, 0, 0.009, 0.02},
             {"damping of the amplitude [1/s]", damping, viscous, 0, 0, never}};
   }
 
@@ -68,7 +71,7 @@ class Wave : public Probe {
 };
 
 Scene scene_at(double spacing) {
-  Scene scene = empty_scene(spacing, 1.3);
+  Scene scene = empty_scene(spacing, 0.8);
   FilledBox water = water_box(Vec3::Zero(), Vec3(length, depth, breadth));
   FieldTerm shape;
   shape.kind = FieldKind::standing_wave;
@@ -85,7 +88,7 @@ Scene scene_at(double spacing) {
 
 ValidationCase sloshing_case() {
   return {"sloshing",
-          "standing wave of 4 mm in a tank of 120 mm with 60 mm of water",
+          "standing wave of 8 mm in a tank of 120 mm with 60 mm of water",
           "linear waves of an inviscid fluid, ω² = g k tanh k h; damping: 2 ν k²",
           {0.01, 0.005, 0.0025},
           scene_at,

@@ -13,7 +13,7 @@ constexpr double beyond = 0.01;                                // the sheet goes
 Cloth dividing_sheet(bool free_inside) {
   Cloth cloth;
   // Few triangles: the cost of walls grows with their number within the support radius.
-  cloth.grid = free_inside ? std::array<int, 2>{7, 12} : std::array<int, 2>{3, 4};
+  cloth.grid = free_inside ? std::array<int, 2>{5, 8} : std::array<int, 2>{3, 4};
   cloth.size = {breadth + 2 * beyond, height + beyond};
   cloth.center = Vec3(0, 0.5 * (height - beyond), 0.5 * breadth);
   cloth.normal = Vec3(1, 0, 0);

@@ -42,7 +42,7 @@ void add_walls(Scene& scene) {
 }
 
 Scene scene_at(double spacing) {
-  Scene scene = empty_scene(spacing, 2);
+  Scene scene = empty_scene(spacing, 1.5);
   scene.emitters = {water_box(Vec3(-length, 0, 0), Vec3(0, left, breadth)),
                     water_box(Vec3::Zero(), Vec3(length, right, breadth))};
   add_walls(scene);
