@@ -13,7 +13,7 @@ namespace {
 
 constexpr double length = 0.24, gap = 0.7 * length, breadth = 0.04;  // [m]
 // Of the water at the start [m²]. Filled to its rims the trough holds 0.155 L², and waves would spill.
-constexpr double area = 0.13 * length * length;
+constexpr double area = 0.11 * length * length;
 constexpr int segments = 8;                       // of half the strip
 constexpr double cell = 0.5 * length / segments;  // [m]
 constexpr double areal_density = 0.5;             // [kg/m²]
