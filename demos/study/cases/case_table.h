@@ -13,6 +13,18 @@ ValidationCase slope_case();
 ValidationCase film_case();
 ValidationCase half_pipe_case();
 ValidationCase taylor_green_case();
+ValidationCase sheet_levels_case();
+ValidationCase equal_heads_case();
+ValidationCase buoyancy_case();
+ValidationCase vessels_case();
+ValidationCase arch_case();
+ValidationCase pins_case();
+ValidationCase hammock_case();
+ValidationCase bag_case();
+ValidationCase free_cloth_case();
+ValidationCase sloshing_case();
+ValidationCase torricelli_case();
+ValidationCase drift_case();
 /// A jet at an angle to a plate [degrees].
 ValidationCase plate_case(int angle);
 /// A jet on a plate that moves away at half its speed.

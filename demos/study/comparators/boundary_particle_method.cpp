@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "comparators/boundary_samples.h"
-#include "comparators/make_methods.h"
-#include "comparators/particle_method.h"
+#include "study/comparators/boundary_samples.h"
+#include "study/comparators/make_methods.h"
+#include "study/comparators/particle_method.h"
 
 namespace oilskin::study {
 namespace {

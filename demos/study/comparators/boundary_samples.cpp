@@ -1,4 +1,4 @@
-#include "comparators/boundary_samples.h"
+#include "study/comparators/boundary_samples.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 /// Boundary particles on triangle meshes [Akinci2012].
 #pragma once
 
-#include "comparators/neighbour_lists.h"
-#include "comparators/surface_set.h"
+#include "study/comparators/neighbour_lists.h"
+#include "study/comparators/surface_set.h"
 
 namespace oilskin::study {
 

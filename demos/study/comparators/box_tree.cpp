@@ -1,4 +1,4 @@
-#include "comparators/box_tree.h"
+#include "study/comparators/box_tree.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,8 +1,8 @@
-#include "comparators/coupling_method.h"
+#include "study/comparators/coupling_method.h"
 
 #include <stdexcept>
 
-#include "comparators/make_methods.h"
+#include "study/comparators/make_methods.h"
 
 namespace oilskin::study {
 

@@ -1,4 +1,4 @@
-#include "comparators/leak_counter.h"
+#include "study/comparators/leak_counter.h"
 
 #include <algorithm>
 #include <cmath>

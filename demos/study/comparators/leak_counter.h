@@ -4,8 +4,8 @@
 
 #include <map>
 
-#include "comparators/box_tree.h"
 #include "oilskin/trace.h"
+#include "study/comparators/box_tree.h"
 
 namespace oilskin::study {
 

@@ -1,8 +1,8 @@
-#include "comparators/leak_table.h"
+#include "study/comparators/leak_table.h"
 
 #include <cmath>
 
-#include "comparators/run_clock.h"
+#include "study/comparators/run_clock.h"
 
 namespace oilskin::study {
 namespace {

@@ -1,9 +1,9 @@
 /// How many particles of a jet pass a sheet: methods × steps × speeds.
 #pragma once
 
-#include "comparators/coupling_method.h"
-#include "comparators/leak_counter.h"
-#include "comparators/study_hosts.h"
+#include "study/comparators/coupling_method.h"
+#include "study/comparators/leak_counter.h"
+#include "study/comparators/study_hosts.h"
 
 namespace oilskin::study {
 

@@ -1,7 +1,7 @@
 /// The makers of the methods, for make_method() alone.
 #pragma once
 
-#include "comparators/coupling_method.h"
+#include "study/comparators/coupling_method.h"
 
 namespace oilskin::study {
 

@@ -1,4 +1,4 @@
-#include "comparators/neighbour_lists.h"
+#include "study/comparators/neighbour_lists.h"
 
 #include <algorithm>
 #include <cmath>

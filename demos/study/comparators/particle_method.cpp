@@ -1,4 +1,4 @@
-#include "comparators/particle_method.h"
+#include "study/comparators/particle_method.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 /// What the methods with a fluid of their own share: particles, surfaces, the step, smoothing.
 #pragma once
 
-#include "comparators/coupling_method.h"
-#include "comparators/neighbour_lists.h"
-#include "comparators/surface_set.h"
+#include "study/comparators/coupling_method.h"
+#include "study/comparators/neighbour_lists.h"
+#include "study/comparators/surface_set.h"
 
 namespace oilskin::study {
 

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "comparators/make_methods.h"
-#include "comparators/surface_set.h"
-#include "comparators/world_settings.h"
+#include "study/comparators/make_methods.h"
+#include "study/comparators/surface_set.h"
+#include "study/comparators/world_settings.h"
 
 namespace oilskin::study {
 namespace {

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "comparators/make_methods.h"
-#include "comparators/particle_method.h"
+#include "study/comparators/make_methods.h"
+#include "study/comparators/particle_method.h"
 
 namespace oilskin::study {
 namespace {

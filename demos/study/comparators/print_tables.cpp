@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <cstring>
 
-#include "comparators/leak_table.h"
-#include "comparators/water_cases.h"
+#include "study/comparators/leak_table.h"
+#include "study/comparators/water_cases.h"
 
 using namespace oilskin::study;
 

@@ -3,8 +3,8 @@
 
 #include <ctime>
 
-#include "comparators/coupling_method.h"
-#include "comparators/leak_counter.h"
+#include "study/comparators/coupling_method.h"
+#include "study/comparators/leak_counter.h"
 
 namespace oilskin::study {
 

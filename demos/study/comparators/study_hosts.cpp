@@ -1,4 +1,4 @@
-#include "comparators/study_hosts.h"
+#include "study/comparators/study_hosts.h"
 
 #include <cmath>
 

@@ -1,9 +1,9 @@
-#include "comparators/surface_set.h"
+#include "study/comparators/surface_set.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "comparators/box_tree.h"
+#include "study/comparators/box_tree.h"
 
 namespace oilskin::study {
 

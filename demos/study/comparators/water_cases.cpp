@@ -1,12 +1,12 @@
-#include "comparators/water_cases.h"
+#include "study/comparators/water_cases.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <stdexcept>
 
-#include "comparators/run_clock.h"
-#include "comparators/study_hosts.h"
+#include "study/comparators/run_clock.h"
+#include "study/comparators/study_hosts.h"
 
 namespace oilskin::study {
 namespace {

@@ -1,8 +1,8 @@
 /// Water in a tank of triangles, by each method: at rest, and a dam that breaks.
 #pragma once
 
-#include "comparators/coupling_method.h"
-#include "comparators/leak_counter.h"
+#include "study/comparators/coupling_method.h"
+#include "study/comparators/leak_counter.h"
 
 namespace oilskin::study {
 

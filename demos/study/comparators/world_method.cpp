@@ -1,8 +1,8 @@
 // The library, as it is by default and reduced to what [Huber2013] describes.
 #include <stdexcept>
 
-#include "comparators/make_methods.h"
-#include "comparators/world_settings.h"
+#include "study/comparators/make_methods.h"
+#include "study/comparators/world_settings.h"
 
 namespace oilskin::study {
 namespace {

@@ -1,7 +1,7 @@
 /// What the methods that are made of the library give to a world.
 #pragma once
 
-#include "comparators/coupling_method.h"
+#include "study/comparators/coupling_method.h"
 
 namespace oilskin::study {
 

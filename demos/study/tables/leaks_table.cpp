@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "comparators/leak_table.h"
+#include "study/comparators/leak_table.h"
 #include "study/tables/study_tables.h"
 
 namespace oilskin::demo {

@@ -1,7 +1,7 @@
 /// Accuracy and cost of each method: a column at rest and a dam that breaks, over spacing and step.
 #include <cstdio>
 
-#include "comparators/water_cases.h"
+#include "study/comparators/water_cases.h"
 #include "study/tables/study_tables.h"
 
 namespace oilskin::demo {

@@ -1,7 +1,7 @@
 // What holds for every method, behind the one interface.
-#include "comparators/leak_table.h"
-#include "comparators/water_cases.h"
 #include "method_helpers.h"
+#include "study/comparators/leak_table.h"
+#include "study/comparators/water_cases.h"
 
 namespace oilskin::study {
 namespace {

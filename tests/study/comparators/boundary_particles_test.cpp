@@ -1,8 +1,8 @@
 // What [Akinci2012] states of boundary particles: volumes that make up for the sampling, a first layer at the
 // rest density, forces in both directions, no attraction.
-#include "comparators/boundary_samples.h"
-#include "comparators/water_cases.h"
 #include "method_helpers.h"
+#include "study/comparators/boundary_samples.h"
+#include "study/comparators/water_cases.h"
 #include "support/record.h"
 
 namespace oilskin::study {

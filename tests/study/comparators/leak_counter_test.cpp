@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "audit/trace_auditor.h"
-#include "comparators/leak_table.h"
-#include "comparators/run_clock.h"
 #include "method_helpers.h"
+#include "study/comparators/leak_table.h"
+#include "study/comparators/run_clock.h"
 #include "support/random.h"
 
 namespace oilskin::study {

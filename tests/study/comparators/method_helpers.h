@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "comparators/coupling_method.h"
-#include "comparators/study_hosts.h"
+#include "study/comparators/coupling_method.h"
+#include "study/comparators/study_hosts.h"
 
 namespace oilskin::study {
 

@@ -1,7 +1,7 @@
 // [Huber2013] Fig. 4: at a thickness of 1 mm and steps of 1 ms, repulsion alone leaks, with the continuous
 // test nothing does.
-#include "comparators/leak_table.h"
 #include "method_helpers.h"
+#include "study/comparators/leak_table.h"
 
 namespace oilskin::study {
 namespace {

@@ -1,8 +1,8 @@
 // What [Macklin2013] states of position based fluids: constant density, conserved momentum, stability at the
 // steps of games.
-#include "comparators/neighbour_lists.h"
-#include "comparators/water_cases.h"
 #include "method_helpers.h"
+#include "study/comparators/neighbour_lists.h"
+#include "study/comparators/water_cases.h"
 #include "support/record.h"
 
 namespace oilskin::study {
