@@ -29,8 +29,9 @@ def number(text):
         return math.nan
 
 
-def save(figure, out, name):
-    figure.tight_layout()
+def save(figure, out, name, tight=True):
+    if tight:
+        figure.tight_layout()
     path = os.path.join(out, name)
     figure.savefig(path, metadata={"Date": None})
     plt.close(figure)
@@ -89,25 +90,26 @@ def accuracy_order(rows, out):
 
 
 def leaks(rows, out):
-    """Particles beyond the sheet over the step, per speed and method."""
+    """Particles that pass the sheet over the step, per speed and method; dashed: with eight sub-steps."""
     held = list(groups(rows, "held"))
     speeds = sorted({number(r["speed"]) for r in rows})
-    figure, axes = panels(len(held) * len(speeds), 3.2, 2.9, len(speeds))
-    k = 0
-    for hold in held:
-        for speed in speeds:
-            axis = axes[k]
-            k += 1
-            of_panel = [r for r in rows if r["held"] == hold and number(r["speed"]) == speed]
-            for c, (method, points) in enumerate(groups(of_panel, "method").items()):
-                points = sorted(points, key=lambda p: number(p["step"]))
-                axis.plot([1e3 * number(p["step"]) for p in points],
-                          [100 * number(p["leaked_fraction"]) for p in points], "o-", markersize=3,
-                          linewidth=2.5 if method == "oilskin" else 1, color=f"C{c}", label=method)
-            axis.set(xscale="log", xlabel="step [ms]", ylabel="leaked [%]", ylim=(-4, 104),
-                     title=f"{speed:g} m/s, sheet {hold}")
-    axes[0].legend(fontsize=6)
-    save(figure, out, "leaks.svg")
+    methods = list(groups(rows, "method"))
+    plain = [m for m in methods if "," not in m]
+    figure, axes = panels(len(held) * len(speeds), 3.2, 2.7, len(speeds))
+    for axis, (hold, speed) in zip(axes, [(h, v) for h in held for v in speeds]):
+        of_panel = groups([r for r in rows if r["held"] == hold and number(r["speed"]) == speed], "method")
+        for method in methods:
+            points = sorted(of_panel.get(method, []), key=lambda p: number(p["step"]))
+            ours = method == "oilskin"
+            axis.plot([1e3 * number(p["step"]) for p in points], [100 * number(p["leaked_fraction"]) for p in points],
+                      "o--" if "," in method else "o-", markersize=5 if ours else 3, linewidth=3 if ours else 1,
+                      zorder=3 if ours else 2, color=f"C{plain.index(method.split(',')[0])}", label=method)
+        axis.set(xscale="log", xlabel="step [ms]", ylabel="leaked [%]", ylim=(-4, 104), title=f"{speed:g} m/s, sheet {hold}")
+        axis.title.set_fontsize(8)
+    lines, labels = axes[0].get_legend_handles_labels()
+    figure.tight_layout(rect=(0, 0.06, 1, 1))
+    figure.legend(lines, labels, loc="lower center", ncol=4, fontsize=8)
+    save(figure, out, "leaks.svg", tight=False)
 
 
 def stability(rows, out):
@@ -125,7 +127,8 @@ def stability(rows, out):
             for i, step in enumerate(steps):
                 dry = 100 * number(value[(step, mass)]["stretch_of_dry_cloth"])
                 text = f"{grid[j][i]:.2g}" + (f"\n({dry:.2g})" if key == "stretch" else "")
-                axis.text(i, j, text, ha="center", va="center", color="white", fontsize=7)
+                bright = grid[j][i] > 0.6 * max(max(line) for line in grid)
+                axis.text(i, j, text, ha="center", va="center", color="black" if bright else "white", fontsize=7)
         axis.set_xticks(range(len(steps)), [f"{1e3 * s:.3g}" for s in steps])
         axis.set_yticks(range(len(masses)), [f"{m:g}" for m in masses])
         axis.set(xlabel="step [ms]", ylabel="areal density of the cloth [kg/m²]", title=title)
