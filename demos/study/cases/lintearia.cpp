@@ -53,9 +53,9 @@ Half tightened(const Trough& trough, double depth) {
   for (int i = 0; i < halvings; ++i) {
     const double middle = std::sqrt(low * high);
     const State end = end_of({depth, middle, trough.weight});
-    // A strip that has rolled up is far too slack, wherever it ends.
-    const bool slack = 2 * end[0] < trough.gap || end[2] > 2.5;
-    (slack ? low : high) = middle;
+    // A strip that has rolled up is far too loose, wherever it ends.
+    const bool loose = 2 * end[0] < trough.gap || end[2] > 2.5;
+    (loose ? low : high) = middle;
   }
   return {depth, high, trough.weight};
 }
