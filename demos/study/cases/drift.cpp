@@ -52,7 +52,8 @@ Scene scene_at(double spacing) {
   std::mt19937 random(1);
   const int n = static_cast<int>(std::lround(edge / block));
   for (int i = 0; i < n * n * n; ++i) {
-    const Vec3 low = block * Vec3(i % n, i / n % n, i / (n * n));
+    const int row = i / n % n, layer = i / (n * n);
+    const Vec3 low = block * Vec3(i % n, row, layer);
     FilledBox water = water_box(low, low + Vec3::Constant(block));
     for (int axis = 0; axis < 3; ++axis) water.velocity[axis] = random_component(random);
     scene.emitters.emplace_back(water);

@@ -36,7 +36,7 @@ int ParticleMethod::intervals_of(double dt) const {
 
 Status ParticleMethod::step(double dt) {
   if (!(dt > 0) || !std::isfinite(dt)) return Status::refused("dt must be > 0");
-  const Status gathered = surfaces_.gather(dt);
+  Status gathered = surfaces_.gather(dt);
   if (!gathered.ok()) return gathered;
   const int intervals = intervals_of(dt);
   for (int k = 0; k < intervals; ++k) {

@@ -97,10 +97,10 @@ class PenaltyMethod : public CouplingMethod {
     return world_.add_particles(positions, velocities);
   }
   Status step(double dt) override {
-    const Status gathered = surfaces_.gather(dt);
+    Status gathered = surfaces_.gather(dt);
     if (!gathered.ok()) return gathered;
     forces_.begin_step(world_.time(), dt);
-    const Status stepped = world_.step(dt).status;
+    Status stepped = world_.step(dt).status;
     surfaces_.scatter();
     return stepped;
   }

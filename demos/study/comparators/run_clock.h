@@ -16,7 +16,7 @@ class RunClock : public IntervalObserver {
   Status step(double dt) {
     simulated_ += dt;
     const double start = now();
-    const Status status = method_.step(dt);
+    Status status = method_.step(dt);
     seconds_ += now() - start;
     return status;
   }

@@ -18,7 +18,7 @@ Status SurfaceSet::attach(SurfaceHost& host, double thickness, std::size_t* inde
   target_.emplace_back();
   planned_.emplace_back();
   if (index != nullptr) *index = motions_.size() - 1;
-  const Status status = read(motions_.size() - 1, 0);
+  Status status = read(motions_.size() - 1, 0);
   if (!status.ok()) return status;
   now_.back() = pointers_.back()->x_t1;
   return status;
@@ -27,7 +27,7 @@ Status SurfaceSet::attach(SurfaceHost& host, double thickness, std::size_t* inde
 Status SurfaceSet::read(std::size_t surface, double dt) {
   SurfaceMotion& m = *motions_[surface];
   m.x_t0 = now_[surface];
-  const Gathered gathered = hosts_[surface]->gather(dt, m);
+  Gathered gathered = hosts_[surface]->gather(dt, m);
   if (!gathered.status.ok()) return gathered.status;
   if (gathered.new_surface || now_[surface].size() != m.x_t1.size()) now_[surface] = m.x_t1;
   target_[surface] = m.x_t1;
@@ -38,7 +38,7 @@ Status SurfaceSet::read(std::size_t surface, double dt) {
 
 Status SurfaceSet::gather(double dt) {
   for (std::size_t s = 0; s < size(); ++s) {
-    const Status status = read(s, dt);
+    Status status = read(s, dt);
     if (!status.ok()) return status;
   }
   return Status::accepted();

@@ -37,7 +37,7 @@ class WorldMethod : public CouplingMethod {
 
   Status attach(SurfaceHost& host, std::size_t* surface) override {
     SurfaceId id;
-    const Status status = world_.attach(host, surface_settings_, &id);
+    Status status = world_.attach(host, surface_settings_, &id);
     if (!status.ok()) return status;
     if (surface != nullptr) *surface = surfaces_.size();
     surfaces_.push_back(id);

@@ -7,14 +7,19 @@ namespace {
 
 SweepPoint with(const std::string& label, const std::string& assignment) {
   SweepPoint point{label, 0, {}};
-  if (!assignment.empty()) point.variation.set = {assignment};
+  point.variation.set = {assignment};
   return point;
 }
 
 Sweep setting(const std::string& name, const std::string& title, const std::string& key,
               const std::vector<std::string>& values) {
   Sweep sweep{name, title, {}};
-  for (const std::string& value : values) sweep.points.push_back(with(value, key + "=" + value));
+  for (const std::string& value : values) {
+    std::string assignment = key;
+    assignment += "=";
+    assignment += value;
+    sweep.points.push_back(with(value, assignment));
+  }
   return sweep;
 }
 
@@ -67,7 +72,7 @@ const std::vector<StudiedCase>& studied_cases() {
   static const std::vector<StudiedCase> all = {{"weight", "height / depth", 0.005},
                                                {"dam", "front, mean |difference|", 0.005715},
                                                {"plate_90", "normal force / (mass flow × speed)", 0.005},
-                                               {"couette", "largest deviation / largest speed", 0.005}};
+                                               {"couette", "largest deviation / largest speed", 0.01}};
   return all;
 }
 
