@@ -240,7 +240,9 @@ class WaterMesher {
  public:
   WaterMesher();
   ~WaterMesher();
+  /// Takes what the other has kept; the other may only be assigned to or destroyed then.
   WaterMesher(WaterMesher&&) noexcept;
+  /// Takes what the other has kept; the other may only be assigned to or destroyed then.
   WaterMesher& operator=(WaterMesher&&) noexcept;
 
   /// As reconstruct_surface(), with the same refusals. `mesh` serves best if it is that of the last call: its

@@ -145,7 +145,7 @@ std::size_t Obstacles::bytes() const {
   std::size_t bytes = vertices_.capacity() * sizeof(Vec3) + 4 * saturation_.capacity() +
                       8 * rounding_.capacity() +
                       (triangles_.capacity() + given_.capacity()) * sizeof(Triangle);
-  for (const auto& piece : pieces_) bytes += sizeof piece + 4 * piece.capacity();
+  for (const auto& piece : pieces_) bytes += sizeof(std::vector<std::uint32_t>) + 4 * piece.capacity();
   return bytes;
 }
 
