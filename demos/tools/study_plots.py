@@ -85,6 +85,9 @@ def accuracy_order(rows, out):
                       label=quantity)
             axis.plot(x, [100 * number(p["tolerance"]) for p in levels], ":", color=f"C{k}", linewidth=1)
         axis.set(xscale="log", yscale="log", xlabel="spacing [mm]", ylabel="error [%]", title=case)
+        spacings = sorted({1e3 * number(p["spacing"]) for p in points})
+        axis.set_xticks(spacings, [f"{s:.3g}" for s in spacings])
+        axis.set_xticks([], minor=True)
         axis.legend(fontsize=5)
     save(figure, out, "accuracy_order.svg")
 

@@ -46,7 +46,7 @@ class Force : public Probe {
     return {{"normal force / (mass flow × speed)", -force.dot(normal) / expected, 1, 0, 0, 0.03, 1},
             {"tangential / normal force", (force - force.dot(normal) * normal).norm() / force.norm(), 0, 1, 0,
              0.01},
-            {"momentum thrown back / arriving", left.dot(normal) / time_ / expected, 0, 1, 0, 0.03, 1},
+            {"momentum of the rebound / arriving", left.dot(normal) / time_ / expected, 0, 1, 0, 0.03, 1},
             {"flow emitted / (ρ π r² v)", mass_ / time_ / (water_density * M_PI * radius * radius * speed), 1,
              0, 0, 0.005}};
   }
@@ -93,13 +93,13 @@ ValidationCase plate_case(int angle) {
   Plate plate;
   plate.angle = angle;
   const std::string text = std::to_string(angle);
-  return case_of("plate_" + text, "a round jet meets a plate at " + text + "°", plate);
+  return case_of("plate_" + text, "a round jet strikes a plate at " + text + "°", plate);
 }
 
 ValidationCase moving_plate_case() {
   Plate plate;
   plate.away = speed / 2;
-  return case_of("plate_moving", "a round jet meets a plate that moves away at half its speed", plate);
+  return case_of("plate_moving", "a round jet strikes a plate that moves away at half its speed", plate);
 }
 
 }  // namespace oilskin::demo

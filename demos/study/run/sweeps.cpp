@@ -70,7 +70,7 @@ Sweep host_sweep() {
 
 const std::vector<StudiedCase>& studied_cases() {
   static const std::vector<StudiedCase> all = {{"weight", "height / depth", 0.005},
-                                               {"dam", "front, mean |difference|", 0.005715},
+                                               {"dam", "front, mean difference", 0.005715},
                                                {"plate_90", "normal force / (mass flow × speed)", 0.005},
                                                {"couette", "largest deviation / largest speed", 0.01}};
   return all;
