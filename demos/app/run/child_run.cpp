@@ -19,18 +19,17 @@ extern char** environ;
 namespace oilskin::demo {
 namespace {
 
-/// A text that reads back as the same number.
-std::string exact(double value) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%.17g", value);
-  return text.data();
-}
-
 int exit_code_of(int status) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : static_cast<int>(ExitCode::signalled) + WTERMSIG(status);
 }
 
 }  // namespace
+
+std::string exact(double value) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.17g", value);
+  return text.data();
+}
 
 std::vector<std::string> arguments_of(const RunOptions& options) {
   std::vector<std::string> all = {"run",       options.scene, "--out",

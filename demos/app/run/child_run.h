@@ -5,6 +5,9 @@
 
 namespace oilskin::demo {
 
+/// A text that reads back as the same number.
+std::string exact(double value);
+
 /// The arguments of `oilskin` that mean `options`, without pictures.
 std::vector<std::string> arguments_of(const RunOptions& options);
 

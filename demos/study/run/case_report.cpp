@@ -1,20 +1,14 @@
 #include "study/run/case_report.h"
 
 #include <cmath>
-#include <cstdio>
+
+#include "study/run/table_text.h"
 
 namespace oilskin::demo {
 namespace {
 
-std::string format(const char* pattern, double value) {
-  if (!std::isfinite(value)) return "–";
-  char text[48];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
-
 std::string plain(double value) {
-  return std::isfinite(value) ? format("%.9g", value) : "";
+  return std::isfinite(value) ? format_number("%.9g", value) : "";
 }
 
 std::string in_quotes(const std::string& text) {
@@ -36,7 +30,7 @@ std::string row(const CaseLevels& levels, const CaseRun& run, const Quantity& q)
 std::string levels_head(const CaseLevels& levels) {
   std::string head = "| quantity | reference |", rule = "|---|---|";
   for (const CaseRun& run : levels.runs) {
-    head += " " + format("%.4g mm", 1e3 * run.spacing) + " |";
+    head += " " + format_number("%.4g mm", 1e3 * run.spacing) + " |";
     rule += "---|";
   }
   return head + " tolerance | order |\n" + rule + "---|---|\n";
@@ -44,21 +38,22 @@ std::string levels_head(const CaseLevels& levels) {
 
 std::string levels_row(const CaseLevels& levels, std::size_t k) {
   const Quantity& q = levels.runs.back().quantities[k];
-  std::string text = "| " + q.name + " | " + format("%.4g", q.reference) + " |";
+  std::string text = "| " + q.name + " | " + format_number("%.4g", q.reference) + " |";
   for (const CaseRun& run : levels.runs) {
     const bool there = k < run.quantities.size();
     const bool missed = there && std::string(verdict(levels.of, run, run.quantities[k])) == "MISSED";
-    const std::string value = there ? format("%.4g", run.quantities[k].value) : "failed";
+    const std::string value = there ? format_number("%.4g", run.quantities[k].value) : "failed";
     text += missed ? " **" + value + "** |" : " " + value + " |";
   }
   const auto order = observed_order(levels, q.name);
-  return text + " " + format("%.2g", q.tolerance) + " | " + (order ? format("%.1f", *order) : "–") + " |\n";
+  return text + " " + format_number("%.2g", q.tolerance) + " | " +
+         (order ? format_number("%.1f", *order) : "–") + " |\n";
 }
 
 std::string costs_row(const CaseLevels& levels) {
   std::string text = "| seconds per simulated second | |";
   for (const CaseRun& run : levels.runs)
-    text += " " + format("%.3g", run.cost.seconds_per_simulated_second().median) + " |";
+    text += " " + format_number("%.3g", run.cost.seconds_per_simulated_second().median) + " |";
   text += " | |\n| particles | |";
   for (const CaseRun& run : levels.runs) text += " " + std::to_string(run.cost.particles) + " |";
   return text + " | |\n";
@@ -67,7 +62,7 @@ std::string costs_row(const CaseLevels& levels) {
 std::string failures(const CaseLevels& levels) {
   std::string text;
   for (const CaseRun& run : levels.runs) {
-    const std::string at = "At " + format("%.4g mm", 1e3 * run.spacing) + ": ";
+    const std::string at = "At " + format_number("%.4g mm", 1e3 * run.spacing) + ": ";
     if (!run.failure.empty()) text += "\n" + at + run.failure + "\n";
     if (run.crossings > 0) text += "\n" + at + std::to_string(run.crossings) + " crossings.\n";
   }
@@ -99,11 +94,8 @@ std::string validation_markdown(const std::vector<CaseLevels>& results, const Js
       "# Validation\n\nAn error is |value − reference| over |reference|, or over the scale that the quantity "
       "names. The tolerance is that at the finest spacing; values in bold miss it. The order is the slope of "
       "log(error) over log(spacing); there is none where an error is within the uncertainty of the "
-      "reference.\n\nMachine:";
-  for (const auto& [key, value] : machine.items())
-    text += " " + key + " " + (value.is_string() ? value.get<std::string>() : value.dump()) + ";";
-  text.back() = '.';
-  text += "\n";
+      "reference.\n\n" +
+      machine_line(machine) + "\n";
   for (const CaseLevels& levels : results) text += section(levels);
   return text;
 }

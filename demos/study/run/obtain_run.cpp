@@ -1,7 +1,6 @@
 #include "study/run/obtain_run.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 
@@ -13,12 +12,6 @@
 
 namespace oilskin::demo {
 namespace {
-
-std::string exact(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
-}
 
 std::vector<std::string> child_arguments(const ValidationCase& of, double spacing, const Variation& v,
                                          const RunPlace& place) {

@@ -2,17 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "study/run/table_text.h"
 
 namespace oilskin::demo {
 namespace {
-
-std::string format(const char* pattern, double value) {
-  if (!std::isfinite(value)) return "–";
-  char text[48];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
 
 double cost_of(const StudyRow& row) {
   return row.run.cost.seconds_per_simulated_second().median;
@@ -36,11 +30,11 @@ std::string state_of(const StudyRow& row) {
 
 std::string table_row(const StudyRow& row) {
   const Spread cost = row.run.cost.seconds_per_simulated_second();
-  return "| " + row.sweep + " | " + row.label + " | " + format("%.4g", 1e3 * row.run.spacing) + " | " +
-         format("%.3g %%", 100 * row.error()) + " | " + format("%.3g", cost.median) + " (" +
-         format("%.3g", cost.min) + "–" + format("%.3g", cost.max) + ") | " +
-         format("%.2g %%", 100 * row.run.density_error_mean) + " | " +
-         format("%.2g %%", 100 * row.run.energy_made_fraction) + " | " + state_of(row) + " |\n";
+  return "| " + row.sweep + " | " + row.label + " | " + format_number("%.4g", 1e3 * row.run.spacing) + " | " +
+         format_number("%.3g %%", 100 * row.error()) + " | " + format_number("%.3g", cost.median) + " (" +
+         format_number("%.3g", cost.min) + "–" + format_number("%.3g", cost.max) + ") | " +
+         format_number("%.2g %%", 100 * row.run.density_error_mean) + " | " +
+         format_number("%.2g %%", 100 * row.run.energy_made_fraction) + " | " + state_of(row) + " |\n";
 }
 
 }  // namespace
@@ -65,12 +59,13 @@ std::string study_csv(const std::vector<StudyRow>& rows) {
   for (const StudyRow& row : rows) {
     const CaseCost& c = row.run.cost;
     const Spread cost = c.seconds_per_simulated_second();
-    text += row.run.name + "," + row.sweep + "," + row.label + "," + format("%.9g", row.run.spacing) + ",\"" +
-            row.quantity + "\"," + (std::isfinite(row.error()) ? format("%.9g", row.error()) : "");
+    text += row.run.name + "," + row.sweep + "," + row.label + "," + format_number("%.9g", row.run.spacing) +
+            ",\"" + row.quantity + "\"," +
+            (std::isfinite(row.error()) ? format_number("%.9g", row.error()) : "");
     for (const double value : {cost.median, cost.min, cost.max, double(c.steps), double(c.substeps),
                                double(c.particles), double(c.faces), row.run.density_error_mean,
                                row.run.energy_made_fraction, double(row.run.crossings), c.peak_memory})
-      text += "," + format("%.9g", value);
+      text += "," + format_number("%.9g", value);
     text += std::string(row.on_front ? ",1,\"" : ",0,\"") + row.run.failure + "\"\n";
   }
   return text;
@@ -81,11 +76,8 @@ std::string study_markdown(const std::vector<StudyRow>& rows, const Json& machin
       "# What accuracy costs\n\nOne parameter is varied at a time. Cost: wall seconds per simulated second, "
       "median (least–largest) of the repetitions. Front: no other row of the case has a smaller error at a "
       "smaller cost. Density: mean compression. Energy: what was made, over the scale of the "
-      "case.\n\nMachine:";
-  for (const auto& [key, value] : machine.items())
-    text += " " + key + " " + (value.is_string() ? value.get<std::string>() : value.dump()) + ";";
-  text.back() = '.';
-  text += "\n";
+      "case.\n\n" +
+      machine_line(machine) + "\n";
   for (const StudiedCase& studied : studied_cases()) {
     text += "\n## " + studied.name + "\n\nError: " + studied.quantity +
             ".\n\n| parameter | value | spacing [mm] | error | cost | density | energy | "
