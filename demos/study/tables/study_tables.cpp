@@ -33,7 +33,7 @@ std::map<std::string, std::string> stored_rows(const std::string& path, const st
 
 std::string stored_text(const std::string& machine, const std::map<std::string, std::string>& rows) {
   std::string text = machine + "\n";
-  for (const auto& [key, row] : rows) text += key + "\t" + row + "\n";
+  for (const auto& [key, row] : rows) text.append(key).append("\t").append(row).append("\n");
   return text;
 }
 
