@@ -1,11 +1,28 @@
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "convert.h"
 #include "coupling_impl.h"
 
 namespace oilskin::bullet {
+
+namespace {
+
+/// Finds lengths in millimetres where metres are meant.
+Status check_size(const SurfaceMotion& surface, const SurfaceSettings& settings) {
+  Box extent;
+  for (const Vec3& x : surface.x_t1) extent.add(x);
+  const double across = (extent.max - extent.min).norm();
+  if (!settings.thickness || *settings.thickness <= 2 * across) return Status::accepted();
+  std::ostringstream text;
+  text << "thickness is " << *settings.thickness << " m, but the body measures only " << across
+       << " m from corner to corner; it must be at most twice that: are both in metres?";
+  return Status::refused(text.str());
+}
+
+}  // namespace
 
 Attachment* btFluidCoupling::Impl::find(const btCollisionObject* object) {
   const auto it = std::find_if(attachments.begin(), attachments.end(),
@@ -24,15 +41,22 @@ void btFluidCoupling::Impl::detach(Attachment& a) {
 }
 
 Status btFluidCoupling::Impl::add(Attachment a) {
-  if (find(a.object)) return Status::refused("this body is attached already: remove it first");
+  const Attachment* same = find(a.object);
+  if (same && same->mark->is_on(*a.object))
+    return Status::refused("this body is attached already: remove it first");
+  if (same) detach_deleted(static_cast<std::size_t>(same - attachments.data()));
+  // Two couplings would both move a cloth. They may share a wall.
+  if (a.cloth && ObjectMark::is_used(*a.object))
+    return Status::refused("this cloth is in another coupling: remove it there first");
   Status status = a.settings.validate();
-  if (status.ok() && fluid) {
-    status = attach(a);
-  } else if (status.ok()) {
-    SurfaceMotion trial;
-    status = a.host().gather(0, trial).status;
-  }
-  if (status.ok()) attachments.push_back(std::move(a));
+  SurfaceMotion trial;
+  if (status.ok()) status = a.host().gather(0, trial).status;
+  if (status.ok()) status = check_size(trial, a.settings);
+  if (status.ok() && fluid) status = attach(a);
+  if (!status.ok()) return status;
+  a.mark = std::make_unique<ObjectMark>();
+  a.mark->put_on(*a.object);
+  attachments.push_back(std::move(a));
   return status;
 }
 
@@ -41,6 +65,7 @@ void btFluidCoupling::Impl::remove(const btCollisionObject* object) {
   if (!a) return;
   detach(*a);
   if (a->soft) a->soft->give_back_absorbed_mass();
+  a->mark->take_off(*a->object);
   attachments.erase(attachments.begin() + (a - attachments.data()));
 }
 
@@ -60,16 +85,28 @@ const SurfaceMotion* btFluidCoupling::Impl::surface(const btCollisionObject* obj
 /// btSoftRigidDynamicsWorld::setGravity() does not affect soft bodies: their gravity is that of their world
 /// info.
 Status btFluidCoupling::Impl::follow_gravity() {
-  if (!use_cloth_gravity) return Status::accepted();
+  if (!use_cloth_gravity) {
+    followed_gravity.reset();
+    return Status::accepted();
+  }
   for (const Attachment& a : attachments) {
     if (!a.cloth || !a.cloth->getWorldInfo()) continue;
     const Vec3 gravity = to_vec3(a.cloth->getWorldInfo()->m_gravity);
-    return gravity == world()->settings().gravity ? Status::accepted() : world()->set_gravity(gravity);
+    const Vec3 present = world()->settings().gravity;
+    if (followed_gravity && present != *followed_gravity)
+      note(
+          "the gravity given to World::set_gravity() was replaced by that of the cloth's "
+          "btSoftBodyWorldInfo: "
+          "call setUseClothGravity(false) first");
+    followed_gravity = gravity;
+    return gravity == present ? Status::accepted() : world()->set_gravity(gravity);
   }
+  followed_gravity.reset();
   return Status::accepted();
 }
 
 const StepReport& btFluidCoupling::Impl::refuse(std::string why) {
+  note(why);
   refused = StepReport();
   refused.status = Status::refused(std::move(why));
   return refused;
@@ -93,6 +130,7 @@ Status btFluidCoupling::addFluid(btFluid* fluid) {
   Status status = fluid->getWorld().status();
   if (!status.ok()) return status;
   m_impl->fluid = fluid;
+  m_impl->followed_gravity.reset();
   fluid->m_coupling = this;
   for (std::size_t i = 0; i < m_impl->attachments.size() && status.ok(); ++i)
     status = m_impl->attach(m_impl->attachments[i]);
@@ -187,6 +225,8 @@ const StepReport& btFluidCoupling::couple(double dt, bool updateNormals) {
     return m_impl->refused.status.ok() ? m_impl->refuse("there is no fluid: call addFluid() first")
                                        : m_impl->refused;
   if (dt == 0) return getReport();
+  m_impl->detach_absent();
+  m_impl->note_drivers(!updateNormals);
   const Status gravity = m_impl->follow_gravity();
   if (!gravity.ok()) return m_impl->refuse(gravity.message);
   m_impl->refused = StepReport();
@@ -195,7 +235,9 @@ const StepReport& btFluidCoupling::couple(double dt, bool updateNormals) {
     a.soft->set_update_normals(updateNormals);
     a.soft->set_carries_water(m_impl->carries_water);
   }
-  return m_impl->world()->step(dt);
+  const StepReport& report = m_impl->world()->step(dt);
+  m_impl->note_report(report);
+  return report;
 }
 
 const StepReport& btFluidCoupling::step(btScalar dt) {

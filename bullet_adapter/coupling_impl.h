@@ -1,7 +1,10 @@
 /// Data of btFluidCoupling.
 #pragma once
 
+#include <optional>
+
 #include "collision_object_host.h"
+#include "object_mark.h"
 #include "oilskin/bullet.h"
 #include "soft_body_host.h"
 
@@ -9,10 +12,11 @@ namespace oilskin::bullet {
 
 /// An attached object. Exactly one of the hosts is set.
 struct Attachment {
-  const btCollisionObject* object = nullptr;
+  btCollisionObject* object = nullptr;
   btSoftBody* cloth = nullptr;  ///< the object, if it is a cloth
   std::unique_ptr<SoftBodyHost> soft;
   std::unique_ptr<CollisionObjectHost> rigid;
+  std::unique_ptr<ObjectMark> mark;
   SurfaceSettings settings;
   SurfaceId id;  ///< 0 without a fluid
 
@@ -24,7 +28,11 @@ struct btFluidCoupling::Impl {
   std::vector<Attachment> attachments;
   bool use_cloth_gravity = true;
   bool carries_water = true;
-  StepReport refused;  // returned by step() if World::step was not called
+  const btCollisionWorld* collision_world = nullptr;
+  std::optional<Vec3> followed_gravity;  // as the last step set it
+  bool stepped_by_solver = false;        // since the last step by hand
+  std::vector<std::string> messages;     // since they were last taken
+  StepReport refused;                    // returned by step() if World::step was not called
 
   World* world() const { return fluid ? &fluid->getWorld() : nullptr; }
   Attachment* find(const btCollisionObject* object);
@@ -32,6 +40,13 @@ struct btFluidCoupling::Impl {
   Status attach(Attachment& attachment);
   void detach(Attachment& attachment);
   void remove(const btCollisionObject* object);
+  template <class Objects>
+  void detach_absent(const Objects& present, bool cloth_only);
+  void detach_absent();
+  void detach_deleted(std::size_t attachment);
+  void note(const std::string& message);
+  void note_drivers(bool by_solver);
+  void note_report(const StepReport& report);
   void forget_motion(const btCollisionObject* object);
   const SurfaceMotion* surface(const btCollisionObject* object);
   Status follow_gravity();

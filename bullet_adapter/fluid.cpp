@@ -13,8 +13,14 @@ FluidSettings with_spacing(btScalar rest_distance) {
   return settings;
 }
 
+btVector3 value_at(Span<const Vec3> values, int i) {
+  const bool is_inside = i >= 0 && static_cast<std::size_t>(i) < values.size();
+  return is_inside ? to_bt(values[static_cast<std::size_t>(i)]) : btVector3(0, 0, 0);
+}
+
 void copy_strided(Span<const Vec3> values, float* out, int stride_bytes) {
-  btAssert(stride_bytes >= static_cast<int>(3 * sizeof(float)));
+  const bool has_room = out && stride_bytes >= static_cast<int>(3 * sizeof(float));
+  if (!has_room) return;
   char* to = reinterpret_cast<char*>(out);
   for (const Vec3& v : values) {
     const float xyz[3] = {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
@@ -59,13 +65,11 @@ int btFluid::getNumParticles() const {
 }
 
 btVector3 btFluid::getPosition(int i) const {
-  btAssert(i >= 0 && i < getNumParticles());
-  return to_bt(m_world->positions()[static_cast<std::size_t>(i)]);
+  return value_at(m_world->positions(), i);
 }
 
 btVector3 btFluid::getVelocity(int i) const {
-  btAssert(i >= 0 && i < getNumParticles());
-  return to_bt(m_world->motions()[static_cast<std::size_t>(i)]);
+  return value_at(m_world->motions(), i);
 }
 
 void btFluid::copyPositions(float* out, int strideBytes) const {

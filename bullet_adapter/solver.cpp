@@ -16,6 +16,11 @@ const StepReport& btFluidSoftBodySolver::getReport() const {
   return m_coupling.getReport();
 }
 
+void btFluidSoftBodySolver::optimize(btAlignedObjectArray<btSoftBody*>& softBodies, bool forceUpdate) {
+  m_coupling.detachAbsent(softBodies);
+  btDefaultSoftBodySolver::optimize(softBodies, forceUpdate);
+}
+
 /// The only call with the length of a sub-step. Bullet passes it as a float in both precisions, and advances
 /// its soft bodies by that.
 void btFluidSoftBodySolver::predictMotion(btScalar solverdt) {

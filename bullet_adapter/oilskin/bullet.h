@@ -9,6 +9,8 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "oilskin/world.h"
 
@@ -63,14 +65,16 @@ class btFluid {
 
   /// The number of particles.
   int getNumParticles() const;
-  /// [m]
+  /// [m]. Zero for i outside 0 … getNumParticles() − 1. A step may give a particle another place in this
+  /// order: World::ids() has their numbers.
   btVector3 getPosition(int i) const;
-  /// How fast it moves [m/s]: World::motions().
+  /// How fast it moves [m/s]: World::motions(). Zero for i outside 0 … getNumParticles() − 1.
   btVector3 getVelocity(int i) const;
-  /// Writes three floats per particle [m], `strideBytes` ≥ 12 apart, getNumParticles() times.
+  /// Writes three floats per particle [m], `strideBytes` ≥ 12 apart, getNumParticles() times. Writes nothing
+  /// where `out` is null or the stride smaller.
   void copyPositions(float* out, int strideBytes = 12) const;
   /// Writes three floats per particle [m/s], `strideBytes` ≥ 12 apart, getNumParticles() times:
-  /// World::motions().
+  /// World::motions(). Writes nothing where `out` is null or the stride smaller.
   void copyVelocities(float* out, int strideBytes = 12) const;
 
   /// The world behind the fluid, with all that Bullet's interface does not show.
@@ -87,8 +91,10 @@ class btFluid {
 /// Couples one fluid with soft bodies and collision objects. Add it to a world with addAction() for debug
 /// drawing only: actions run before Bullet solves the cloth, so nothing is coupled there.
 ///
-/// Attached objects must be removed from the coupling before they are deleted. Bodies may be cut, refined and
-/// re-ordered while they are attached: they become new surfaces.
+/// Attached objects must be removed from the coupling before they are deleted, except those that it can miss:
+/// soft bodies with btFluidSoftBodySolver, all objects with setCollisionWorld(). Bodies may be cut, refined
+/// and re-ordered while they are attached: they become new surfaces. Attached objects carry a number in
+/// Bullet's internal extension pointer, where that was null.
 class btFluidCoupling : public btActionInterface {
  public:
   /// Adds the fluid, if there is one.
@@ -104,8 +110,9 @@ class btFluidCoupling : public btActionInterface {
   /// Null = none.
   btFluid* getFluid() const;
 
-  /// Refuses soft bodies without faces, thicknesses below 4 δ [m], and bodies that are attached already; a
-  /// refusal attaches nothing. Without a fluid δ is not known, and addFluid() may refuse later.
+  /// Refuses soft bodies without faces, thicknesses below 4 δ [m] or above twice the diagonal of the body,
+  /// and bodies that are attached already, here or in another coupling; a refusal attaches nothing. Without a
+  /// fluid δ is not known, and addFluid() may refuse later.
   Status addCloth(btSoftBody* cloth, btScalar thickness, const SlipSettings& slip = {});
   /// The same with all settings.
   ///
@@ -128,6 +135,17 @@ class btFluidCoupling : public btActionInterface {
   Status addCollisionObject(btCollisionObject* object, const SurfaceSettings& settings = {});
   /// Detaches an object. One that is not attached is ignored.
   void removeCollisionObject(btCollisionObject* object);
+
+  /// Detaches, before each step, attached objects that `world` does not have, with a message; it does not
+  /// touch them, so they may be deleted after removeRigidBody() or removeSoftBody() alone. A new object at
+  /// the address of a deleted one is not attached. The world must exist at each step. Null: no world
+  /// (default).
+  void setCollisionWorld(const btCollisionWorld* world);
+
+  /// The messages since the last call: objects that were detached because their world no longer has them,
+  /// settings that were overwritten, reasons of refused steps, and the messages of all steps' reports. Each
+  /// text once, in order; at most 256.
+  std::vector<std::string> takeMessages();
 
   /// The positions of the cloth at the next step are a teleport, not a motion.
   void resetMotion(btSoftBody* cloth);
@@ -175,6 +193,7 @@ class btFluidCoupling : public btActionInterface {
  private:
   friend class btFluidSoftBodySolver;
   const StepReport& couple(double dt, bool updateNormals);
+  void detachAbsent(const btAlignedObjectArray<btSoftBody*>& bodies);
 
   struct Impl;
   std::unique_ptr<Impl> m_impl;
@@ -182,6 +201,9 @@ class btFluidCoupling : public btActionInterface {
 
 /// A soft-body solver that couples in every sub-step. Pass it as fifth argument of btSoftRigidDynamicsWorld
 /// or btSoftMultiBodyDynamicsWorld. It has the functions of btFluidCoupling.
+///
+/// Every sub-step detaches soft bodies that the world does not have, with a message, so that a cloth may be
+/// deleted after removeSoftBody() alone.
 class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
  public:
   btFluidSoftBodySolver();
@@ -217,6 +239,11 @@ class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
   /// btFluidCoupling::resetMotion().
   void resetMotion(btCollisionObject* object) { m_coupling.resetMotion(object); }
 
+  /// btFluidCoupling::setCollisionWorld().
+  void setCollisionWorld(const btCollisionWorld* world) { m_coupling.setCollisionWorld(world); }
+  /// btFluidCoupling::takeMessages().
+  std::vector<std::string> takeMessages() { return m_coupling.takeMessages(); }
+
   /// btFluidCoupling::setCarriesWater().
   void setCarriesWater(bool carries) { m_coupling.setCarriesWater(carries); }
   /// btFluidCoupling::getCarriesWater().
@@ -232,7 +259,9 @@ class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
   /// The report of the last coupled step.
   const StepReport& getReport() const;
 
-  /// Is called by Bullet at the start of each of its sub-steps.
+  /// Is called by Bullet at the start of each of its sub-steps with the soft bodies of the world.
+  void optimize(btAlignedObjectArray<btSoftBody*>& softBodies, bool forceUpdate = false) override;
+  /// Is called by Bullet after optimize().
   void predictMotion(btScalar solverdt) override;
   /// Is called by Bullet at the end of each of its sub-steps; couples.
   void updateSoftBodies() override;

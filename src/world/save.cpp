@@ -283,6 +283,7 @@ Status World::Impl::restore(Span<const std::uint8_t> saved) {
 }
 
 Status World::save(std::vector<std::uint8_t>* out) const {
+  if (!out) return Status::refused("save() needs a vector to write to, and `out` is null");
   if (!impl_->status.ok()) return impl_->status;
   std::vector<std::uint8_t> content;
   Archive archive(content);

@@ -35,8 +35,8 @@ Status first_of(std::initializer_list<Status> all) {
   return {};
 }
 
-/// Largest number of particles of a volume, against volumes that do not fit into memory.
-constexpr double max_points = 1e9;
+/// Largest number of particles of a volume: a run of as many needs about 60 GB.
+constexpr double max_points = 5e7;
 
 std::vector<Vec3> ball_sites(double radius, double spacing) {
   const double limit = radius / spacing * (1 + 1e-9);
@@ -145,7 +145,7 @@ Status Emission::add(const BoxEmitter& e) {
                         "at least one spacing of the fluid on every axis; it has no emission site");
   }
   if (cells.prod() > max_points)
-    return refuse_value("box emitter: number of particles", cells.prod(), "at most 1e9");
+    return refuse_value("box emitter: number of particles", cells.prod(), "at most 5e7");
   Source source;
   source.sites = box_sites(e.box, cells, impl_->spacing);
   source.start = e.start;

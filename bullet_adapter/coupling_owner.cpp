@@ -1,0 +1,82 @@
+// Messages to the owner of a coupling, and objects that the owner deleted.
+#include <algorithm>
+
+#include "coupling_impl.h"
+
+namespace oilskin::bullet {
+
+namespace {
+
+constexpr std::size_t most_messages = 256;
+
+std::string left_the_world(const Attachment& a) {
+  const char* kind = a.cloth ? "a cloth" : "a collision object";
+  std::string text = std::string(kind) + " was detached: it is not in its world, or was deleted";
+  if (a.id) text += " (surface " + std::to_string(a.id.value) + ")";
+  return text + "; attach it again if it comes back";
+}
+
+}  // namespace
+
+void btFluidCoupling::Impl::note(const std::string& message) {
+  const bool is_known = std::find(messages.begin(), messages.end(), message) != messages.end();
+  if (!is_known && messages.size() < most_messages) messages.push_back(message);
+}
+
+void btFluidCoupling::Impl::note_report(const StepReport& report) {
+  if (!report.status.ok()) note(report.status.message);
+  for (const std::string& message : report.messages) note(message);
+}
+
+void btFluidCoupling::Impl::note_drivers(bool by_solver) {
+  if (!by_solver && stepped_by_solver)
+    note(
+        "btFluidSoftBodySolver couples in each sub-step, and step() was called, too: the fluid runs ahead of "
+        "its world");
+  stepped_by_solver = by_solver;
+}
+
+/// Does not touch the object.
+void btFluidCoupling::Impl::detach_deleted(std::size_t attachment) {
+  note(left_the_world(attachments[attachment]));
+  detach(attachments[attachment]);
+  attachments.erase(attachments.begin() + static_cast<std::ptrdiff_t>(attachment));
+}
+
+/// Never looks at an attached object before `present` has it: it may have been deleted.
+template <class Objects>
+void btFluidCoupling::Impl::detach_absent(const Objects& present, bool cloth_only) {
+  if (attachments.empty()) return;
+  std::vector<std::pair<const btCollisionObject*, std::size_t>> sorted;
+  for (std::size_t i = 0; i < attachments.size(); ++i) sorted.emplace_back(attachments[i].object, i);
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<char> is_present(attachments.size(), 0);
+  for (int i = 0; i < present.size(); ++i) {
+    const btCollisionObject* object = present[i];
+    const auto it = std::lower_bound(sorted.begin(), sorted.end(), std::make_pair(object, std::size_t{0}));
+    if (it != sorted.end() && it->first == object)
+      is_present[it->second] = attachments[it->second].mark->is_on(*object);
+  }
+  for (std::size_t i = attachments.size(); i-- > 0;)
+    if (!is_present[i] && (attachments[i].cloth || !cloth_only)) detach_deleted(i);
+}
+
+void btFluidCoupling::Impl::detach_absent() {
+  if (collision_world) detach_absent(collision_world->getCollisionObjectArray(), false);
+}
+
+void btFluidCoupling::detachAbsent(const btAlignedObjectArray<btSoftBody*>& bodies) {
+  m_impl->detach_absent(bodies, true);
+}
+
+void btFluidCoupling::setCollisionWorld(const btCollisionWorld* world) {
+  m_impl->collision_world = world;
+}
+
+std::vector<std::string> btFluidCoupling::takeMessages() {
+  std::vector<std::string> taken;
+  taken.swap(m_impl->messages);
+  return taken;
+}
+
+}  // namespace oilskin::bullet
