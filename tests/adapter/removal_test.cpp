@@ -169,7 +169,11 @@ TEST(Removal, nothing_crosses_cloth_whose_water_is_taken_away) {
   EXPECT_GT(removed, 100);
   EXPECT_EQ(reported, static_cast<std::uint64_t>(removed)) << "no other particle has left";
   EXPECT_GT(water.contacts, 1000u);
-  EXPECT_EQ(water.carried_by(*cloth), water.getNumParticles());
+  int inside_border = 0;  // others ran over it
+  for (const Vec3& x : water.getWorld().positions())
+    inside_border += x.cwiseAbs().cwiseProduct(Vec3(1, 0, 1)).maxCoeff() < 0.2;
+  EXPECT_GT(inside_border, 100);
+  EXPECT_EQ(water.carried_by(*cloth), inside_border);
 }
 
 TEST(Removal, clear_and_the_limit_of_particles) {
