@@ -17,8 +17,10 @@ using namespace test;
 struct Cube : btFluid {
   Cube() : btFluid(coarse_fluid(), weightless(), ContactSettings()) {
     std::vector<Vec3> x;
-    for (int i = 0; i < 8000; ++i)
-      x.push_back(0.02 * (Vec3(i % 20, i / 20 % 20, i / 400) - Vec3::Constant(9.5)));
+    x.reserve(8000);
+    for (int i = 0; i < 20; ++i)
+      for (int j = 0; j < 20; ++j)
+        for (int k = 0; k < 20; ++k) x.push_back(0.02 * (Vec3(k, j, i) - Vec3::Constant(9.5)));
     EXPECT_TRUE(getWorld().add_particles(x, std::vector<Vec3>(x.size(), Vec3::Zero())).ok());
   }
   static WorldSettings weightless() {
