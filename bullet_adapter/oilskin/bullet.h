@@ -63,10 +63,37 @@ class btFluid {
   Status addBox(const btVector3& boxMin, const btVector3& boxMax,
                 const btVector3& velocity = btVector3(0, 0, 0));
 
+  /// Removes the particles in the closed box [m] and returns their number; −1, and nothing is removed, where
+  /// the box is not finite or has min > max on an axis. Call it between steps. The report of the next step
+  /// counts what was removed, with mass, momentum and energy (World::remove_particles()). The indices i of
+  /// the other particles change, their ids do not. Liquid in wet cloth stays there, and emitters go on.
+  int removeParticles(const btVector3& aabbMin, const btVector3& aabbMax);
+  /// The same for the particles in a convex shape, surface included. Spheres and capsules are round; boxes,
+  /// tetrahedra and convex hulls exact, without the margin that Bullet adds outside of hulls; other shapes
+  /// the hull of 642 of their points, as in addCollisionObject(). −1 for null, a transform that is not finite
+  /// or not invertible, and shapes that are not finite or have no volume.
+  int removeParticles(const btConvexShape* shape, const btTransform& transform);
+  /// Removes all particles. Emitters go on.
+  void clear();
+  /// Where there are n particles, none is added: what emitters would start is lost, and counted in
+  /// StepReport::limited_starts; cloth keeps what would drip from it. Emission goes on when particles have
+  /// left. A box that does not fit is filled in part. A smaller limit removes no particle. n ≤ 0: no limit
+  /// (default).
+  void setMaxParticles(int n);
+  /// 0 = no limit.
+  int getMaxParticles() const;
+
   /// The number of particles.
   int getNumParticles() const;
+  /// A number that the particle i keeps for all its life; no other particle has it. The largest 64-bit number
+  /// for i outside 0 … getNumParticles() − 1.
+  std::uint64_t getId(int i) const;
+  /// The mass of all particles [kg]; not what cloth has absorbed.
+  btScalar getMass() const;
+  /// Their volume at the rest density [m³].
+  btScalar getVolume() const;
   /// [m]. Zero for i outside 0 … getNumParticles() − 1. A step may give a particle another place in this
-  /// order: World::ids() has their numbers.
+  /// order; getId() stays.
   btVector3 getPosition(int i) const;
   /// How fast it moves [m/s]: World::motions(). Zero for i outside 0 … getNumParticles() − 1.
   btVector3 getVelocity(int i) const;

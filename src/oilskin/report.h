@@ -172,7 +172,8 @@ struct EnergyReport {
   double entered_kinetic = 0;
   /// The same, potential; with the nodes of surfaces attached, less those detached.
   double entered_potential = 0;
-  /// Of particles that left the fluid within a step.
+  /// Of particles that left the fluid within a step, or that the caller removed after the step before. Those
+  /// removed before their first step count neither here nor in entered_kinetic.
   double left_kinetic = 0;
   /// The same, potential.
   double left_potential = 0;
@@ -235,7 +236,8 @@ struct StepReport {
   std::uint64_t alive = 0;
   /// Particles that emitters added.
   std::uint64_t emitted = 0;
-  /// Particles removed by the kill box, by contact or at a new surface.
+  /// Particles removed by the kill box, by contact, at a new surface, or by the caller since the step before
+  /// (World::remove_particles(), World::clear()).
   std::uint64_t removed = 0;
   /// Particles that surfaces absorbed as a whole.
   std::uint64_t absorbed = 0;
@@ -247,6 +249,8 @@ struct StepReport {
   std::uint64_t removed_too_fast = 0;
   /// Starts without a particle: too close to a surface, or outside the kill box.
   std::uint64_t blocked_starts = 0;
+  /// Starts that were lost because there were WorldSettings::max_particles; each is World::particle_mass().
+  std::uint64_t limited_starts = 0;
   /// The mass of emitted particles [kg].
   double mass_emitted = 0;
   /// The mass of removed particles [kg].

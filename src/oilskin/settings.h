@@ -186,6 +186,10 @@ struct WorldSettings {
   Box kill_box = {Vec3::Constant(-10), Vec3::Constant(10)};
   /// 0 = all hardware threads. The results do not depend on it.
   int threads = 0;
+  /// Where there are as many particles, none is added; 0 = no limit. Starts of emitters are lost then, and
+  /// counted in StepReport::limited_starts; surfaces keep what they would release; add_particles() leaves out
+  /// the rest. Emission goes on when particles have left. A smaller limit removes no particle.
+  std::uint64_t max_particles = 0;
 
   /// Accepted, or the first field that is out of range.
   Status validate() const;

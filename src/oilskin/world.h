@@ -62,6 +62,8 @@ class World {
   Status set_gravity(const Vec3& gravity);
   /// Refuses settings that are out of range.
   Status set_contact_settings(const ContactSettings& settings);
+  /// WorldSettings::max_particles, from now on; 0 = no limit.
+  void set_max_particles(std::uint64_t count);
 
   // --- surfaces
   /// The host remains the caller's and must outlive its attachment. Refuses a mesh without triangles, indices
@@ -92,9 +94,23 @@ class World {
   Status add_emitter(const MeshEmitter& emitter);
   /// Adds rain.
   Status add_emitter(const RainEmitter& emitter);
-  /// Adds particles. Those closer than 2 δ to a surface are left out one by one and counted in `blocked`.
+  /// Adds particles. Those closer than 2 δ to a surface, outside the kill box or beyond
+  /// WorldSettings::max_particles are left out one by one and counted in `blocked`.
   Status add_particles(Span<const Vec3> positions, Span<const Vec3> velocities,
                        std::uint64_t* blocked = nullptr);
+  /// Removes the particles in the closed box, between steps; `removed` is their number. The report of the
+  /// next step counts them, with mass, momentum and energy, as it does those that leave the kill box. Ids,
+  /// order and numbers of the others stay as they are, and spans that were taken before are invalid. Liquid
+  /// in surfaces stays there, and emitters go on. Refuses (and removes nothing) a box that is not finite or
+  /// has min > max on an axis.
+  Status remove_particles(const Box& box, std::uint64_t* removed = nullptr);
+  /// The same for the closed ball of `radius` ≥ 0 around `center` [m]. Refuses numbers that are not finite.
+  Status remove_particles(const Vec3& center, double radius, std::uint64_t* removed = nullptr);
+  /// The same for particles by their ids, in any order; ids that no particle has are ignored. Returns how
+  /// many were removed.
+  std::uint64_t remove_particles(Span<const std::uint64_t> ids);
+  /// The same for all particles.
+  void clear();
 
   /// The number of particles.
   std::size_t particle_count() const;

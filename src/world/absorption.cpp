@@ -9,6 +9,7 @@
 #include "core/inverse_mass.h"
 #include "world/clearance.h"
 #include "world/numeric_range.h"
+#include "world/particle_limit.h"
 
 namespace oilskin::world {
 
@@ -112,7 +113,7 @@ double absorbed_mass(const Attachment& a) {
   return std::accumulate(a.motion.absorbed_mass.begin(), a.motion.absorbed_mass.end(), 0.0);
 }
 
-void release_particles(Span<const Release> releases, const ActiveSurfaces& active, const Box& kill_box,
+void release_particles(Span<const Release> releases, const ActiveSurfaces& active, const WorldSettings& world,
                        double spacing, double rest_density, double particle_mass, const Workers& workers,
                        fluid::Particles& particles, std::uint64_t& next_id, Ledger& ledger) {
   if (releases.empty()) return;
@@ -121,7 +122,8 @@ void release_particles(Span<const Release> releases, const ActiveSurfaces& activ
   const std::vector<std::uint8_t> blocked = find_blocked_points(active.at_end(), places, workers);
   for (std::size_t k = 0; k < releases.size(); ++k) {
     const Release& r = releases[k];
-    if (blocked[k] || !is_release(r, active, particle_mass) || !kill_box.contains(r.position) ||
+    if (blocked[k] || !is_release(r, active, particle_mass) || !world.kill_box.contains(r.position) ||
+        particles.size() >= particle_limit(world) ||
         !is_far_from_particles(particles, r.position, free_distance * spacing) ||
         !is_way_free(active, r.from, r.position))
       continue;

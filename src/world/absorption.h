@@ -18,7 +18,7 @@ double take(Attachment& a, std::uint32_t node, double mass);
 double absorbed_mass(const Attachment& a);
 
 /// The releases of a step whose place is free, as new particles. The surfaces are at x_t1.
-void release_particles(Span<const Release> releases, const ActiveSurfaces& active, const Box& kill_box,
+void release_particles(Span<const Release> releases, const ActiveSurfaces& active, const WorldSettings& world,
                        double spacing, double rest_density, double particle_mass, const Workers& workers,
                        fluid::Particles& particles, std::uint64_t& next_id, Ledger& ledger);
 

@@ -30,9 +30,18 @@ Vec3 EnergyBalance::middle(const fluid::Particles& particles, std::size_t i, con
   return x - 0.5 * length * particles.motion[i];
 }
 
+/// A particle that has not moved yet has brought no energy, and takes none away.
+void EnergyState::withdraw(const fluid::Particles& particles, std::size_t i, double mass) {
+  if (particles.id[i] >= first_new_id) return;
+  const Vec3& u = particles.motion[i];
+  withdrawn.add(mass, u, particles.position[i] - 0.5 * interval * u);
+}
+
 void EnergyBalance::begin(const fluid::Particles& particles, double dt) {
   const bool turned = gravity_ != state_.gravity;
   if (turned) state_.max_specific = 0;
+  start_ = left_ = state_.withdrawn;
+  state_.withdrawn = Energy();
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Vec3 &x = particles.position[i], &u = particles.motion[i];
     const bool is_new = particles.id[i] >= state_.first_new_id;
@@ -197,13 +206,17 @@ void visit(Archive& archive, EnergyReport& r) {
 
 void EnergyState::visit(Archive& archive) {
   auto& [interval_, first_new_id_, max_specific_, max_node_speed_, gravity_, water_, nodes_, report_,
-         gravity_work_, max_work_, time_, window_end_, min_made_, min_made_before_, last_made_] = *this;
+         gravity_work_, max_work_, time_, window_end_, min_made_, min_made_before_, last_made_, withdrawn_] =
+      *this;
   archive.values(interval_, first_new_id_, max_specific_, max_node_speed_, gravity_, gravity_work_, max_work_,
                  time_, window_end_, min_made_, min_made_before_, last_made_[0], last_made_[1]);
   world::visit(archive, water_);
   world::visit(archive, nodes_);
+  world::visit(archive, withdrawn_);
   world::visit(archive, report_);
   archive.require(interval_ >= 0 && std::isfinite(interval_), "the length of the last interval");
+  archive.require(std::isfinite(withdrawn_.kinetic) && withdrawn_.moment.allFinite(),
+                  "the energy of particles that were removed");
 }
 
 }  // namespace oilskin::world

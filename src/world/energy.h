@@ -38,7 +38,10 @@ struct EnergyState {
   double time = 0, window_end = 0;  ///< since the balance began [s]
   double min_made = 0, min_made_before = 0;  ///< of EnergyReport::made in this window and the one before [J]
   std::array<double, 2> last_made = {0, 0};  ///< of the last two steps, the last first
+  Energy withdrawn;                          ///< of particles that the caller removed since the last step
 
+  /// The caller removes particle i, whose mass is `mass` [kg].
+  void withdraw(const fluid::Particles& particles, std::size_t i, double mass);
   void visit(Archive& archive);
 };
 

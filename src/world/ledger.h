@@ -35,6 +35,13 @@ class Ledger {
     report_.mass_removed += ratio * mass_;
     report_.momentum_removed += ratio * mass_ * velocity;
   }
+  /// What the caller removed since the last step, when the fluid still had its momentum: Σ ratio and
+  /// Σ ratio × velocity.
+  void withdrawn(double ratio, const Vec3& momentum) {
+    report_.mass_removed += ratio * mass_;
+    report_.momentum_removed += mass_ * momentum;
+    report_.momentum_before += mass_ * momentum;
+  }
   /// A particle whose numbers are out of range: its momentum is not counted.
   void removed_without_momentum(double ratio) { report_.mass_removed += ratio * mass_; }
   /// A surface absorbs the part `ratio` of a new particle's mass.

@@ -15,8 +15,8 @@ namespace oilskin {
 namespace {
 
 void visit(Archive& archive, WorldSettings& settings) {
-  auto& [gravity, kill_box, threads] = settings;
-  archive.values(gravity, kill_box);
+  auto& [gravity, kill_box, threads, max_particles] = settings;
+  archive.values(gravity, kill_box, max_particles);
   static_cast<void>(threads);  // a property of the machine, not of the state
 }
 
@@ -112,7 +112,7 @@ namespace {
 
 constexpr char magic[8] = {'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'};
 constexpr std::uint32_t byte_order = 0x01020304, swapped_byte_order = 0x04030201;
-constexpr std::uint32_t version = 4;
+constexpr std::uint32_t version = 5;
 constexpr std::size_t frame_bytes = 32;
 
 std::uint64_t check_sum(Span<const std::uint8_t> bytes) {
@@ -232,9 +232,13 @@ Status Attachments::take_hosts(Attachments& from) {
 
 /// Counters come first: ids are checked against them.
 void World::Impl::visit_state(Archive& archive) {
-  auto& [particles, next_particle_id, step_count, interval_count, time, last_dt, max_acceleration, energy] =
-      state;
+  auto& [particles, next_particle_id, step_count, interval_count, time, last_dt, max_acceleration, energy,
+         withdrawn] = state;
   archive.values(next_particle_id, step_count, interval_count, time, last_dt, max_acceleration);
+  archive.values(withdrawn.count, withdrawn.mass_ratio, withdrawn.momentum);
+  archive.require(
+      withdrawn.mass_ratio >= 0 && std::isfinite(withdrawn.mass_ratio) && withdrawn.momentum.allFinite(),
+      "the particles that were removed since the last step");
   archive.require(max_acceleration >= 0, "the largest acceleration");
   archive.require(time >= 0 && std::isfinite(time) && last_dt >= 0 && std::isfinite(last_dt), "the time");
   energy.visit(archive);

@@ -55,6 +55,7 @@ class RollBack {
 void World::Impl::run_step(StepContext& step) {
   OILSKIN_ASSERT(step.dt > 0 && fluid && emission);
   RollBack<Impl> roll_back_on_exception(*this);
+  book_withdrawn(step);
   gather(step);  // surfaces: x_t0 → proposed x_t1
   remove_invalid_particles(step);
   choose_substeps(step);
@@ -142,51 +143,6 @@ void World::Impl::remove_invalid_particles(StepContext& step) {
   }
   if (any) particles.compress(keep);
   OILSKIN_ASSERT(all_finite(particles.position) && all_finite(particles.velocity));
-}
-
-namespace {
-
-std::vector<std::uint8_t> find_blocked_starts(const std::vector<fluid::Start>& starts, const Box& kill_box,
-                                              const world::ActiveSurfaces& surfaces, const Workers& workers) {
-  std::vector<Vec3> points;
-  points.reserve(starts.size());
-  for (const fluid::Start& s : starts) points.push_back(s.position);
-  std::vector<std::uint8_t> blocked = world::find_blocked_points(surfaces.at_start(), points, workers);
-  for (std::size_t k = 0; k < points.size(); ++k)
-    if (!kill_box.contains(points[k])) blocked[k] = 1;
-  return blocked;
-}
-
-}  // namespace
-
-void World::Impl::emit(IntervalContext& interval) {
-  StepContext& step = interval.step;
-  StageTimer timer(step.report.seconds.other_fluid);
-  fluid::Particles& particles = state.particles;
-  interval.live = particles.size();
-  interval.remaining.assign(interval.live, interval.dt);
-  if (interval.is_first)
-    for (std::size_t i = 0; i < particles.size(); ++i)
-      step.ledger.present_before(particles.relative_mass(i), particles.velocity[i]);
-  if (interval.is_first) step.energy.begin(particles, interval.dt);
-  const double live_mass = particles.sum_of_relative_masses();
-  const std::vector<fluid::Start>& starts = emission->due(interval.begin, interval.dt);
-  const std::vector<std::uint8_t> blocked =
-      find_blocked_starts(starts, settings.kill_box, step.surfaces, *workers);
-  for (std::size_t k = 0; k < starts.size(); ++k) {
-    const fluid::Start& start = starts[k];
-    if (blocked[k]) continue;
-    OILSKIN_ASSERT(start.remaining >= 0 && start.remaining <= interval.dt);
-    particles.push_back(state.next_particle_id++, start.position, start.velocity,
-                        fluid_settings.rest_density);
-    interval.remaining.push_back(start.remaining);
-    step.ledger.emitted(start.velocity);
-    step.energy.enter(start.position, start.velocity, interval.dt);
-    step.ledger.gravity(1, start.remaining, settings.gravity);
-  }
-  step.ledger.emitted_mass(particles.size() - interval.live);
-  step.ledger.gravity(live_mass, interval.dt, settings.gravity);
-  step.report.blocked_starts += emission->settle(blocked);
 }
 
 void World::Impl::predict_motion(IntervalContext& interval) const {
@@ -356,7 +312,7 @@ bool World::Impl::keep_mass(IntervalContext& interval, std::size_t i) {
 void World::Impl::release(StepContext& step) {
   if (step.releases.empty()) return;
   StageTimer timer(step.report.seconds.effects);
-  world::release_particles(step.releases, step.surfaces, settings.kill_box, fluid_settings.spacing,
+  world::release_particles(step.releases, step.surfaces, settings, fluid_settings.spacing,
                            fluid_settings.rest_density, fluid->particle_mass(), *workers, state.particles,
                            state.next_particle_id, step.ledger);
   step.report.alive = state.particles.size();

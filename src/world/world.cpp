@@ -8,6 +8,7 @@
 #include "world/absorption.h"
 #include "world/carried_mass.h"
 #include "world/numeric_range.h"
+#include "world/particle_limit.h"
 #include "world/world_impl.h"
 
 namespace oilskin {
@@ -79,6 +80,10 @@ Status World::set_contact_settings(const ContactSettings& settings) {
   Status s = settings.validate();
   if (s.ok()) impl_->contact_settings = settings;
   return s;
+}
+
+void World::set_max_particles(std::uint64_t count) {
+  impl_->settings.max_particles = count;
 }
 
 Status World::attach(SurfaceHost& host, const SurfaceSettings& settings, SurfaceId* id) {
@@ -190,9 +195,10 @@ Status World::add_particles(Span<const Vec3> positions, Span<const Vec3> velocit
   const std::vector<std::uint8_t> is_blocked = world::find_blocked_points(
       impl_->attachments.between_steps(impl_->fluid_settings), positions, *impl_->workers);
   impl_->state.particles.reserve_more(positions.size());
+  const std::uint64_t limit = world::particle_limit(impl_->settings);
   std::uint64_t count = 0;
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (is_blocked[i] || !impl_->settings.kill_box.contains(positions[i])) {
+    if (is_blocked[i] || !impl_->settings.kill_box.contains(positions[i]) || particle_count() >= limit) {
       ++count;
       continue;
     }

@@ -15,6 +15,13 @@ namespace oilskin {
 
 namespace world {
 
+/// Particles that the caller removed since the last step: the next report counts them.
+struct Withdrawn {
+  std::uint64_t count = 0;
+  double mass_ratio = 0;         // Σ of mass over that of a new particle
+  Vec3 momentum = Vec3::Zero();  // Σ mass_ratio × velocity [m/s]
+};
+
 /// What a world keeps from step to step, but for its surfaces, its emitters and the fluid solver's memory.
 struct WorldState {
   fluid::Particles particles;
@@ -25,6 +32,7 @@ struct WorldState {
   double last_dt = 0;           // of the last step [s]; 0 = there was none
   double max_acceleration = 0;  // by the fluid's own forces in the last interval [m/s²]
   EnergyState energy;
+  Withdrawn withdrawn;
 };
 
 }  // namespace world
@@ -60,7 +68,7 @@ struct World::Impl {
   void remove_invalid_particles(world::StepContext& step);
   void choose_substeps(world::StepContext& step) const;  // time_step.cpp
   void run_interval(world::IntervalContext& interval);
-  void emit(world::IntervalContext& interval);
+  void emit(world::IntervalContext& interval);  // emit.cpp
   void predict_motion(world::IntervalContext& interval) const;
   void act(world::IntervalContext& interval);
   void predict_contacts(world::IntervalContext& interval, contact::ContactPass& pass) const;
@@ -75,6 +83,12 @@ struct World::Impl {
   void scatter(world::StepContext& step);
   void finish(world::StepContext& step);
   void advise_on_energy(world::StepContext& step) const;
+
+  // Between steps (removal.cpp)
+  template <class Chosen>
+  std::uint64_t remove_where(Chosen chosen);
+  void withdraw(std::size_t particle);
+  void book_withdrawn(world::StepContext& step);
 
   // Null for what there is not
   std::vector<double>* particle_values(const Effect& effect, std::size_t channel);

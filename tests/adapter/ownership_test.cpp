@@ -1,6 +1,7 @@
 // Objects that the owner deletes, shares or mistakes.
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <new>
 
 #include "bullet_world.h"
@@ -266,6 +267,7 @@ TEST(Mistakes, places_out_of_range_are_zero) {
   for (const int i : {-1, n, n + 1000000000}) {
     EXPECT_EQ(game.water.getPosition(i), btVector3(0, 0, 0));
     EXPECT_EQ(game.water.getVelocity(i), btVector3(0, 0, 0));
+    EXPECT_EQ(game.water.getId(i), std::numeric_limits<std::uint64_t>::max());
   }
   game.water.copyPositions(nullptr);
   game.water.copyVelocities(nullptr);

@@ -28,7 +28,7 @@ TEST(Output, the_report_has_every_key_of_the_format) {
   for (const char* key : {"cloth", "neighbours", "occlusion", "boundary", "pressure", "other_fluid",
                           "proximity", "impulses", "ccd", "zones", "effects", "surface", "output", "verify"})
     EXPECT_TRUE(report["seconds"].contains(key)) << key;
-  for (const char* key : {"emitted", "alive", "removed", "absorbed", "blocked_starts"})
+  for (const char* key : {"emitted", "alive", "removed", "absorbed", "blocked_starts", "limited_starts"})
     EXPECT_TRUE(report["particles"].contains(key)) << key;
   for (const char* key : {"candidates", "contacts", "meetings", "zone_rounds", "held", "nudged", "stalled",
                           "removed", "allowed", "delta", "least_distance", "crossings_found_by_verify"})

@@ -206,6 +206,33 @@ TEST(Exchange, a_release_where_no_particle_may_start_waits) {
                    }}});
 }
 
+TEST(Exchange, a_release_beyond_the_limit_of_particles_stays_in_the_sheet) {
+  WetSheet s;
+  const double m = s.world.particle_mass();
+  const auto drop = [](EffectExchange& e) { e.release(good_release(e)); };
+  s.world.set_max_particles(22);
+  EXPECT_EQ(s.step(drop).released, 0u);
+  EXPECT_NEAR(s.world.absorbed_mass(), 5 * m, 1e-14 * m);
+  s.world.set_max_particles(23);
+  EXPECT_EQ(s.step(drop).released, 1u);
+  EXPECT_NEAR(s.world.absorbed_mass(), 4 * m, 1e-14 * m);
+}
+
+TEST(Exchange, a_particle_that_is_removed_takes_the_mass_that_it_has_left) {
+  WetSheet s;
+  const double m = s.world.particle_mass();
+  s.step([m](EffectExchange& e) { e.absorb(7, 0, middle, {0.1 * m, 0.2 * m, 0}); });
+  EXPECT_NEAR(s.world.fluid_mass(), 21.7 * m, 1e-6 * m);
+  const double absorbed = s.world.absorbed_mass(), fluid = s.world.fluid_mass();
+  const Vec3 momentum = test::fluid_momentum(s.world);
+  s.world.clear();
+  const StepReport& r = s.step({});
+  EXPECT_EQ(r.removed, 22u);
+  EXPECT_NEAR(r.mass_removed, fluid, 1e-14 * fluid);
+  EXPECT_LT((r.momentum_removed - momentum).norm(), 1e-14 * momentum.norm());
+  EXPECT_EQ(s.world.absorbed_mass(), absorbed);
+}
+
 TEST(Exchange, what_is_there_leaves_once) {
   WetSheet s;
   const double before = s.total(), m = s.world.particle_mass();

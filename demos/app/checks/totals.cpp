@@ -14,6 +14,7 @@ void Totals::add(const StepReport& r) {
   removed += r.removed;
   removed_invalid += r.removed_invalid;
   blocked_starts += r.blocked_starts;
+  limited_starts += r.limited_starts;
   mass_emitted += r.mass_emitted;
   mass_removed += r.mass_removed;
   absorbed += r.absorbed;

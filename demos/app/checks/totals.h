@@ -11,8 +11,9 @@ struct Totals {
   StageSeconds seconds;
   ContactReport contact;
   std::uint64_t emitted = 0, removed = 0, removed_invalid = 0, blocked_starts = 0;
-  std::uint64_t absorbed = 0, released = 0;                                    ///< particles, by cloth
-  double mass_emitted = 0, mass_removed = 0;                                   ///< [kg]
+  std::uint64_t limited_starts = 0;           ///< by WorldSettings::max_particles
+  std::uint64_t absorbed = 0, released = 0;   ///< particles, by cloth
+  double mass_emitted = 0, mass_removed = 0;  ///< [kg]
   double mass_absorbed = 0, mass_released = 0, mass_dried = 0, mass_lost = 0;  ///< [kg]
   double density_error_sum = 0, density_error_max = 0;
   std::uint64_t pressure_iterations = 0;

@@ -205,7 +205,8 @@ Json make_report(const RunSummary& s) {
                          {"removed_too_fast", t.removed_too_fast},
                          {"absorbed", t.absorbed},
                          {"released", t.released},
-                         {"blocked_starts", t.blocked_starts}};
+                         {"blocked_starts", t.blocked_starts},
+                         {"limited_starts", t.limited_starts}};
   report["contact"] = contact(s);
   if (s.scene.water_mesh) report["surface"] = surface(s.meshes);
   report["density_error"] = {{"mean", t.density_error_sum / steps}, {"max", t.density_error_max}};

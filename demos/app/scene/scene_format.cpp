@@ -349,6 +349,7 @@ void describe(Fields& f, Scene& s) {
   if (f.reading()) set_thicknesses(s);
   f.object("contact", [&](Fields& g) { describe(g, s.contact); });
   f.box("kill_box", s.world.kill_box);
+  f.unsigned_integer("max_particles", s.world.max_particles);
   f.object("effects", [&](Fields& g) { describe(g, s.effects); });
   f.optional_object("surface", s.water_mesh, [&](Fields& g, WaterMeshSettings& w) {
     if (g.reading() && s.effects.wetting) w.mode = ObstacleMode::wet;

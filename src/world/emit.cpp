@@ -1,0 +1,61 @@
+/// The starts of emitters in a step.
+#include "core/assert.h"
+#include "world/particle_limit.h"
+#include "world/world_impl.h"
+
+namespace oilskin {
+
+using world::IntervalContext;
+using world::StepContext;
+
+namespace {
+
+std::vector<std::uint8_t> find_blocked_starts(const std::vector<fluid::Start>& starts, const Box& kill_box,
+                                              const world::ActiveSurfaces& surfaces, const Workers& workers) {
+  std::vector<Vec3> points;
+  points.reserve(starts.size());
+  for (const fluid::Start& s : starts) points.push_back(s.position);
+  std::vector<std::uint8_t> blocked = world::find_blocked_points(surfaces.at_start(), points, workers);
+  for (std::size_t k = 0; k < points.size(); ++k)
+    if (!kill_box.contains(points[k])) blocked[k] = 1;
+  return blocked;
+}
+
+}  // namespace
+
+void World::Impl::emit(IntervalContext& interval) {
+  StepContext& step = interval.step;
+  StageTimer timer(step.report.seconds.other_fluid);
+  fluid::Particles& particles = state.particles;
+  interval.live = particles.size();
+  interval.remaining.assign(interval.live, interval.dt);
+  if (interval.is_first)
+    for (std::size_t i = 0; i < particles.size(); ++i)
+      step.ledger.present_before(particles.relative_mass(i), particles.velocity[i]);
+  if (interval.is_first) step.energy.begin(particles, interval.dt);
+  const double live_mass = particles.sum_of_relative_masses();
+  const std::vector<fluid::Start>& starts = emission->due(interval.begin, interval.dt);
+  const std::vector<std::uint8_t> blocked =
+      find_blocked_starts(starts, settings.kill_box, step.surfaces, *workers);
+  const std::uint64_t limit = world::particle_limit(settings);
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    const fluid::Start& start = starts[k];
+    if (blocked[k]) continue;
+    if (particles.size() >= limit) {
+      ++step.report.limited_starts;  // lost: it does not wait
+      continue;
+    }
+    OILSKIN_ASSERT(start.remaining >= 0 && start.remaining <= interval.dt);
+    particles.push_back(state.next_particle_id++, start.position, start.velocity,
+                        fluid_settings.rest_density);
+    interval.remaining.push_back(start.remaining);
+    step.ledger.emitted(start.velocity);
+    step.energy.enter(start.position, start.velocity, interval.dt);
+    step.ledger.gravity(1, start.remaining, settings.gravity);
+  }
+  step.ledger.emitted_mass(particles.size() - interval.live);
+  step.ledger.gravity(live_mass, interval.dt, settings.gravity);
+  step.report.blocked_starts += emission->settle(blocked);
+}
+
+}  // namespace oilskin

@@ -1,0 +1,76 @@
+/// Removal of particles by the caller, between steps.
+#include <algorithm>
+#include <cmath>
+
+#include "core/refuse.h"
+#include "world/numeric_range.h"
+#include "world/world_impl.h"
+
+namespace oilskin {
+
+/// All that may throw comes first: the world is then as it was.
+template <class Chosen>
+std::uint64_t World::Impl::remove_where(Chosen chosen) {
+  const std::size_t n = state.particles.size();
+  std::vector<std::uint8_t> keep(n);
+  for (std::size_t i = 0; i < n; ++i) keep[i] = !chosen(i);
+  for (std::size_t i = 0; i < n; ++i)
+    if (!keep[i]) withdraw(i);
+  state.particles.compress(keep);
+  return n - state.particles.size();
+}
+
+/// Numbers out of range have no momentum and no energy that a balance could hold, as in a step.
+void World::Impl::withdraw(std::size_t particle) {
+  const fluid::Particles& particles = state.particles;
+  const double ratio = particles.relative_mass(particle);
+  world::Withdrawn& withdrawn = state.withdrawn;
+  ++withdrawn.count;
+  withdrawn.mass_ratio += ratio;
+  if (!world::is_in_range(particles.position[particle]) || !world::is_in_range(particles.velocity[particle]))
+    return;
+  withdrawn.momentum += ratio * particles.velocity[particle];
+  state.energy.withdraw(particles, particle, ratio * fluid->particle_mass());
+}
+
+void World::Impl::book_withdrawn(world::StepContext& step) {
+  const world::Withdrawn& withdrawn = state.withdrawn;
+  step.report.removed += withdrawn.count;
+  step.ledger.withdrawn(withdrawn.mass_ratio, withdrawn.momentum);
+  state.withdrawn = {};
+}
+
+Status World::remove_particles(const Box& box, std::uint64_t* removed) {
+  if (!box.min.allFinite()) return refuse_value("box.min", box.min.transpose(), "finite");
+  if (!box.max.allFinite()) return refuse_value("box.max", box.max.transpose(), "finite");
+  if (!(box.min.array() <= box.max.array()).all())
+    return refuse_value("box.min", box.min.transpose(), "at most box.max on every axis");
+  const std::vector<Vec3>& x = impl_->state.particles.position;
+  const std::uint64_t count = impl_->remove_where([&](std::size_t i) { return box.contains(x[i]); });
+  if (removed) *removed = count;
+  return {};
+}
+
+Status World::remove_particles(const Vec3& center, double radius, std::uint64_t* removed) {
+  if (!center.allFinite()) return refuse_value("center", center.transpose(), "finite");
+  if (!(radius >= 0 && std::isfinite(radius))) return refuse_value("radius", radius, "finite and ≥ 0 m");
+  const std::vector<Vec3>& x = impl_->state.particles.position;
+  const std::uint64_t count =
+      impl_->remove_where([&](std::size_t i) { return (x[i] - center).stableNorm() <= radius; });
+  if (removed) *removed = count;
+  return {};
+}
+
+std::uint64_t World::remove_particles(Span<const std::uint64_t> ids) {
+  std::vector<std::uint64_t> sorted(ids.begin(), ids.end());
+  std::sort(sorted.begin(), sorted.end());
+  const std::vector<std::uint64_t>& id = impl_->state.particles.id;
+  return impl_->remove_where(
+      [&](std::size_t i) { return std::binary_search(sorted.begin(), sorted.end(), id[i]); });
+}
+
+void World::clear() {
+  impl_->remove_where([](std::size_t) { return true; });
+}
+
+}  // namespace oilskin
