@@ -1,4 +1,5 @@
-# Installs into a prefix, moves it, and builds programs with the compiler and pkg-config alone: EXAMPLES has the sources.
+# Installs into a prefix, moves it, and builds programs with the compiler and pkg-config alone, from the folder EXAMPLES
+# and the file GUARDED.
 # MODULES: those of oilskin-bullet, oilskin-bullet-f64 that the build has, with commas between.
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE text ERROR_VARIABLE text)
@@ -34,12 +35,18 @@ function(build module source program)
   set(output "${text}" PARENT_SCOPE)
 endfunction()
 
-build(oilskin ${EXAMPLES}/contact_alone.cpp contact_alone)
-if(NOT output MATCHES "crossings: 0\n")
-  message(FATAL_ERROR "contact_alone printed:\n${output}")
-endif()
 string(REPLACE "," ";" MODULES "${MODULES}")
-foreach(module ${MODULES})
-  build(${module} ${EXAMPLES}/hello_bullet.cpp ${module})
+list(POP_FRONT MODULES first)
+if(first)
+  build(${first} ${EXAMPLES}/hello_bullet.cpp hello_bullet)
   include(${CMAKE_CURRENT_LIST_DIR}/hello_bullet.cmake)
+else()
+  build(oilskin ${EXAMPLES}/contact_alone.cpp contact_alone)
+  if(NOT output MATCHES "crossings: 0\n")
+    message(FATAL_ERROR "contact_alone printed:\n${output}")
+  endif()
+endif()
+# Links only with the adapter of the precision that its module's flags make it see.
+foreach(module ${MODULES})
+  build(${module} ${GUARDED} ${module})
 endforeach()
