@@ -18,11 +18,11 @@
 // with the adapter of the other would corrupt memory. It does not link, and the missing symbol names the
 // reason.
 #ifdef BT_USE_DOUBLE_PRECISION
-#define OILSKIN_BULLET_GUARD oilskin_bullet_adapter_was_built_for_double_precision
+#define OILSKIN_BULLET_GUARD oilskin_this_file_sees_double_precision_Bullet_link_oilskin_bullet_f64
 static_assert(sizeof(btScalar) == sizeof(double),
               "BT_USE_DOUBLE_PRECISION must be defined before Bullet's headers");
 #else
-#define OILSKIN_BULLET_GUARD oilskin_bullet_adapter_was_built_for_single_precision
+#define OILSKIN_BULLET_GUARD oilskin_this_file_sees_single_precision_Bullet_link_oilskin_bullet
 static_assert(sizeof(btScalar) == sizeof(float),
               "link oilskin::bullet_f64, which defines BT_USE_DOUBLE_PRECISION");
 #endif

@@ -25,4 +25,11 @@ endif()
 # libfcl on the layout of every FCL object that holds a transform, and crash. Fixing Eigen's largest alignment at
 # 16 on everything that includes Eigen through Oilskin makes both sides agree, whatever flags a user chooses.
 # (libccd and octomap do not matter: FCL is used for its bounding-volume trees only.)
-set(OILSKIN_EIGEN_DEFINITION EIGEN_MAX_ALIGN_BYTES=16)
+# The library always has 16. A user who defines EIGEN_MAX_ALIGN_BYTES keeps his value: public headers have only
+# Vector3d and Matrix3d, which Eigen never aligns. The value comes as an option, because an option may look at the user's
+# definitions; a definition may not.
+set(OILSKIN_EIGEN_ALIGNMENT 16)
+target_compile_options(oilskin_flags INTERFACE -UEIGEN_MAX_ALIGN_BYTES -DEIGEN_MAX_ALIGN_BYTES=${OILSKIN_EIGEN_ALIGNMENT})
+string(CONCAT OILSKIN_EIGEN_OPTION
+  "$<$<STREQUAL:$<FILTER:$<TARGET_PROPERTY:COMPILE_DEFINITIONS>,INCLUDE,^(-D)?EIGEN_MAX_ALIGN_BYTES>,>:"
+  "-DEIGEN_MAX_ALIGN_BYTES=${OILSKIN_EIGEN_ALIGNMENT}>")

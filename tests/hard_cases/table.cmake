@@ -1,6 +1,6 @@
 # Writes the page of hard cases from the rows of the tests, or compares it with them:
 # cmake -DROWS=folder -DPAGE=hard_cases.md "-DBUILD=compiler, processor" [-DCOMPARE=ON] -P table.cmake
-cmake_minimum_required(VERSION 3.25)
+cmake_minimum_required(VERSION 3.22)
 file(GLOB files ${ROWS}/*.row)
 list(SORT files)
 set(rows "")
