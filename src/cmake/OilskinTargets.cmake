@@ -29,7 +29,8 @@ endif()
 # Vector3d and Matrix3d, which Eigen never aligns. The value comes as an option, because an option may look at the user's
 # definitions; a definition may not.
 set(OILSKIN_EIGEN_ALIGNMENT 16)
-target_compile_options(oilskin_flags INTERFACE -UEIGEN_MAX_ALIGN_BYTES -DEIGEN_MAX_ALIGN_BYTES=${OILSKIN_EIGEN_ALIGNMENT})
+target_compile_options(oilskin_flags INTERFACE
+  "SHELL:-UEIGEN_MAX_ALIGN_BYTES -DEIGEN_MAX_ALIGN_BYTES=${OILSKIN_EIGEN_ALIGNMENT}")
 string(CONCAT OILSKIN_EIGEN_OPTION
   "$<$<STREQUAL:$<FILTER:$<TARGET_PROPERTY:COMPILE_DEFINITIONS>,INCLUDE,^(-D)?EIGEN_MAX_ALIGN_BYTES>,>:"
   "-DEIGEN_MAX_ALIGN_BYTES=${OILSKIN_EIGEN_ALIGNMENT}>")
