@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include "convert.h"
 #include "coupling_impl.h"
@@ -85,24 +86,22 @@ const SurfaceMotion* btFluidCoupling::Impl::surface(const btCollisionObject* obj
 /// btSoftRigidDynamicsWorld::setGravity() does not affect soft bodies: their gravity is that of their world
 /// info.
 Status btFluidCoupling::Impl::follow_gravity() {
-  if (!use_cloth_gravity) {
-    followed_gravity.reset();
-    return Status::accepted();
-  }
-  for (const Attachment& a : attachments) {
-    if (!a.cloth || !a.cloth->getWorldInfo()) continue;
-    const Vec3 gravity = to_vec3(a.cloth->getWorldInfo()->m_gravity);
-    const Vec3 present = world()->settings().gravity;
-    if (followed_gravity && present != *followed_gravity)
-      note(
-          "the gravity given to World::set_gravity() was replaced by that of the cloth's "
-          "btSoftBodyWorldInfo: "
-          "call setUseClothGravity(false) first");
-    followed_gravity = gravity;
-    return gravity == present ? Status::accepted() : world()->set_gravity(gravity);
-  }
-  followed_gravity.reset();
-  return Status::accepted();
+  const std::optional<Vec3> before = std::exchange(followed_gravity, gravity_of_cloth());
+  if (!followed_gravity) return Status::accepted();
+  const Vec3 present = world()->settings().gravity;
+  if (before && present != *before)
+    note(
+        "the gravity given to World::set_gravity() was replaced by that of the cloth's btSoftBodyWorldInfo: "
+        "call setUseClothGravity(false) first");
+  return *followed_gravity == present ? Status::accepted() : world()->set_gravity(*followed_gravity);
+}
+
+/// That of the first cloth that has one; nothing where the fluid keeps its own.
+std::optional<Vec3> btFluidCoupling::Impl::gravity_of_cloth() const {
+  if (!use_cloth_gravity) return {};
+  for (const Attachment& a : attachments)
+    if (a.cloth && a.cloth->getWorldInfo()) return to_vec3(a.cloth->getWorldInfo()->m_gravity);
+  return {};
 }
 
 const StepReport& btFluidCoupling::Impl::refuse(std::string why) {

@@ -50,6 +50,7 @@ struct btFluidCoupling::Impl {
   void forget_motion(const btCollisionObject* object);
   const SurfaceMotion* surface(const btCollisionObject* object);
   Status follow_gravity();
+  std::optional<Vec3> gravity_of_cloth() const;
   const StepReport& refuse(std::string why);
 };
 

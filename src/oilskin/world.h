@@ -183,7 +183,9 @@ class World {
   double time() const;
   /// The number of steps.
   std::uint64_t step_count() const;
-  /// The contacts of the last step; if it was cut, of its last sub-step.
+  /// The contacts of the last step; if it was cut, of its last sub-step. Contact::particle is the index that
+  /// the particle had in that step: it is another particle's where the step or the caller has removed
+  /// particles since.
   const std::vector<Contact>& contacts() const;
 
   /// 64 bits over the id, position and velocity bits of every particle in the order of ids, then the node

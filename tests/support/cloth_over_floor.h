@@ -21,6 +21,13 @@ struct ClothOverFloor {
     cloth.gravity = Vec3(0, -9.81, 0);
     floor.add_rectangle(Vec3(-0.4, -0.1, -0.4), Vec3(0.8, 0, 0), Vec3(0, 0, 0.8), 3, 3);
   }
+  /// Holds the first and the last row of nodes.
+  void pin_two_borders() {
+    for (std::size_t i = 0; i < side; ++i) {
+      cloth.pin(i);
+      cloth.pin((side - 1) * side + i);
+    }
+  }
   void attach_to(World& world) {
     EXPECT_TRUE(world.attach(cloth, sheet_settings(), &cloth_id).ok());
     EXPECT_TRUE(world.attach(floor, sheet_settings(0.002), &floor_id).ok());

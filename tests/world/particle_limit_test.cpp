@@ -28,8 +28,10 @@ TEST(ParticleLimit, emitters_stop_there_and_go_on_when_particles_have_left) {
   EXPECT_EQ(limited.settings().max_particles, 100u);
   std::uint64_t starts = 0, emitted = 0, lost = 0;
   for (int k = 0; k < 60; ++k) {
-    if (k == 40) EXPECT_EQ(limited.particle_count(), 100u);
-    if (k == 40) limited.clear();
+    if (k == 40) {
+      EXPECT_EQ(limited.particle_count(), 100u);
+      limited.clear();
+    }
     starts += free.step(1e-3).emitted;
     const StepReport& r = limited.step(1e-3);
     emitted += r.emitted;
