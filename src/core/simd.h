@@ -45,17 +45,24 @@ inline F4 operator*(F4 a, F4 b) {
 inline F4 operator/(F4 a, F4 b) {
   return a.v / b.v;
 }
+#if defined(__SSE2__)
+// MAXPS is a > b ? a : b and MINPS is a < b ? a : b, for NaN and zeros too.
+inline F4 larger(F4 a, F4 b) {
+  return F4::V(_mm_max_ps(a.v, b.v));
+}
+inline F4 smaller(F4 a, F4 b) {
+  return F4::V(_mm_min_ps(a.v, b.v));
+}
+inline F4 root(F4 a) {
+  return F4::V(_mm_sqrt_ps(a.v));
+}
+#else
 inline F4 larger(F4 a, F4 b) {
   return a.v > b.v ? a.v : b.v;
 }
 inline F4 smaller(F4 a, F4 b) {
   return a.v < b.v ? a.v : b.v;
 }
-#if defined(__SSE2__)
-inline F4 root(F4 a) {
-  return F4::V(_mm_sqrt_ps(a.v));
-}
-#else
 inline F4 root(F4 a) {
   return F4::V{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
 }
@@ -88,6 +95,7 @@ struct Sum4 {
             __builtin_convertvector(__builtin_shufflevector(b.v, b.v, 2, 3), D);
   }
   double total() const { return (low[0] + high[0]) + (low[1] + high[1]); }
+  Sum4 operator+(const Sum4& o) const { return {low + o.low, high + o.high}; }
 };
 
 /// Four records, transposed: x[k] is that of record index[k].
@@ -160,6 +168,9 @@ struct Sum4 {
     for (int k = 0; k < 4; ++k) v[k] += static_cast<double>(a[k]) * static_cast<double>(b[k]);
   }
   double total() const { return (v[0] + v[2]) + (v[1] + v[3]); }
+  Sum4 operator+(const Sum4& o) const {
+    return {{v[0] + o.v[0], v[1] + o.v[1], v[2] + o.v[2], v[3] + o.v[3]}};
+  }
 };
 
 struct Record4 {
@@ -201,6 +212,9 @@ struct F8 {
     std::memcpy(static_cast<void*>(&a), p, sizeof a);
     return a;
   }
+  static F8 gather(const float* p, const std::uint32_t* index) {
+    return {simd::gather(p, index), simd::gather(p, index + 4)};
+  }
   void store(float* p) const { std::memcpy(p, static_cast<const void*>(this), sizeof *this); }
 };
 static_assert(sizeof(F8) == 8 * sizeof(float), "eight floats, nothing else");
@@ -213,6 +227,18 @@ inline F8 operator-(const F8& a, const F8& b) {
 }
 inline F8 operator*(const F8& a, const F8& b) {
   return {a.low * b.low, a.high * b.high};
+}
+inline F8 operator/(const F8& a, const F8& b) {
+  return {a.low / b.low, a.high / b.high};
+}
+inline void operator+=(F8& a, const F8& b) {
+  a = a + b;
+}
+inline F8 root(const F8& a) {
+  return {root(a.low), root(a.high)};
+}
+inline float total(const F8& a) {
+  return total(a.low + a.high);
 }
 inline F8 larger(const F8& a, const F8& b) {
   return {larger(a.low, b.low), larger(a.high, b.high)};
@@ -239,6 +265,30 @@ inline std::uint32_t greater_mask(const F8& a, const F8& b) {
   return bits;
 #endif
 }
+
+/// Eight sums of floats in double, so that antisymmetric terms cancel to 1e-16.
+struct Sum8 {
+  Sum4 low, high;
+  void operator+=(const F8& a) {
+    low += a.low;
+    high += a.high;
+  }
+  /// Adds a b, which is exact in double.
+  void add_product(const F8& a, const F8& b) {
+    low.add_product(a.low, b.low);
+    high.add_product(a.high, b.high);
+  }
+  double total() const { return (low + high).total(); }
+};
+
+/// Eight records, transposed: x[k] is that of record index[k].
+struct Record8 {
+  F8 x, y, z, w;
+  Record8(const Record* r, const std::uint32_t* index) : Record8(Record4(r, index), Record4(r, index + 4)) {}
+
+ private:
+  Record8(const Record4& a, const Record4& b) : x(a.x, b.x), y(a.y, b.y), z(a.z, b.z), w(a.w, b.w) {}
+};
 
 /// Sets the elements of which bits are set to 0.
 inline F8 cleared(const F8& a, std::uint32_t bits) {

@@ -1,11 +1,14 @@
 /// Smoothing kernels in three dimensions with support radius H (F.1): W(r) = c w(q), W'(r) = (c/H) w'(q), q =
-/// r/H and c = norm/H³. The shapes w take any scalar with + − * / and larger(): double or F4. They are 0 for
+/// r/H and c = norm/H³. The shapes w take any scalar with + − * / and larger(): double, F4 or
+/// F8. They are 0 for
 /// q ≥ 1 without a branch.
 #pragma once
 
-#include "fluid/simd.h"
+#include "core/simd.h"
 
 namespace oilskin::fluid {
+
+using simd::larger;  // for double, where no argument names the namespace
 
 constexpr double pi = 3.14159265358979323846;
 

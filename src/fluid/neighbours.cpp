@@ -19,6 +19,12 @@ constexpr double max_cell = (1 << 20) - 2;
 /// The record of the padding: far from everything, and its square is a finite float.
 constexpr Record far_away = {1e18f, 1e18f, 1e18f, 0};
 
+constexpr std::size_t list_padding = 8;
+
+constexpr std::size_t padded_size(std::size_t n) {
+  return (n + list_padding - 1) / list_padding * list_padding;
+}
+
 struct CellBox {
   using Cell = std::array<std::int32_t, 3>;
   Cell min = {INT32_MAX, INT32_MAX, INT32_MAX}, max = {INT32_MIN, INT32_MIN, INT32_MIN};
@@ -213,7 +219,7 @@ void Neighbours::remove(Span<const std::pair<std::uint32_t, std::uint32_t>> pair
       return std::binary_search(pairs.begin() + static_cast<std::ptrdiff_t>(first_of[g]),
                                 pairs.begin() + static_cast<std::ptrdiff_t>(stop), std::make_pair(i, j));
     };
-    const std::uint32_t padded = (count_[i] + 3) / 4 * 4;
+    const std::size_t padded = padded_size(count_[i]);
     std::uint32_t kept = 0;
     for (std::uint32_t k = 0; k < count_[i]; ++k)
       if (!is_removed(list[k])) list[kept++] = list[k];
@@ -224,7 +230,7 @@ void Neighbours::remove(Span<const std::pair<std::uint32_t, std::uint32_t>> pair
 }
 
 void Neighbours::search_chunk(std::size_t begin, std::size_t end, std::size_t chunk) {
-  Candidates candidates;
+  Around candidates;
   std::size_t cell = static_cast<std::size_t>(
       std::upper_bound(cell_begin_.begin(), cell_begin_.end(), static_cast<std::uint32_t>(begin)) -
       cell_begin_.begin() - 1);
@@ -236,15 +242,12 @@ void Neighbours::search_chunk(std::size_t begin, std::size_t end, std::size_t ch
   }
 }
 
-void Neighbours::collect(std::size_t cell, Candidates& c) const {
+void Neighbours::collect(std::size_t cell, Around& c) const {
   std::size_t n = 0;
   for (const Run& r : runs_[cell]) n += r.end - r.begin;
-  if (c.x.size() < n) {
-    for (std::vector<float>* v : {&c.x, &c.y, &c.z}) v->resize(n);
-    c.near.resize(n);
-    c.particle.reserve(n);
-  }
-  c.particle.resize(n);
+  const std::size_t padded = padded_size(n);
+  for (std::vector<float>* v : {&c.x, &c.y, &c.z}) v->resize(padded);
+  c.particle.resize(padded);
   std::size_t k = 0;
   for (std::size_t slot = 0; slot < 9; ++slot) {
     const Run& r = runs_[cell][slot];
@@ -256,33 +259,22 @@ void Neighbours::collect(std::size_t cell, Candidates& c) const {
       c.particle[k] = j;
     }
   }
+  for (; k < padded; ++k) c.x[k] = c.y[k] = c.z[k] = far_away.x;
 }
 
-void Neighbours::list_neighbours(std::size_t i, std::size_t own, Candidates& c, std::size_t chunk) {
-  const Record p = records_[i];
-  const std::size_t n = c.particle.size();
-  const float *x = c.x.data(), *y = c.y.data(), *z = c.z.data();
-  std::uint32_t* near = c.near.data();
-  for (std::size_t k = 0; k < n; ++k) {
-    const float dx = x[k] - p.x, dy = y[k] - p.y, dz = z[k] - p.z;
-    near[k] = dx * dx + dy * dy + dz * dz < 1 ? 1 : 0;
-  }
+void Neighbours::list_neighbours(std::size_t i, std::size_t own, Around& c, std::size_t chunk) {
+  OILSKIN_ASSERT(own < c.particle.size() && c.particle[own] == i);
+  const std::size_t n = c.particle.size(), begin = used_[chunk];
   std::vector<std::uint32_t>& list = lists_[chunk];
-  const std::size_t begin = used_[chunk];
-  if (list.size() < begin + n + 4) list.resize(begin + n + 4 + list.size() / 2);
+  if (list.size() < begin + n + list_padding) list.resize(begin + n + list_padding + list.size() / 2);
   std::uint32_t* out = list.data() + begin;
-  const std::uint32_t* particle = c.particle.data();
-  std::size_t found = 0;
-  auto keep = [&](std::size_t k) {  // branch-free: writes always, advances for neighbours only
-    out[found] = particle[k];
-    found += near[k];
-  };
-  for (std::size_t k = 0; k < own; ++k) keep(k);
-  for (std::size_t k = own + 1; k < n; ++k) keep(k);
-  OILSKIN_ASSERT(own < n && particle[own] == i && near[own] == 1);
+  c.x[own] = far_away.x;  // no neighbour of itself
+  std::size_t found =
+      pair_kernels().near({c.x.data(), c.y.data(), c.z.data(), c.particle.data(), n}, records_[i], out);
+  c.x[own] = records_[i].x;
   begin_[i] = begin;
   count_[i] = static_cast<std::uint32_t>(found);
-  while (found % 4 != 0) out[found++] = static_cast<std::uint32_t>(count_.size());
+  while (found % list_padding != 0) out[found++] = static_cast<std::uint32_t>(count_.size());
   used_[chunk] = begin + found;
 }
 

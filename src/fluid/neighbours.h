@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/parallel.h"
-#include "fluid/simd.h"
+#include "fluid/pairs/pair_kernels.h"
 #include "oilskin/types.h"
 
 namespace oilskin::fluid {
@@ -26,14 +26,17 @@ class Neighbours {
   void search(Span<const Vec3> positions, const Workers& workers);
 
   std::size_t size() const { return count_.size(); }
-  /// Neighbours of particle i without itself. Padded to a multiple of four with size(), the index of a record
-  /// beyond every support radius.
+  /// Neighbours of particle i without itself. Padded to a multiple of eight with size(), the index of a
+  /// record beyond every support radius.
   const std::uint32_t* list(std::size_t i) const { return lists_[i / chunk_size].data() + begin_[i]; }
   std::uint32_t count(std::size_t i) const { return count_[i]; }
-  std::uint32_t blocks(std::size_t i) const { return (count_[i] + 3) / 4; }
   /// Index for values per pair, counted within the chunk: pair_begin(i) + k < pair_capacity(chunk).
   std::size_t pair_begin(std::size_t i) const { return begin_[i]; }
   std::size_t pair_capacity(std::size_t chunk) const { return used_[chunk]; }
+  /// The lists of a chunk; `slopes` and `mass_ratio` as there.
+  PairTable table(std::size_t chunk, float* slopes, const float* mass_ratio) const {
+    return {lists_[chunk].data(), begin_.data(), count_.data(), slopes, mass_ratio};
+  }
 
   /// f(begin, end) for runs of particles in cell order. The runs contain all particles in the box [m], and
   /// others in cells that overlap it.
@@ -57,9 +60,9 @@ class Neighbours {
     std::uint32_t begin, end;  // particles, contiguous in cell order
   };
   using Cell = std::array<std::int32_t, 3>;
-  struct Candidates {
+  struct Around {  // a cell: the particles that may be neighbours, padded to a multiple of eight
     std::vector<float> x, y, z;
-    std::vector<std::uint32_t> particle, near;
+    std::vector<std::uint32_t> particle;
     std::uint32_t own_run = 0;  // where the run that contains the cell itself starts
   };
 
@@ -72,8 +75,8 @@ class Neighbours {
   void find_runs(const Workers& workers);
   void runs_of_row(std::size_t row);
   void search_chunk(std::size_t begin, std::size_t end, std::size_t chunk);
-  void collect(std::size_t cell, Candidates& c) const;
-  void list_neighbours(std::size_t i, std::size_t own, Candidates& c, std::size_t chunk);
+  void collect(std::size_t cell, Around& c) const;
+  void list_neighbours(std::size_t i, std::size_t own, Around& c, std::size_t chunk);
 
   double support_radius_ = 1, inverse_radius_ = 1;
   Cell first_cell_{}, last_cell_{};  // of all particles

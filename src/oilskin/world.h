@@ -192,6 +192,10 @@ class World {
   /// positions and velocities of every surface in the order of attachment. Equal for any number of threads.
   std::uint64_t state_hash() const;
 
+  /// The instruction set of the loops over pairs of particles on this machine: "AVX2", or that of the build:
+  /// "SSE2" or "generic". All give the same bits.
+  static const char* instruction_set();
+
   // --- save and restore, between steps
   /// Writes all that decides how this world continues: settings, particles in their order, emitters with
   /// their phases and waiting starts, surfaces as contact left them, the memory of the pressure solver and of

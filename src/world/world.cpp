@@ -5,6 +5,8 @@
 #include <sstream>
 
 #include "core/hash.h"
+#include "core/simd.h"
+#include "fluid/pairs/pair_kernels.h"
 #include "world/absorption.h"
 #include "world/carried_mass.h"
 #include "world/numeric_range.h"
@@ -354,6 +356,15 @@ std::uint64_t World::step_count() const {
 
 const std::vector<Contact>& World::contacts() const {
   return impl_->contacts;
+}
+
+const char* World::instruction_set() {
+  if (fluid::instruction_set() == fluid::InstructionSet::avx2) return "AVX2";
+#if defined(OILSKIN_VECTOR_EXTENSIONS) && defined(__SSE2__)
+  return "SSE2";
+#else
+  return "generic";
+#endif
 }
 
 std::uint64_t World::state_hash() const {

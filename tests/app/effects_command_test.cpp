@@ -15,7 +15,7 @@ namespace {
 using nlohmann::json;
 
 const char* const rain_on_sheet = R"({"host": "mock", "dt": 0.002, "duration": 9, "fluid": {"spacing": 0.01},
-  "emitters": [{"shape": "box", "min": [-0.04, 0.004, -0.04], "max": [0.04, 0.044, 0.04]}],
+  "emitters": [{"shape": "box", "min": [-0.04, 0.004, -0.04], "max": [0.04, 0.044, 0.04], "velocity": [0, -1, 0]}],
   "cloth": [{"grid": [9, 9], "size": [0.2, 0.2], "pins": "corners"}]})";
 
 const std::vector<std::string> configurations = {"none", "wetting", "surface_tension", "viscosity", "all"};

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "support/random.h"
@@ -71,6 +72,8 @@ TEST(Simd, sums_and_products_are_rounded_like_single_floats) {
     expect_equal(a + b, [&](std::size_t k) { return rounded(x[k] + y[k]); });
     expect_equal(a - b, [&](std::size_t k) { return rounded(x[k] - y[k]); });
     expect_equal(a * b, [&](std::size_t k) { return rounded(x[k] * y[k]); });
+    expect_equal(a / b, [&](std::size_t k) { return rounded(x[k] / y[k]); });
+    expect_equal(root(a * a), [&](std::size_t k) { return std::sqrt(rounded(x[k] * x[k])); });
   }
 }
 
@@ -91,6 +94,50 @@ TEST(Simd, records_are_transposed_and_sums_kept_in_double) {
   sum += F4(1.0f);
   sum += F4(-1e8f);
   EXPECT_EQ(sum.total(), 4);
+}
+
+TEST(Simd, eight_sums_are_added_in_pairs_from_the_halves) {
+  test::Random random(17);
+  Floats x, y;
+  std::array<double, 8> sum{}, products{};
+  F8 floats_sum(0.0f);
+  Floats float_sum{};
+  Sum8 doubles_sum, products_sum;
+  for (int round = 0; round < 50; ++round) {
+    for (std::size_t k = 0; k < 8; ++k) {
+      x[k] = static_cast<float>(random.uniform(-2, 2));
+      y[k] = static_cast<float>(random.uniform(-2, 2));
+      float_sum[k] += x[k];
+      sum[k] += static_cast<double>(x[k]);
+      products[k] += static_cast<double>(x[k]) * static_cast<double>(y[k]);
+    }
+    floats_sum += F8::load(x.data());
+    doubles_sum += F8::load(x.data());
+    products_sum.add_product(F8::load(x.data()), F8::load(y.data()));
+  }
+  const auto in_order = [](const auto& s) {
+    return ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+  };
+  EXPECT_EQ(total(floats_sum), in_order(float_sum));
+  EXPECT_EQ(doubles_sum.total(), in_order(sum));
+  EXPECT_EQ(products_sum.total(), in_order(products));
+}
+
+TEST(Simd, eight_records_and_eight_values_are_gathered_by_index) {
+  std::array<Record, 12> records;
+  std::array<float, 12> values;
+  for (std::size_t k = 0; k < 12; ++k) {
+    const float f = static_cast<float>(k);
+    records[k] = {10 * f, 10 * f + 1, 10 * f + 2, 10 * f + 3};
+    values[k] = 7 * f;
+  }
+  const std::array<std::uint32_t, 8> index = {11, 0, 3, 3, 7, 1, 10, 5};
+  const Record8 eight(records.data(), index.data());
+  expect_equal(eight.x, [&](std::size_t k) { return records[index[k]].x; });
+  expect_equal(eight.y, [&](std::size_t k) { return records[index[k]].y; });
+  expect_equal(eight.z, [&](std::size_t k) { return records[index[k]].z; });
+  expect_equal(eight.w, [&](std::size_t k) { return records[index[k]].w; });
+  expect_equal(F8::gather(values.data(), index.data()), [&](std::size_t k) { return values[index[k]]; });
 }
 
 }  // namespace

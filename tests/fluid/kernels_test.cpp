@@ -86,15 +86,15 @@ TYPED_TEST(EveryKernel, vanishes_from_the_support_radius_on) {
     EXPECT_EQ(TypeParam::w(q), 0);
     EXPECT_EQ(TypeParam::dw_over_q(q), 0);
   }
-  EXPECT_EQ(TypeParam::w(F4(1e18f))[0], 0);  // the padding of neighbour lists
-  EXPECT_EQ(TypeParam::dw_over_q(F4(1e18f))[0], 0);
+  EXPECT_EQ(TypeParam::w(simd::F4(1e18f))[0], 0);  // the padding of neighbour lists
+  EXPECT_EQ(TypeParam::dw_over_q(simd::F4(1e18f))[0], 0);
 }
 
 TYPED_TEST(EveryKernel, four_floats_agree_with_double) {
   for (float q = 0.01f; q < 1; q += 0.01f) {
     const double w = TypeParam::w(static_cast<double>(q)), g = TypeParam::dw_over_q(static_cast<double>(q));
-    EXPECT_NEAR(static_cast<double>(TypeParam::w(F4(q))[2]), w, 1e-6 * (1 + std::abs(w)));
-    EXPECT_NEAR(static_cast<double>(TypeParam::dw_over_q(F4(q))[3]), g, 1e-4 * (1 + std::abs(g)));
+    EXPECT_NEAR(static_cast<double>(TypeParam::w(simd::F4(q))[2]), w, 1e-6 * (1 + std::abs(w)));
+    EXPECT_NEAR(static_cast<double>(TypeParam::dw_over_q(simd::F4(q))[3]), g, 1e-4 * (1 + std::abs(g)));
   }
 }
 

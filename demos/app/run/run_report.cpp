@@ -16,13 +16,9 @@ Json vec(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-const char* instruction_set() {
-#if defined(__AVX512F__)
-  return "x86-64 AVX-512";
-#elif defined(__AVX2__)
-  return "x86-64 AVX2";
-#elif defined(__x86_64__)
-  return "x86-64 SSE2";
+std::string instruction_set() {
+#if defined(__x86_64__)
+  return std::string("x86-64 ") + World::instruction_set();
 #elif defined(__aarch64__)
   return "AArch64";
 #else

@@ -1,7 +1,7 @@
 /// Divergence-free SPH [Bender2015] with the cubic spline.
 ///
 /// One pass over the pairs at the start of a step gives densities, gradients, viscosity, the factors α and
-/// the rates of compression; the loops then use stored gradients. Both solvers write one set of pressures:
+/// the rates of compression; the loops then use stored slopes. Both solvers write one set of pressures:
 /// the divergence solver finds those that keep the start velocities from compressing the fluid beyond ρ0, the
 /// density solver raises them until the density at the end of the step is ρ0. The pair forces are applied
 /// once, in double. Viscosity acts on the velocities before the divergence solver, which saves a pass; the
@@ -10,9 +10,9 @@
 
 #include "core/assert.h"
 #include "fluid/pressure/contact_bounds.h"
+#include "fluid/pressure/density_response.h"
 #include "fluid/pressure/image_pairs.h"
 #include "fluid/pressure/momentum.h"
-#include "fluid/pressure/pair_gradients.h"
 #include "fluid/pressure/pressure_loop.h"
 #include "fluid/pressure/pressure_model.h"
 #include "fluid/pressure/wall_response.h"
@@ -24,17 +24,6 @@ namespace {
 /// A particle with fewer neighbours is spray: its density does not measure compression [Bender2015,
 /// Sec. 3.3].
 constexpr float min_neighbours = 20;
-
-/// Sums over pairs from which a particle's α and rate of compression follow.
-struct Rates {
-  GradientRates gradient;
-  F4 compression;
-
-  void add(const Pairs& pairs, F4 slope, F4 weighted, F4 dv_dot_delta) {
-    gradient.add(pairs, slope, weighted, dv_dot_delta);
-    compression += weighted * dv_dot_delta;
-  }
-};
 
 class Dfsph : public PressureModel {
  public:
@@ -59,7 +48,6 @@ class Dfsph : public PressureModel {
   }
 
  private:
-  struct Sums;
   enum class Solver { divergence, density };
 
   void begin_step(const StepState& state);
@@ -72,16 +60,12 @@ class Dfsph : public PressureModel {
 
   void restart_momentum(const StepState& state);
   void iterate(StepState& state, Solver solver, const LoopGoal& goal);
-  template <bool weighted>
-  void iterate_weighted(StepState& state, Solver solver);
   float divergence_error(const StepState& state, std::size_t i, float rate, Errors& errors) const;
   float density_error(const StepState& state, std::size_t i, float compressed, Errors& errors) const;
-  template <class ErrorOf>
-  Errors correct(StepState& state, const ErrorOf& error_of);
-  template <bool weighted>
+  template <class RateOf, class ErrorOf>
+  Errors correct(StepState& state, const RateOf& rates_of, const ErrorOf& error_of);
   void displace(StepState& state);
-  template <bool weighted>
-  float compression(const StepState& state, std::size_t i) const;
+  void compression(StepState& state, PairRange range, float* out) const;
 
   const IncompressibleFluid fluid_;
   PressureLoop loop_;  // of both solvers: they share ω
@@ -95,37 +79,25 @@ class Dfsph : public PressureModel {
   std::vector<Vec3> drift_;        // displacement without pressure [H]
   std::vector<float> target_;      // ē_i
 
-  // Of the loops; phi_ and displacement_ with one more for the padding
-  std::vector<float> phi_, previous_phi_;
+  // Of the loops; x_phi_ and displacement_ with one more for the padding
+  std::vector<Record> x_phi_;  // positions and φ
+  std::vector<float> previous_phi_;
   std::vector<float> min_phi_;        // of the divergence solver: a lower bound for the density solver
   std::vector<Record> displacement_;  // [H]
   int corrections_ = 0;               // since the momentum was restarted
 };
 
-struct Dfsph::Sums : IncompressibleSums {
-  using Rates = fluid::Rates;
-  static constexpr std::size_t per_pair = 3;
-  Dfsph& out;
-  float rate_scale;
-
-  Sums(const IncompressibleSums& sums, Dfsph& model, double dt)
-      : IncompressibleSums(sums),
-        out(model),
-        rate_scale(density_scale * static_cast<float>(dt / model.fluid_.support_radius)) {}
-
-  static void store_pair(float* at, const Pairs& pairs, F4 slope) { store_gradients(at, pairs, slope); }
-  void keep(const fluid::Rates& r, float own_mass, std::size_t i) const {
-    out.gradient_[i] = r.gradient.sum(own_mass);
-    out.start_rate_[i] = rate_scale * total(r.compression);
-  }
-};
-
 void Dfsph::explicit_terms(StepState& state) {
   gradient_.resize(state.size());
   start_rate_.resize(state.size());
-  run_explicit_sums(state, Sums(fluid_.sums(state.dt), *this, state.dt), true);
+  const ExplicitModel model = fluid_.explicit_model(state.dt);
+  const float rate_scale = model.density_scale * static_cast<float>(state.dt / fluid_.support_radius);
+  run_explicit_sums(state, model, true, [&](const PairRates& rates, std::size_t i) {
+    gradient_[i] = rates.gradient;
+    start_rate_[i] = rate_scale * rates.compression;
+  });
   add_wall_density(state);
-  add_image_gradients(state, gradient_);
+  add_image_slopes(state, gradient_);
 }
 
 void Dfsph::pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) {
@@ -146,7 +118,7 @@ void Dfsph::begin_step(const StepState& state) {
   step_.resize(n);
   previous_phi_.resize(n);
   min_phi_.assign(n, 0);
-  phi_.assign(n + 1, 0);
+  x_phi_ = state.position();  // φ = 0
   displacement_.resize(n + 1);
   displacement_[n] = Record{0, 0, 0, 0};
 }
@@ -174,15 +146,19 @@ bool Dfsph::has_neighbours(const StepState& state, std::size_t i) const {
 void Dfsph::solve_divergence(StepState& state, FluidReport& report) {
   set_start_motion(state);
   restart_momentum(state);
-  const Errors at_start = correct(state, [&](std::size_t i, Errors& errors) {
-    return divergence_error(state, i, start_rate_[i], errors);
-  });
+  const auto start_rates = [&](PairRange range, float* out) {
+    std::copy(&start_rate_[range.begin], &start_rate_[range.begin] + (range.end - range.begin), out);
+  };
+  const auto error_of = [&](std::size_t i, float rate, Errors& errors) {
+    return divergence_error(state, i, rate, errors);
+  };
+  const Errors at_start = correct(state, start_rates, error_of);
   const double tolerance = fluid_.settings.divergence_tolerance;
   if (!(at_start.mean(at_start.sum) > tolerance)) return;
   iterate(state, Solver::divergence, {tolerance, 1, {}});
   report.divergence_iterations = loop_.iterations();
   report.diverged = loop_.diverged();
-  std::copy(phi_.begin(), phi_.end() - 1, min_phi_.begin());
+  state.for_each([&](std::size_t i) { min_phi_[i] = x_phi_[i].w; });
 }
 
 /// The displacement by the start velocities, and the walls' part of their compression.
@@ -212,7 +188,7 @@ void Dfsph::solve_density(StepState& state, const std::vector<double>& pressure,
   const double dt_over_h = state.dt / fluid_.support_radius, warm_start = fluid_.warm_start(state);
   state.for_each([&](std::size_t i) {
     drift_[i] += dt_over_h * state.dv[i];
-    phi_[i] = std::max(min_phi_[i], static_cast<float>(warm_start * pressure[i]));
+    x_phi_[i].w = std::max(min_phi_[i], static_cast<float>(warm_start * pressure[i]));
   });
   restart_momentum(state);
   iterate(state, Solver::density, {fluid_.settings.tolerance, fluid_.settings.min_iterations, controller_});
@@ -227,63 +203,58 @@ float Dfsph::density_error(const StepState& state, std::size_t i, float compress
 }
 
 void Dfsph::finish(StepState& state, std::vector<double>& pressure) {
-  const double to_velocity = fluid_.support_radius / state.dt, scale = fluid_.phi_per_pascal(state.dt);
-  state.by_masses([&](auto weighted) {
-    state.for_each([&](std::size_t i) {
-      state.dv[i] += to_velocity * pair_displacement<Sum4, weighted>(state, phi_, i);
-      pressure[i] = static_cast<double>(phi_[i]) / scale;
-    });
-  });
-  walls_.apply(state, phi_);
+  apply_pressure(state, x_phi_, fluid_.support_radius / state.dt);
+  walls_.apply(state, x_phi_);
+  const double scale = fluid_.phi_per_pascal(state.dt);
+  state.for_each([&](std::size_t i) { pressure[i] = static_cast<double>(x_phi_[i].w) / scale; });
 }
 
 void Dfsph::restart_momentum(const StepState& state) {
   corrections_ = 0;
-  state.for_each([&](std::size_t i) { previous_phi_[i] = phi_[i]; });
+  state.for_each([&](std::size_t i) { previous_phi_[i] = x_phi_[i].w; });
 }
 
 void Dfsph::iterate(StepState& state, Solver solver, const LoopGoal& goal) {
   loop_.start(goal);
-  state.by_masses([&](auto weighted) { iterate_weighted<weighted>(state, solver); });
-}
-
-template <bool weighted>
-void Dfsph::iterate_weighted(StepState& state, Solver solver) {
+  const auto rates_of = [&](PairRange range, float* out) { compression(state, range, out); };
+  const auto error_of = [&](std::size_t i, float rate, Errors& errors) {
+    return solver == Solver::density ? density_error(state, i, rate, errors)
+                                     : divergence_error(state, i, rate, errors);
+  };
   PressureLoop::Verdict verdict;
   do {
-    displace<weighted>(state);
-    verdict = loop_.judge(correct(state, [&](std::size_t i, Errors& errors) {
-      const float compressed = compression<weighted>(state, i);
-      return solver == Solver::density ? density_error(state, i, compressed, errors)
-                                       : divergence_error(state, i, compressed, errors);
-    }));
-    if (!verdict.finite) std::copy(min_phi_.begin(), min_phi_.end(), phi_.begin());
+    displace(state);
+    verdict = loop_.judge(correct(state, rates_of, error_of));
+    if (!verdict.finite) state.for_each([&](std::size_t i) { x_phi_[i].w = min_phi_[i]; });
     if (verdict.restart) restart_momentum(state);
   } while (!verdict.stop);
 }
 
 /// φ ← max(φ_min, φ + ω τ error) with a momentum (F.34). With a warm start of one half, solves that overshoot
 /// by more than 0.2 make the pressure oscillate from step to step. The clamp belongs inside the loop, or free
-/// surfaces contract. error_of(i, errors) returns the error that the pressure of i should remove, and adds it
-/// to `errors`.
-template <class ErrorOf>
-Errors Dfsph::correct(StepState& state, const ErrorOf& error_of) {
+/// surfaces contract. rates_of(range, out) writes the relative compressions of the step; error_of(i, rate,
+/// errors) returns the error that the pressure of i should remove, and adds it to `errors`.
+template <class RateOf, class ErrorOf>
+Errors Dfsph::correct(StepState& state, const RateOf& rates_of, const ErrorOf& error_of) {
   const float weight = Momentum(corrections_++).weight, momentum = weight - 1;
   const float relaxation = weight * static_cast<float>(loop_.relaxation());
   const auto add = [&](std::size_t i, float correction) {
-    const float change = relaxation * correction + momentum * (phi_[i] - previous_phi_[i]);
-    previous_phi_[i] = phi_[i];
-    phi_[i] = std::max(min_phi_[i], phi_[i] + change);
+    float& phi = x_phi_[i].w;
+    const float change = relaxation * correction + momentum * (phi - previous_phi_[i]);
+    previous_phi_[i] = phi;
+    phi = std::max(min_phi_[i], phi + change);
   };
   const Errors result = state.ordered_sum(Errors{}, [&](std::size_t begin, std::size_t end) {
     Errors errors;
+    float rate[chunk_size];
+    rates_of({begin, end}, rate);
     for (std::size_t i = begin; i < end; ++i) {
-      const float error = error_of(i, errors);
+      const float error = error_of(i, rate[i - begin], errors);
       const std::uint32_t point = WallResponse::point_of(state, i);
       if (point == Boundary::none)
         add(i, step_[i] * error);
       else
-        walls_.collect(point, phi_[i] > min_phi_[i] || error > 0 ? step_[i] : 0, error);
+        walls_.collect(point, x_phi_[i].w > min_phi_[i] || error > 0 ? step_[i] : 0, error);
     }
     return errors;
   });
@@ -294,26 +265,28 @@ Errors Dfsph::correct(StepState& state, const ErrorOf& error_of) {
 }
 
 /// Displacements under the current pressures.
-template <bool weighted>
 void Dfsph::displace(StepState& state) {
-  walls_.predict_walls(state, phi_);
+  walls_.predict_walls(state, x_phi_);
   state.for_chunks([&](std::size_t begin, std::size_t end) {
     ContactCursor contacts(state.contacts, begin);
+    Record push[chunk_size];
+    pair_kernels().pressure(pair_table(state, begin), x_phi_.data(), {begin, end}, push);
     for (std::size_t i = begin; i < end; ++i) {
-      Vec3 d = drift_[i] + pair_displacement<F4, weighted>(state, phi_, i);
-      walls_.constrain(state, i, phi_[i], contacts.of(i), d);
+      Vec3 d = drift_[i] - to_vector(push[i - begin]);
+      walls_.constrain(state, i, x_phi_[i].w, contacts.of(i), d);
       displacement_[i] = to_record(d);
     }
   });
 }
 
 /// div_i (F.29): dt Dρ/Dt/ρ0 at the current displacements.
-template <bool weighted>
-float Dfsph::compression(const StepState& state, std::size_t i) const {
-  const float of_fluid = fluid_.density_scale * pair_compression<weighted>(state, displacement_, i);
-  const std::uint32_t k = WallResponse::point_of(state, i);
-  if (k == Boundary::none) return of_fluid;
-  return of_fluid + walls_.density(k) - state.boundary.points()[k].lambda;
+void Dfsph::compression(StepState& state, PairRange range, float* out) const {
+  pair_kernels().compression(pair_table(state, range.begin), x_phi_.data(), displacement_.data(), range, out);
+  for (std::size_t i = range.begin; i < range.end; ++i, ++out) {
+    *out *= fluid_.density_scale;
+    const std::uint32_t k = WallResponse::point_of(state, i);
+    if (k != Boundary::none) *out += walls_.density(k) - state.boundary.points()[k].lambda;
+  }
 }
 
 }  // namespace

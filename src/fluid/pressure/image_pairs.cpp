@@ -56,19 +56,19 @@ void add_image_slopes(StepState& state) {
   });
 }
 
-void add_image_gradients(StepState& state, std::vector<Record>& sums) {
+void add_image_slopes(StepState& state, std::vector<Record>& sums) {
   const float* masses = state.mass_ratio.empty() ? nullptr : state.mass_ratio.data();
   for_image_pairs(state, [&](std::uint32_t i, std::uint32_t k, float slope, const Eigen::Vector3f& delta) {
-    float* at = state.slope[i / Neighbours::chunk_size].data() + 3 * state.neighbours.pair_begin(i) +
-                12 * (k / 4) + k % 4;
-    const Eigen::Vector3f before(at[0], at[4], at[8]), change = slope * delta, after = before + change;
-    for (int c = 0; c < 3; ++c) at[4 * c] = after[c];
+    float& at = state.slope[i / Neighbours::chunk_size][state.neighbours.pair_begin(i) + k];
+    const float before = at, after = before + slope;
+    at = after;
     Record& sum = sums[i];
     const float other = masses ? masses[state.neighbours.list(i)[k]] : 1, own = masses ? masses[i] : 1;
-    sum.x += other * change.x();
-    sum.y += other * change.y();
-    sum.z += other * change.z();
-    sum.w += own * other * (after.squaredNorm() - before.squaredNorm());
+    const Eigen::Vector3f change = other * slope * delta;
+    sum.x += change.x();
+    sum.y += change.y();
+    sum.z += change.z();
+    sum.w += own * other * (after * after - before * before) * delta.squaredNorm();
   });
 }
 

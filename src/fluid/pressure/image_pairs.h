@@ -13,8 +13,7 @@ namespace oilskin::fluid {
 
 /// Adds f_ij (B.32) to the stored slopes w'/q of the pairs at walls.
 void add_image_slopes(StepState& state);
-/// Adds f_ij Δ_ij to the stored gradients of the pairs at walls, three per pair in blocks of four pairs, and
-/// what that changes of Σ w'/q Δ and Σ |w'|² to the particles' `sums`.
-void add_image_gradients(StepState& state, std::vector<Record>& sums);
+/// The same, and adds what that changes of Σ w'/q Δ and of Σ |w'|² (Record::w) to the particles' `sums`.
+void add_image_slopes(StepState& state, std::vector<Record>& sums);
 
 }  // namespace oilskin::fluid

@@ -50,12 +50,6 @@ double settled_volume_ratio(double ratio) {
 
 }  // namespace
 
-IncompressibleSums::IncompressibleSums(double volume, double support_radius, double smoothed_fraction,
-                                       double viscosity_dt, const ViscousWeights& weights)
-    : DensityModel(volume, support_radius, smoothed_fraction),
-      by_slope(static_cast<float>(2 * viscosity_dt / (support_radius * support_radius) * weights.slope)),
-      by_hat(static_cast<float>(2 * viscosity_dt / (support_radius * support_radius) * weights.hat)) {}
-
 /// τ and ω belong to the lattice on which particles of volume V pack: its spacing is V^(1/3). A lattice that
 /// is 8 % wider gives a τ that is 1.4 times too large, and the loop diverges.
 IncompressibleFluid::IncompressibleFluid(const FluidSettings& s)
@@ -75,9 +69,12 @@ IncompressibleFluid::IncompressibleFluid(const FluidSettings& s)
   OILSKIN_ASSERT(volume > 0 && stiffness > 0 && max_relaxation > 0 && max_relaxation <= 1);
 }
 
-IncompressibleSums IncompressibleFluid::sums(double dt) const {
-  return {volume, support_radius, -std::expm1(-settings.xsph_rate.value_or(0) * dt),
-          viscous_step(settings, dt), viscous_weights};
+ExplicitModel IncompressibleFluid::explicit_model(double dt) const {
+  ExplicitModel model(volume, support_radius, -std::expm1(-settings.xsph_rate.value_or(0) * dt));
+  const double scale = 2 * viscous_step(settings, dt) / (support_radius * support_radius);
+  model.friction.by_slope = static_cast<float>(scale * viscous_weights.slope);
+  model.friction.by_hat = static_cast<float>(scale * viscous_weights.hat);
+  return model;
 }
 
 double IncompressibleFluid::phi_per_pascal(double dt) const {

@@ -11,23 +11,6 @@
 
 namespace oilskin::fluid {
 
-/// The sums at the start of a step: density, viscosity and XSPH.
-struct IncompressibleSums : DensityModel<CubicSpline> {
-  using Gradient = CubicSpline;
-  float by_slope, by_hat;  // 2 ν dt/H² times the weights
-
-  IncompressibleSums(double volume, double support_radius, double smoothed_fraction, double viscosity_dt,
-                     const ViscousWeights& weights);
-
-  /// a_i = −2 ν/H² Σ ψ(q) (v_ij·Δ) Δ (F.10): the term of [Monaghan2005] with a second part that makes it
-  /// isotropic on the lattice. Conserves angular momentum, too.
-  Shear shear(const Pairs& pairs, F4 dv_dot_delta, F4 q, F4 slope, F4 w) const {
-    const F4 u = larger(F4(1) - q, F4(0));
-    return {dv_dot_delta * (F4(by_slope) * slope / (pairs.q2 + F4(0.01f)) - F4(by_hat) * u * u),
-            F4(smoothing) * w};
-  }
-};
-
 /// Constants of an incompressible fluid, from its settings.
 struct IncompressibleFluid {
   explicit IncompressibleFluid(const FluidSettings& settings);
@@ -44,7 +27,10 @@ struct IncompressibleFluid {
   double virial;          // pressure of settled water over φ of (F.15)
   float wall_scale;       // 1/D: displacement by a wall in units of H per φ γ (F.16)
 
-  IncompressibleSums sums(double dt) const;
+  /// Density, viscosity and XSPH of a step. Viscosity (F.10), a_i = −2 ν/H² Σ ψ(q) (v_ij·Δ) Δ: the term of
+  /// [Monaghan2005] with a second part that makes it isotropic on the lattice. Conserves angular momentum,
+  /// too.
+  ExplicitModel explicit_model(double dt) const;
   double phi_per_pascal(double dt) const;
   /// φ at the start per pressure of the last step [1/Pa] (F.25).
   double warm_start(const StepState& state) const;

@@ -12,22 +12,6 @@ namespace oilskin::fluid {
 
 namespace {
 
-struct Mcg03Model : DensityModel<CubicSpline> {
-  using Gradient = CubicSpline;
-  float viscous;  // ν dt V c/H² of the viscosity kernel
-
-  Mcg03Model(double volume, double support_radius, double smoothed_fraction, double viscosity_dt)
-      : DensityModel(volume, support_radius, smoothed_fraction),
-        viscous(
-            static_cast<float>(viscosity_dt * volume * ViscosityKernel::norm / std::pow(support_radius, 5))) {
-  }
-
-  /// (F.14), [Mueller2003] Eq. 14: f = μ Σ V (v_j − v_i) ∇²W, here with V = m/ρ0.
-  Shear shear(const Pairs&, F4, F4 q, F4, F4 w) const {
-    return {F4(0.0f), F4(viscous) * ViscosityKernel::laplacian(q) + F4(smoothing) * w};
-  }
-};
-
 class Mcg03 : public PressureModel {
  public:
   explicit Mcg03(const FluidSettings& s)
@@ -38,10 +22,11 @@ class Mcg03 : public PressureModel {
   double particle_volume() const override { return volume_; }
 
   void explicit_terms(StepState& state) override {
-    const double smoothed = -std::expm1(-settings_.xsph_rate.value_or(0) * state.dt);
-    run_explicit_sums(state,
-                      Mcg03Model(volume_, support_radius_, smoothed, viscous_step(settings_, state.dt)),
-                      settings_.viscosity > 0 || settings_.xsph_rate.value_or(0) > 0);
+    ExplicitModel model(volume_, support_radius_, -std::expm1(-settings_.xsph_rate.value_or(0) * state.dt));
+    // (F.14), [Mueller2003] Eq. 14: f = μ Σ V (v_j − v_i) ∇²W, here with V = m/ρ0.
+    model.friction.by_laplacian = static_cast<float>(viscous_step(settings_, state.dt) * volume_ *
+                                                     ViscosityKernel::norm / std::pow(support_radius_, 5));
+    run_explicit_sums(state, model, settings_.viscosity > 0 || settings_.xsph_rate.value_or(0) > 0, nullptr);
   }
 
   void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) override;

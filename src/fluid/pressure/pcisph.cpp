@@ -11,8 +11,6 @@ namespace oilskin::fluid {
 
 namespace {
 
-using Kernel = CubicSpline;
-
 class Pcisph : public PressureModel {
  public:
   explicit Pcisph(const FluidSettings& settings)
@@ -30,9 +28,7 @@ class Pcisph : public PressureModel {
  private:
   void begin_step(StepState& state, const std::vector<double>& pressure);
   void iterate(StepState& state);
-  template <bool weighted>
   void predict_positions(StepState& state);
-  template <bool weighted>
   Errors correct(StepState& state);
   void correct_at_walls(StepState& state);
 
@@ -47,7 +43,8 @@ class Pcisph : public PressureModel {
 
 void Pcisph::explicit_terms(StepState& state) {
   const FluidSettings& s = fluid_.settings;
-  run_explicit_sums(state, fluid_.sums(state.dt), s.viscosity > 0 || s.xsph_rate.value_or(0) > 0);
+  run_explicit_sums(state, fluid_.explicit_model(state.dt), s.viscosity > 0 || s.xsph_rate.value_or(0) > 0,
+                    nullptr);
   add_wall_density(state);
   add_image_slopes(state);
 }
@@ -81,24 +78,23 @@ void Pcisph::begin_step(StepState& state, const std::vector<double>& pressure) {
 
 void Pcisph::iterate(StepState& state) {
   loop_.start({fluid_.settings.tolerance, fluid_.settings.min_iterations, {}});
-  state.by_masses([&](auto weighted) {
-    PressureLoop::Verdict verdict;
-    do {
-      predict_positions<weighted>(state);
-      verdict = loop_.judge(correct<weighted>(state));
-      if (!verdict.finite) state.for_each([&](std::size_t i) { x_phi_[i].w = 0; });
-    } while (!verdict.stop);
-  });
+  PressureLoop::Verdict verdict;
+  do {
+    predict_positions(state);
+    verdict = loop_.judge(correct(state));
+    if (!verdict.finite) state.for_each([&](std::size_t i) { x_phi_[i].w = 0; });
+  } while (!verdict.stop);
 }
 
 /// x* = x + dt (v + dt a) under the current pressures, in units of H.
-template <bool weighted>
 void Pcisph::predict_positions(StepState& state) {
   walls_.predict_walls(state, x_phi_);
   state.for_chunks([&](std::size_t begin, std::size_t end) {
     ContactCursor contacts(state.contacts, begin);
+    Record push[chunk_size];
+    pair_kernels().pressure(pair_table(state, begin), x_phi_.data(), {begin, end}, push);
     for (std::size_t i = begin; i < end; ++i) {
-      Vec3 d = drift_[i] - pressure_sum<F4, weighted>(state, x_phi_, i);
+      Vec3 d = drift_[i] - to_vector(push[i - begin]);
       walls_.constrain(state, i, x_phi_[i].w, contacts.of(i), d);
       const Record& x = x_phi_[i];
       predicted_[i] = {x.x + static_cast<float>(d[0]), x.y + static_cast<float>(d[1]),
@@ -108,15 +104,15 @@ void Pcisph::predict_positions(StepState& state) {
 }
 
 /// φ ← max(0, φ + ω τ_i (e_i − ē_i)) (F.27). The clamp belongs inside the loop, or free surfaces contract.
-template <bool weighted>
 Errors Pcisph::correct(StepState& state) {
   const float step = static_cast<float>(loop_.relaxation() * fluid_.stiffness);
   const Errors result = state.ordered_sum(Errors{}, [&](std::size_t begin, std::size_t end) {
     Errors errors;
+    float of_neighbours[chunk_size];
+    pair_kernels().density(pair_table(state, begin), predicted_.data(), {begin, end}, of_neighbours);
     for (std::size_t i = begin; i < end; ++i) {
-      const float own_mass = weighted ? state.mass_ratio[i] : 1;
-      float density = own_mass * fluid_.self_density +
-                      fluid_.density_scale * density_sum<Kernel, weighted>(state, predicted_, i);
+      const float own_mass = state.mass_ratio.empty() ? 1 : state.mass_ratio[i];
+      float density = own_mass * fluid_.self_density + fluid_.density_scale * of_neighbours[i - begin];
       const std::uint32_t k = WallResponse::point_of(state, i);
       if (k != Boundary::none) density += walls_.density(k);
       // Γ of the modes (F.21) is proportional to the square of the number density: so ω τ decreases with it.

@@ -1,8 +1,6 @@
 /// The data of one fluid step that its stages share.
 #pragma once
 
-#include <type_traits>
-
 #include "core/parallel.h"
 #include "fluid/boundary/boundary.h"
 #include "fluid/neighbours.h"
@@ -36,19 +34,9 @@ struct StepState {
 
   std::size_t size() const { return neighbours.size(); }
   const std::vector<Record>& position() const { return neighbours.records(); }
-  const float* slopes(std::size_t i) const {
-    return slope[i / Neighbours::chunk_size].data() + neighbours.pair_begin(i);
-  }
-
   double relative_mass(std::size_t i) const {
     return mass_ratio.empty() ? 1 : static_cast<double>(mass_ratio[i]);
   }
-  /// f(std::true_type) if masses differ, else f(std::false_type): one branch for a loop over all particles.
-  template <class F>
-  auto by_masses(const F& f) const {
-    return mass_ratio.empty() ? f(std::false_type()) : f(std::true_type());
-  }
-
   /// f(i) for every particle; the tasks are the chunks of the neighbour lists.
   template <class F>
   void for_each(const F& f) const {

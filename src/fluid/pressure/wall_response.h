@@ -8,14 +8,12 @@
 
 namespace oilskin::fluid {
 
-/// The pressures φ of all particles, in an array of their own or as a field of records.
+/// The pressures φ of all particles, a field of their records.
 struct Pressures {
-  Pressures(const std::vector<float>& phi) : first(phi.data()), stride(1) {}      // NOLINT: a view
-  Pressures(const std::vector<Record>& x_phi) : first(&x_phi[0].w), stride(4) {}  // NOLINT: a view
-  float operator[](std::size_t i) const { return first[stride * i]; }
+  Pressures(const std::vector<Record>& x_phi) : records(x_phi.data()) {}  // NOLINT: a view
+  float operator[](std::size_t i) const { return records[i].w; }
 
-  const float* first;
-  std::size_t stride;
+  const Record* records;
 };
 
 /// λ* of (B.17): linear in the displacements, or limited to 0 … 1. An iteration on first-order densities

@@ -1,0 +1,97 @@
+/// The loops over pairs of particles, in versions for the instruction sets of the machine. All versions do
+/// the same IEEE operations on eight pairs at a time and sum in the same order, without fused multiply-add:
+/// they give the same bits.
+///
+/// Lengths are in units of H: Δ = (x_i − x_j)/H, q = |Δ|. Both sides compute a pair term by the same float
+/// operations on the same numbers (differences change sign exactly, everything else commutes), so that f_ij =
+/// −f_ji bit for bit. Terms that change velocities are summed in double: the momentum of the fluid is
+/// conserved to 1e-16 per particle.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/simd.h"
+
+namespace oilskin::fluid {
+
+using simd::Record;
+
+/// Particles begin ≤ i < end of one chunk.
+struct PairRange {
+  std::size_t begin, end;
+};
+
+/// The neighbour lists of a chunk. Plain pointers, so that no function of a library is compiled for AVX2.
+struct PairTable {
+  const std::uint32_t* lists;     ///< each padded to a multiple of eight with a record that is far away
+  const std::size_t* list_begin;  ///< per particle, where its list starts in `lists` and `slopes`
+  const std::uint32_t* count;     ///< per particle
+  float* slopes;                  ///< per pair: w'(q)/q; 0 for the padding
+  const float* mass_ratio;        ///< per particle: mass over that of a new one; null = all are 1
+};
+
+/// The pair term of viscosity and XSPH: a Δ − b (v_i − v_j) with a = v_ij·Δ (by_slope w'/q/(q² + 0.01) −
+/// by_hat u²) and b = by_laplacian 6 u + smoothing w, u = max(0, 1 − q).
+struct PairFriction {
+  float by_slope = 0, by_hat = 0, by_laplacian = 0, smoothing = 0;
+};
+
+/// Σ_j m_j of w'/q Δ and of w'/q (v_i − v_j)·Δ, Σ_j m_j (w'/q)² q².
+struct PairRates {
+  Record gradient;    ///< w: the squares
+  float compression;  ///< of the velocities
+};
+
+/// Of a velocity, or in units of H.
+struct Change {
+  double x, y, z;
+};
+
+/// What a pass over the pairs at the start of a step writes, for the particles of a range from 0 on. Null
+/// where it is not asked for.
+struct StartSums {
+  float* density;    ///< Σ_j m_j w
+  Change* friction;  ///< Σ_j m_j of the pair term
+  PairRates* rates;
+};
+
+/// Candidates for neighbours. The arrays are padded to a multiple of eight with places that are far away.
+struct Candidates {
+  const float *x, *y, *z;
+  const std::uint32_t* particle;
+  std::size_t count;
+};
+
+struct PairKernels {
+  /// Writes the slopes, too. Friction and rates are both asked for, or only friction, or none.
+  void (*start)(const PairTable&, const Record* x, const Record* v, const PairFriction&, PairRange,
+                const StartSums&);
+  /// Σ_j m_j w(q_ij) without i itself.
+  void (*density)(const PairTable&, const Record* x, PairRange, float* out);
+  /// Σ_j m_j (s_i + s_j) w'/q Δ_ij: the pressure gradient, s being Record::w. In float, for iterations.
+  void (*pressure)(const PairTable&, const Record* x, PairRange, Record* out);
+  /// The same in double, for what is applied.
+  void (*pressure_exact)(const PairTable&, const Record* x, PairRange, Change* out);
+  /// Σ_j m_j w'/q Δ_ij·(y_i − y_j): the compression by displacements y [H], over D (F.29).
+  void (*compression)(const PairTable&, const Record* x, const Record* y, PairRange, float* out);
+  /// The candidates closer than 1 to p, in their order, to `out`, which has space for eight more. Returns
+  /// their number.
+  std::size_t (*near)(const Candidates&, const Record& p, std::uint32_t* out);
+};
+
+enum class InstructionSet { baseline, avx2 };
+
+/// Whether this machine and this build have it.
+bool is_available(InstructionSet set);
+
+/// The kernels of the best set that is available.
+const PairKernels& pair_kernels();
+
+/// That of pair_kernels().
+InstructionSet instruction_set();
+
+/// Those of `set`, which is available, from now on: for tests and measurements. Not while a step runs.
+void use(InstructionSet set);
+
+}  // namespace oilskin::fluid
