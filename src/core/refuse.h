@@ -1,6 +1,7 @@
 /// Ranges, and refusals with a reason.
 #pragma once
 
+#include <cmath>
 #include <sstream>
 
 #include "oilskin/types.h"
@@ -24,6 +25,23 @@ Status refuse(const Parts&... parts) {
 template <class T>
 Status refuse_value(const char* field, const T& value, const char* range) {
   return refuse(field, " is ", value, "; it must be ", range);
+}
+
+inline Status check_point(const char* field, const Vec3& x) {
+  return x.allFinite() ? Status() : refuse_value(field, x.transpose(), "finite");
+}
+
+inline Status check_box(const Box& box) {
+  if (Status s = check_point("box.min", box.min); !s.ok()) return s;
+  if (Status s = check_point("box.max", box.max); !s.ok()) return s;
+  return (box.min.array() <= box.max.array()).all()
+             ? Status()
+             : refuse_value("box.min", box.min.transpose(), "at most box.max on every axis");
+}
+
+inline Status check_ball(const Vec3& center, double radius) {
+  if (Status s = check_point("center", center); !s.ok()) return s;
+  return radius >= 0 && std::isfinite(radius) ? Status() : refuse_value("radius", radius, "finite and ≥ 0 m");
 }
 
 }  // namespace oilskin

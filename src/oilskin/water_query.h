@@ -28,8 +28,8 @@ struct WaterHit {
 
 /// A copy of the particles of a world. It does not change the world, and does not follow it: make a new one
 /// after each step. All functions are const and write nothing but their result: any number of threads may
-/// call them at the same time. sample() reads a list of cells of width H, sorted at construction, O(n log n);
-/// the others visit all particles, O(n).
+/// call them at the same time. sample() reads the cells of width H around the point, sorted at construction,
+/// O(n log n); the others visit all particles, O(n).
 class WaterQuery {
  public:
   /// Copies the present particles. Particles that are not finite are left out of sample().

@@ -1,6 +1,5 @@
 /// Removal of particles by the caller, between steps.
 #include <algorithm>
-#include <cmath>
 
 #include "core/refuse.h"
 #include "world/numeric_range.h"
@@ -41,10 +40,7 @@ void World::Impl::book_withdrawn(world::StepContext& step) {
 }
 
 Status World::remove_particles(const Box& box, std::uint64_t* removed) {
-  if (!box.min.allFinite()) return refuse_value("box.min", box.min.transpose(), "finite");
-  if (!box.max.allFinite()) return refuse_value("box.max", box.max.transpose(), "finite");
-  if (!(box.min.array() <= box.max.array()).all())
-    return refuse_value("box.min", box.min.transpose(), "at most box.max on every axis");
+  if (Status s = check_box(box); !s.ok()) return s;
   const std::vector<Vec3>& x = impl_->state.particles.position;
   const std::uint64_t count = impl_->remove_where([&](std::size_t i) { return box.contains(x[i]); });
   if (removed) *removed = count;
@@ -52,8 +48,7 @@ Status World::remove_particles(const Box& box, std::uint64_t* removed) {
 }
 
 Status World::remove_particles(const Vec3& center, double radius, std::uint64_t* removed) {
-  if (!center.allFinite()) return refuse_value("center", center.transpose(), "finite");
-  if (!(radius >= 0 && std::isfinite(radius))) return refuse_value("radius", radius, "finite and ≥ 0 m");
+  if (Status s = check_ball(center, radius); !s.ok()) return s;
   const std::vector<Vec3>& x = impl_->state.particles.position;
   const std::uint64_t count =
       impl_->remove_where([&](std::size_t i) { return (x[i] - center).stableNorm() <= radius; });

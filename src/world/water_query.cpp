@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/refuse.h"
 #include "fluid/kernels.h"
@@ -10,8 +11,15 @@ namespace oilskin {
 
 namespace {
 
-Status check(const char* field, const Vec3& x) {
-  return x.allFinite() ? Status() : refuse_value(field, x.transpose(), "finite");
+/// f(c) for the cells from `low` to `high`, each once. Far out, where doubles are farther apart than 1, they
+/// are neighbours in double.
+template <class F>
+void for_cells(double low, double high, const F& f) {
+  f(low);
+  for (double c = low; c < high;) {
+    c = c + 1 > c ? c + 1 : high;
+    f(c);
+  }
 }
 
 }  // namespace
@@ -44,45 +52,47 @@ double WaterQuery::volume_where(const Inside& inside) const {
 }
 
 Status WaterQuery::volume(const Box& box, double* cubic_metres) const {
-  if (Status s = check("box.min", box.min); !s.ok()) return s;
-  if (Status s = check("box.max", box.max); !s.ok()) return s;
-  if (!(box.min.array() <= box.max.array()).all())
-    return refuse_value("box.min", box.min.transpose(), "at most box.max on every axis");
+  if (Status s = check_box(box); !s.ok()) return s;
   if (!cubic_metres) return Status::refused("the result is null");
   *cubic_metres = volume_where([&](const Vec3& x) { return box.contains(x); });
   return {};
 }
 
 Status WaterQuery::volume(const Vec3& center, double radius, double* cubic_metres) const {
-  if (Status s = check("center", center); !s.ok()) return s;
-  if (!(radius >= 0 && std::isfinite(radius))) return refuse_value("radius", radius, "finite and ≥ 0 m");
+  if (Status s = check_ball(center, radius); !s.ok()) return s;
   if (!cubic_metres) return Status::refused("the result is null");
   *cubic_metres = volume_where([&](const Vec3& x) { return (x - center).stableNorm() <= radius; });
   return {};
 }
 
 Status WaterQuery::sample(const Vec3& point, WaterSample* water) const {
-  if (Status s = check("point", point); !s.ok()) return s;
+  if (Status s = check_point("point", point); !s.ok()) return s;
   if (!water) return Status::refused("the result is null");
   const double h = support_radius_;
   const Cell low = cell_of(point - Vec3::Constant(h)), high = cell_of(point + Vec3::Constant(h));
   WaterSample sum;
-  auto it = std::lower_bound(cells_.begin(), cells_.end(), std::make_pair(low, std::size_t{0}));
-  for (; it != cells_.end() && it->first <= high; ++it) {
-    const std::size_t i = it->second;
+  const auto add = [&](std::size_t i) {
     const double q = (position_[i] - point).norm() / h;
-    if (!(q < 1)) continue;
+    if (!(q < 1)) return;
     const double part = mass_[i] * fluid::Poly6::norm / (h * h * h) * fluid::Poly6::w(q);
     sum.density += part;
     sum.velocity += part * motion_[i];
-  }
+  };
+  for_cells(low[0], high[0], [&](double x) {
+    for_cells(low[1], high[1], [&](double y) {
+      const Cell last = {x, y, high[2]};
+      auto it =
+          std::lower_bound(cells_.begin(), cells_.end(), std::make_pair(Cell{x, y, low[2]}, std::size_t{0}));
+      for (; it != cells_.end() && it->first <= last; ++it) add(it->second);
+    });
+  });
   if (sum.density > 0) sum.velocity /= sum.density;
   *water = sum;
   return {};
 }
 
 Status WaterQuery::nearest(const Vec3& point, WaterHit* hit) const {
-  if (Status s = check("point", point); !s.ok()) return s;
+  if (Status s = check_point("point", point); !s.ok()) return s;
   if (!hit) return Status::refused("the result is null");
   *hit = {};
   double least = std::numeric_limits<double>::infinity();
@@ -96,8 +106,8 @@ Status WaterQuery::nearest(const Vec3& point, WaterHit* hit) const {
 }
 
 Status WaterQuery::ray(const Vec3& from, const Vec3& to, WaterHit* hit) const {
-  if (Status s = check("from", from); !s.ok()) return s;
-  if (Status s = check("to", to); !s.ok()) return s;
+  if (Status s = check_point("from", from); !s.ok()) return s;
+  if (Status s = check_point("to", to); !s.ok()) return s;
   if (from == to) return refuse_value("to", to.transpose(), "another point than from");
   if (!hit) return Status::refused("the result is null");
   *hit = {};

@@ -1,6 +1,7 @@
 // Questions about the water between two steps.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <thread>
 
 #include "oilskin/water_query.h"
@@ -71,6 +72,65 @@ TEST(WaterQuery, ray_stops_at_the_first_ball_and_nearest_finds_the_corner) {
   EXPECT_EQ(w.positions()[hit.particle], dx * Vec3(7, 7, 7));
 }
 
+/// Σ m W and Σ m W v over all particles.
+WaterSample sample_of_all(const World& w, const Vec3& point) {
+  const FluidSettings& f = w.fluid_settings();
+  const double h = f.support_ratio * f.spacing, norm = 315 / (64 * std::acos(-1.0) * std::pow(h, 9));
+  WaterSample sum;
+  for (std::size_t i = 0; i < w.particle_count(); ++i) {
+    const double r2 = (w.positions()[i] - point).squaredNorm();
+    if (r2 >= h * h) continue;
+    const double part = w.particle_mass() * norm * std::pow(h * h - r2, 3);
+    sum.density += part;
+    sum.velocity += part * w.motions()[i];
+  }
+  if (sum.density > 0) sum.velocity /= sum.density;
+  return sum;
+}
+
+TEST(WaterQuery, sample_is_the_sum_over_all_particles_after_steps_inside_at_surfaces_and_away) {
+  for (const double spacing : {0.004, 0.01}) {
+    for (const double ratio : {1.5, 2.0, 2.5}) {
+      FluidSettings fluid = Cube::fluid();
+      fluid.spacing = spacing;
+      fluid.support_ratio = ratio;
+      World w(Cube::settings(), fluid);
+      std::vector<Vec3> x, v;
+      for (int i = 0; i < 8; ++i)
+        for (int j = 0; j < 8; ++j)
+          for (int k = 0; k < 8; ++k) {
+            x.push_back(spacing * Vec3(i, j, k) - Vec3::Constant(3.5 * spacing));
+            v.push_back(10 * Vec3(x.back().y(), -x.back().x(), x.back().z()));
+          }
+      ASSERT_TRUE(w.add_particles(x, v).ok());
+      for (int step = 0; step < 5; ++step) ASSERT_TRUE(w.step(1e-3).status.ok());
+      const WaterQuery q(w);
+      int wet = 0;
+      for (int k = -40; k <= 40; ++k) {
+        const Vec3 point = 0.25 * spacing * Vec3(k, 0.3 * k, -0.7 * k);
+        WaterSample s;
+        ASSERT_TRUE(q.sample(point, &s).ok());
+        const WaterSample all = sample_of_all(w, point);
+        EXPECT_NEAR(s.density, all.density, 1e-9 * fluid.rest_density) << point.transpose();
+        EXPECT_LT((s.velocity - all.velocity).norm(), 1e-9) << point.transpose();
+        wet += all.density > 0;
+      }
+      EXPECT_GT(wet, 20);
+      EXPECT_LT(wet, 81);
+    }
+  }
+}
+
+TEST(WaterQuery, sample_far_out_ends_and_finds_nothing) {
+  Cube w;
+  const WaterQuery q(w);
+  for (const double far : {1e12, 1e15, 1e18, 1e300, -1e18, -1e300}) {
+    WaterSample s;
+    ASSERT_TRUE(q.sample(Vec3(far, 0, far), &s).ok());
+    EXPECT_EQ(s.density, 0) << far;
+  }
+}
+
 TEST(WaterQuery, threads_read_the_same_and_the_world_stays_as_it_is) {
   Cube w;
   const std::uint64_t before = w.state_hash();
@@ -98,6 +158,12 @@ TEST(WaterQuery, bad_input_is_refused) {
   EXPECT_FALSE(q.volume(Box{Vec3(1, 0, 0), Vec3(0, 1, 1)}, &volume).ok());
   EXPECT_FALSE(q.volume(Vec3::Zero(), -1, &volume).ok());
   EXPECT_FALSE(q.volume(Vec3::Zero(), 1, nullptr).ok());
+  EXPECT_FALSE(q.volume(Vec3::Zero(), std::nan(""), &volume).ok());
+  EXPECT_FALSE(q.volume(nan, 1, &volume).ok());
+  EXPECT_FALSE(q.volume(Box{Vec3::Zero(), Vec3::Zero()}, nullptr).ok());
+  EXPECT_FALSE(q.nearest(Vec3::Zero(), nullptr).ok());
+  EXPECT_FALSE(q.ray(Vec3::Zero(), Vec3(1, 0, 0), nullptr).ok());
+  EXPECT_FALSE(q.ray(Vec3::Zero(), nan, &hit).ok());
   EXPECT_FALSE(q.sample(nan, &s).ok());
   EXPECT_FALSE(q.sample(Vec3::Zero(), nullptr).ok());
   EXPECT_FALSE(q.nearest(nan, &hit).ok());
