@@ -35,9 +35,9 @@ void CandidateSet::collect(Context& context) {
   std::iota(all.begin(), all.end(), 0u);
   for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
     Surface& set = surfaces_[s];
-    set.box.assign(n, Box{});
-    set.begin.assign(n, 0);
-    set.count.assign(n, 0);
+    set.box.resize(n);  // query() writes all
+    set.begin.resize(n);
+    set.count.resize(n);
     set.pool.clear();
     const SurfaceMotion& motion = *context.surfaces[s];
     context.geometry[s]->tree.update(motion.triangles, motion.x_t0, motion.x_t1);
@@ -74,9 +74,29 @@ void CandidateSet::query(Context& context, std::uint32_t surface,
   });
 }
 
+/// The particles in play whose swept box, inflated by `reach`, is not within that of their last query, or all
+/// of them. Those out of play have no candidates from now on.
+std::vector<std::uint32_t> CandidateSet::find_stale(const Context& context, Surface& set, bool all,
+                                                    double reach) {
+  const std::size_t n = context.particle_count();
+  std::vector<std::vector<std::uint32_t>> part((n + chunk - 1) / chunk);
+  context.workers->for_chunks(n, chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
+    for (auto p = static_cast<std::uint32_t>(begin); p < end; ++p) {
+      if (context.out_of_play[p])
+        set.count[p] = 0;
+      else if (all || (context.particle_stamp[p] > 0 &&
+                       !set.box[p].contains(swept_box(*context.particles, p).inflated(reach))))
+        part[c].push_back(p);
+    }
+  });
+  std::vector<std::uint32_t> stale;
+  for (const std::vector<std::uint32_t>& p : part) stale.insert(stale.end(), p.begin(), p.end());
+  return stale;
+}
+
 std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin) {
   OILSKIN_ASSERT(surfaces_.size() == context.surfaces.size() && margin >= 0);
-  std::vector<std::uint32_t> stale, queried;
+  std::vector<std::uint32_t> queried;
   for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
     Surface& set = surfaces_[s];
     const SurfaceMotion& motion = *context.surfaces[s];
@@ -86,18 +106,9 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
       set.tree_epoch = context.epoch + 1;
       set.pool.clear();
     }
-    stale.clear();
     // Pairs farther apart than δ are no violations: for detection a swept box inflated by 2 δ is enough.
     const double reach = std::max(2 * motion.delta, margin * motion.thickness);
-    for (std::uint32_t p = 0; p < context.particle_count(); ++p) {
-      if (context.out_of_play[p]) {
-        set.count[p] = 0;
-        continue;
-      }
-      if (nodes_moved || (context.particle_stamp[p] > 0 &&
-                          !set.box[p].contains(swept_box(*context.particles, p).inflated(reach))))
-        stale.push_back(p);
-    }
+    const std::vector<std::uint32_t> stale = find_stale(context, set, nodes_moved, reach);
     if (!stale.empty()) query(context, s, stale);
     queried.insert(queried.end(), stale.begin(), stale.end());
   }

@@ -53,6 +53,7 @@ class CandidateSet {
     std::uint32_t tree_epoch = 0;
     proximity::Candidates scratch;
   };
+  static std::vector<std::uint32_t> find_stale(const Context& context, Surface& set, bool all, double reach);
   void query(Context& context, std::uint32_t surface, const std::vector<std::uint32_t>& particles);
 
   std::vector<Surface> surfaces_;

@@ -127,11 +127,15 @@ void ContactPass::solve_impacts_of_round(const std::vector<Violation>& violation
 }
 
 double ContactPass::kinetic_energy() const {
-  double energy = 0;
   const ParticleMotion& particles = *context_.particles;
-  for (std::size_t p = 0; p < particles.id.size(); ++p)
-    if (particles.inverse_mass[p] > 0)
-      energy += 0.5 * particles.velocity[p].squaredNorm() / particles.inverse_mass[p];
+  double energy =
+      context_.workers->ordered_sum(particles.id.size(), 4096, 0.0, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t p = begin; p < end; ++p)
+          if (particles.inverse_mass[p] > 0)
+            sum += 0.5 * particles.velocity[p].squaredNorm() / particles.inverse_mass[p];
+        return sum;
+      });
   for (const SurfaceMotion* s : context_.surfaces)
     for (std::size_t i = 0; i < s->velocity.size(); ++i)
       if (s->inverse_mass[i] > 0) energy += 0.5 * s->velocity[i].squaredNorm() / s->inverse_mass[i];

@@ -49,6 +49,7 @@ struct FluidSolver::Impl {
   StepState state;
   WallGeometry visible_walls{MirrorImage::of_full_reach()};
   std::unique_ptr<PressureModel> model;
+  Particles::Scratch scratch;
 
   // Of checkpoint()
   double saved_previous_dt = 0;
@@ -75,7 +76,7 @@ void FluidSolver::prepare(Particles& particles, StageSeconds& seconds) {
   const StageTimer timer(seconds.neighbours);
   Neighbours& neighbours = impl_->state.neighbours;
   const auto& order = neighbours.cell_order(particles.position, support_radius(), *impl_->workers);
-  if (!is_identity(order)) particles.permute(order);
+  if (!is_identity(order)) particles.permute(order, *impl_->workers, impl_->scratch);
   neighbours.search(particles.position, *impl_->workers);
   impl_->state.boundary.clear();
   impl_->state.hidden_pairs = 0;

@@ -9,19 +9,31 @@ namespace oilskin::fluid {
 
 namespace {
 
+constexpr std::size_t chunk_size = 4096;
+
+/// The first that does not stay is `first`.
 template <class T>
-void compress_array(std::vector<T>& values, Span<const std::uint8_t> keep) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < values.size(); ++i)
+void compress_array(std::vector<T>& values, Span<const std::uint8_t> keep, std::size_t first) {
+  std::size_t kept = first;
+  for (std::size_t i = first; i < values.size(); ++i)
     if (keep[i]) values[kept++] = values[i];
   values.resize(kept);
 }
 
 template <class T>
-void permute_array(std::vector<T>& values, Span<const std::uint32_t> order, std::vector<T>& scratch) {
+void permute_array(std::vector<T>& values, Span<const std::uint32_t> order, const Workers& workers,
+                   std::vector<T>& scratch) {
   scratch.resize(values.size());
-  for (std::size_t i = 0; i < order.size(); ++i) scratch[i] = values[order[i]];
+  workers.for_each(order.size(), chunk_size, [&](std::size_t i) { scratch[i] = values[order[i]]; });
   values.swap(scratch);
+}
+
+template <class T>
+void copy_array(const std::vector<T>& from, const Workers& workers, std::vector<T>& to) {
+  to.resize(from.size());
+  workers.for_chunks(from.size(), chunk_size, [&](std::size_t begin, std::size_t end, std::size_t) {
+    std::copy(&from[begin], &from[begin] + (end - begin), &to[begin]);
+  });
 }
 
 // At least doubles the capacity, so that particles that come one by one are not copied each time.
@@ -50,6 +62,14 @@ double Particles::sum_of_relative_masses() const {
   return std::accumulate(mass_ratio.begin(), mass_ratio.end(), 0.0);
 }
 
+Vec3 Particles::sum_of_velocities(const Workers& workers) const {
+  return workers.ordered_sum(size(), chunk_size, Vec3(Vec3::Zero()), [&](std::size_t begin, std::size_t end) {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = begin; i < end; ++i) sum += relative_mass(i) * velocity[i];
+    return sum;
+  });
+}
+
 void Particles::let_mass_vary() {
   if (mass_varies) return;
   mass_ratio.assign(size(), 1);
@@ -71,34 +91,50 @@ void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, do
 
 void Particles::compress(Span<const std::uint8_t> keep) {
   OILSKIN_ASSERT(keep.size() == size());
-  compress_array(position, keep);
-  compress_array(velocity, keep);
-  compress_array(motion, keep);
-  compress_array(density, keep);
-  compress_array(pressure, keep);
-  compress_array(spare_load, keep);
-  if (mass_varies) compress_array(mass_ratio, keep);
-  for (std::vector<double>& v : values) compress_array(v, keep);
-  compress_array(id, keep);
+  const auto first = static_cast<std::size_t>(std::find(keep.begin(), keep.end(), 0) - keep.begin());
+  if (first == size()) return;
+  compress_array(position, keep, first);
+  compress_array(velocity, keep, first);
+  compress_array(motion, keep, first);
+  compress_array(density, keep, first);
+  compress_array(pressure, keep, first);
+  compress_array(spare_load, keep, first);
+  if (mass_varies) compress_array(mass_ratio, keep, first);
+  for (std::vector<double>& v : values) compress_array(v, keep, first);
+  compress_array(id, keep, first);
   OILSKIN_ASSERT(position.size() == size() && velocity.size() == size() && motion.size() == size());
   OILSKIN_ASSERT(density.size() == size() && pressure.size() == size());
 }
 
-void Particles::permute(Span<const std::uint32_t> order) {
+void Particles::permute(Span<const std::uint32_t> order, const Workers& workers, Scratch& scratch) {
   OILSKIN_ASSERT(order.size() == size());
-  std::vector<Vec3> vectors;
-  std::vector<double> scalars;
-  std::vector<float> ratios;
-  std::vector<std::uint64_t> ids;
-  permute_array(position, order, vectors);
-  permute_array(velocity, order, vectors);
-  permute_array(motion, order, vectors);
-  permute_array(density, order, scalars);
-  permute_array(pressure, order, scalars);
-  permute_array(spare_load, order, vectors);
-  if (mass_varies) permute_array(mass_ratio, order, ratios);
-  for (std::vector<double>& v : values) permute_array(v, order, scalars);
-  permute_array(id, order, ids);
+  permute_array(position, order, workers, scratch.vectors);
+  permute_array(velocity, order, workers, scratch.vectors);
+  permute_array(motion, order, workers, scratch.vectors);
+  permute_array(density, order, workers, scratch.scalars);
+  permute_array(pressure, order, workers, scratch.scalars);
+  permute_array(spare_load, order, workers, scratch.vectors);
+  if (mass_varies) permute_array(mass_ratio, order, workers, scratch.ratios);
+  for (std::vector<double>& v : values) permute_array(v, order, workers, scratch.scalars);
+  permute_array(id, order, workers, scratch.ids);
+}
+
+void Particles::copy_to(Particles& to, const Workers& workers) const {
+  // Names every field, so that a new one does not compile until it is copied.
+  auto& [id_, position_, velocity_, motion_, density_, pressure_, spare_load_, mass_varies_, mass_ratio_,
+         values_, value_start_] = to;
+  copy_array(id, workers, id_);
+  copy_array(position, workers, position_);
+  copy_array(velocity, workers, velocity_);
+  copy_array(motion, workers, motion_);
+  copy_array(density, workers, density_);
+  copy_array(pressure, workers, pressure_);
+  copy_array(spare_load, workers, spare_load_);
+  mass_varies_ = mass_varies;
+  copy_array(mass_ratio, workers, mass_ratio_);
+  values_.resize(values.size());
+  for (std::size_t k = 0; k < values.size(); ++k) copy_array(values[k], workers, values_[k]);
+  value_start_ = value_start;
 }
 
 void Particles::visit(Archive& archive) {

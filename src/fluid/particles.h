@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/archive.h"
+#include "core/parallel.h"
 #include "oilskin/types.h"
 
 namespace oilskin::fluid {
@@ -27,6 +28,8 @@ struct Particles {
   double relative_mass(std::size_t i) const { return mass_varies ? static_cast<double>(mass_ratio[i]) : 1; }
   /// Of all particles.
   double sum_of_relative_masses() const;
+  /// Σ relative mass × stored velocity [m/s].
+  Vec3 sum_of_velocities(const Workers& workers) const;
   /// From now on masses may differ.
   void let_mass_vary();
   void push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density);
@@ -34,8 +37,17 @@ struct Particles {
   void reserve_more(std::size_t count);
   /// Keeps those with keep[i] != 0, in order.
   void compress(Span<const std::uint8_t> keep);
+  /// What permute() keeps from call to call, so that it asks for no memory each time.
+  struct Scratch {
+    std::vector<Vec3> vectors;
+    std::vector<double> scalars;
+    std::vector<float> ratios;
+    std::vector<std::uint64_t> ids;
+  };
   /// New storage order: the i-th particle is the one that was at order[i].
-  void permute(Span<const std::uint32_t> order);
+  void permute(Span<const std::uint32_t> order, const Workers& workers, Scratch& scratch);
+  /// A copy in `to`, whose memory is used again.
+  void copy_to(Particles& to, const Workers& workers) const;
   /// All fields in storage order, on which the rounding of sums depends.
   void visit(Archive& archive);
 };

@@ -29,10 +29,10 @@ void World::Impl::emit(IntervalContext& interval) {
   fluid::Particles& particles = state.particles;
   interval.live = particles.size();
   interval.remaining.assign(interval.live, interval.dt);
-  if (interval.is_first)
-    for (std::size_t i = 0; i < particles.size(); ++i)
-      step.ledger.present_before(particles.relative_mass(i), particles.velocity[i]);
-  if (interval.is_first) step.energy.begin(particles, interval.dt);
+  if (interval.is_first) {
+    step.ledger.present_before(particles.sum_of_velocities(*workers));
+    step.energy.begin(particles, interval.dt, *workers);
+  }
   const double live_mass = particles.sum_of_relative_masses();
   const std::vector<fluid::Start>& starts = emission->due(interval.begin, interval.dt);
   const std::vector<std::uint8_t> blocked =

@@ -17,6 +17,8 @@ constexpr double window = 0.1;
 /// part of the water has more than its share.
 constexpr double focus = 4;
 
+constexpr std::size_t chunk_size = 4096;
+
 /// The speed of a node over a step or an interval [m/s]; 0 before the first.
 Vec3 speed(const SurfaceMotion& m, std::size_t node, double dt) {
   return dt > 0 ? Vec3((m.x_t1[node] - m.x_t0[node]) / dt) : Vec3::Zero();
@@ -37,18 +39,36 @@ void EnergyState::withdraw(const fluid::Particles& particles, std::size_t i, dou
   withdrawn.add(mass, u, particles.position[i] - 0.5 * interval * u);
 }
 
-void EnergyBalance::begin(const fluid::Particles& particles, double dt) {
+void EnergyBalance::begin(const fluid::Particles& particles, double dt, const Workers& workers) {
   const bool turned = gravity_ != state_.gravity;
   if (turned) state_.max_specific = 0;
   start_ = left_ = state_.withdrawn;
   state_.withdrawn = Energy();
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    const Vec3 &x = particles.position[i], &u = particles.motion[i];
-    const bool is_new = particles.id[i] >= state_.first_new_id;
-    (is_new ? entered_ : start_).add(mass_of(particles, i), u, middle(particles, i, x, dt));
-    if (is_new || turned)
-      state_.max_specific = std::max(state_.max_specific, 0.5 * u.squaredNorm() - gravity_.dot(x));
-  }
+  struct Begin {
+    Energy start, entered;
+    double max_specific;
+    void operator+=(const Begin& o) {
+      start += o.start;
+      entered += o.entered;
+      max_specific = std::max(max_specific, o.max_specific);
+    }
+  };
+  const Begin none = {{}, {}, state_.max_specific};
+  const Begin all =
+      workers.ordered_sum(particles.size(), chunk_size, none, [&](std::size_t first, std::size_t end) {
+        Begin sums = none;
+        for (std::size_t i = first; i < end; ++i) {
+          const Vec3 &x = particles.position[i], &u = particles.motion[i];
+          const bool is_new = particles.id[i] >= state_.first_new_id;
+          (is_new ? sums.entered : sums.start).add(mass_of(particles, i), u, middle(particles, i, x, dt));
+          if (is_new || turned)
+            sums.max_specific = std::max(sums.max_specific, 0.5 * u.squaredNorm() - gravity_.dot(x));
+        }
+        return sums;
+      });
+  start_ += all.start;
+  entered_ += all.entered;
+  state_.max_specific = all.max_specific;
 }
 
 void EnergyBalance::enter(const Vec3& x, const Vec3& velocity, double dt) {
@@ -75,24 +95,26 @@ void EnergyBalance::move(fluid::Particles& particles, std::size_t i, const Vec3&
   if (time > 1e-9 * dt) particles.motion[i] = (particles.position[i] - start) / time;
 }
 
-void EnergyBalance::stay(const fluid::Particles& particles, std::size_t i, double dt) {
+void EnergyBalance::stay(const fluid::Particles& particles, std::size_t i, double dt, Sums& sums) const {
   const Vec3& u = particles.motion[i];
-  water_.add(mass_of(particles, i), u, particles.position[i] - 0.5 * dt * u);
-  max_speed_ = std::max(max_speed_, u.squaredNorm());
+  sums.water.add(mass_of(particles, i), u, particles.position[i] - 0.5 * dt * u);
+  sums.max_speed = std::max(sums.max_speed, u.squaredNorm());
 }
 
-void EnergyBalance::leave(const fluid::Particles& particles, std::size_t i, double dt) {
-  left_.add(mass_of(particles, i), particles.motion[i],
-            particles.position[i] - 0.5 * dt * particles.motion[i]);
+void EnergyBalance::leave(const fluid::Particles& particles, std::size_t i, double dt, Sums& sums) const {
+  sums.left.add(mass_of(particles, i), particles.motion[i],
+                particles.position[i] - 0.5 * dt * particles.motion[i]);
 }
 
-void EnergyBalance::lose(const fluid::Particles& particles, std::size_t i, const Vec3& start, double dt) {
-  left_.add(mass_of(particles, i), particles.motion[i], middle(particles, i, start, dt));
+void EnergyBalance::lose(const fluid::Particles& particles, std::size_t i, const Vec3& start, double dt,
+                         Sums& sums) const {
+  sums.left.add(mass_of(particles, i), particles.motion[i], middle(particles, i, start, dt));
 }
 
-void EnergyBalance::absorb(const fluid::Particles& particles, std::size_t i, double mass_ratio, double dt) {
+void EnergyBalance::absorb(const fluid::Particles& particles, std::size_t i, double mass_ratio, double dt,
+                           Sums& sums) const {
   const Vec3& u = particles.motion[i];
-  left_.add(mass_ratio * mass_, u, particles.position[i] - 0.5 * dt * u);
+  sums.left.add(mass_ratio * mass_, u, particles.position[i] - 0.5 * dt * u);
 }
 
 bool EnergyBalance::is_too_fast(const fluid::Particles& particles, std::size_t i) const {
@@ -101,13 +123,13 @@ bool EnergyBalance::is_too_fast(const fluid::Particles& particles, std::size_t i
   return 0.5 * particles.motion[i].squaredNorm() > focus * std::max(available, 0.0);
 }
 
-void EnergyBalance::end_interval(std::uint64_t next_id, double dt) {
-  state_.water = water_;
-  state_.report.max_speed = std::sqrt(max_speed_);
+void EnergyBalance::end_interval(const Sums& sums, std::uint64_t next_id, double dt) {
+  left_ += sums.left;
+  by_effects_ += sums.by_effects;
+  state_.water = sums.water;
+  state_.report.max_speed = std::sqrt(sums.max_speed);
   state_.interval = dt;
   state_.first_new_id = next_id;
-  water_ = Energy();
-  max_speed_ = 0;
 }
 
 /// Where contact gave a free node an impulse at the end of the step before, its speed changed in between:

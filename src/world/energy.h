@@ -1,9 +1,11 @@
 /// The balance of energies (F.56)–(F.63).
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "core/archive.h"
+#include "core/parallel.h"
 #include "fluid/particles.h"
 #include "oilskin/report.h"
 #include "oilskin/surface_motion.h"
@@ -19,6 +21,10 @@ struct Energy {
   void add(double mass, const Vec3& u, const Vec3& x) {
     kinetic += 0.5 * mass * u.squaredNorm();
     moment += mass * x;
+  }
+  void operator+=(const Energy& o) {
+    kinetic += o.kinetic;
+    moment += o.moment;
   }
   double potential(const Vec3& gravity) const { return -gravity.dot(moment); }
   double total(const Vec3& gravity) const { return kinetic + potential(gravity); }
@@ -49,37 +55,52 @@ struct EnergyState {
 /// leave(), or lose(), for each particle, end_interval(). After the last one end_surface() and finish().
 class EnergyBalance {
  public:
+  /// Of some of the particles in an interval: threads add up their own.
+  struct Sums {
+    Energy water, left;
+    double by_effects = 0;  // [J]
+    double max_speed = 0;   // squared
+
+    void operator+=(const Sums& o) {
+      water += o.water;
+      left += o.left;
+      by_effects += o.by_effects;
+      max_speed = std::max(max_speed, o.max_speed);
+    }
+  };
+
   /// A new particle weighs `particle_mass` [kg].
   EnergyBalance(EnergyState& state, double particle_mass, const Vec3& gravity)
       : state_(state), mass_(particle_mass), gravity_(gravity), water_before_(state.water) {}
 
   /// The particles at the start of the first interval, of length dt [s].
-  void begin(const fluid::Particles& particles, double dt);
+  void begin(const fluid::Particles& particles, double dt, const Workers& workers);
   /// An emitter starts a particle in an interval of length dt.
   void enter(const Vec3& x, const Vec3& velocity, double dt);
   /// Impulses and motion of the surfaces in an interval of length dt.
   void touch(Span<SurfaceMotion* const> surfaces, double dt);
 
   /// Particle i went from `start` to particles.position within `time` [s]: sets particles.motion.
-  void move(fluid::Particles& particles, std::size_t i, const Vec3& start, double time, double dt);
+  static void move(fluid::Particles& particles, std::size_t i, const Vec3& start, double time, double dt);
   /// Effects accelerated a particle for dt. `motion`: mean of its speeds in the last interval and in this
   /// one, with which free motion conserves energy to rounding, as (F.57) does in gravity.
-  void drive(double mass_ratio, const Vec3& acceleration, const Vec3& motion, double dt) {
-    by_effects_ += mass_ratio * mass_ * dt * acceleration.dot(motion);
+  void drive(double mass_ratio, const Vec3& acceleration, const Vec3& motion, double dt, Sums& sums) const {
+    sums.by_effects += mass_ratio * mass_ * dt * acceleration.dot(motion);
   }
   /// Work of effects on a surface [J].
   void drive(double work) { by_effects_ += work; }
 
-  void stay(const fluid::Particles& particles, std::size_t i, double dt);
-  void leave(const fluid::Particles& particles, std::size_t i, double dt);
+  void stay(const fluid::Particles& particles, std::size_t i, double dt, Sums& sums) const;
+  void leave(const fluid::Particles& particles, std::size_t i, double dt, Sums& sums) const;
   /// A surface absorbs the part `mass_ratio` of a new particle's mass from particle i.
-  void absorb(const fluid::Particles& particles, std::size_t i, double mass_ratio, double dt);
+  void absorb(const fluid::Particles& particles, std::size_t i, double mass_ratio, double dt,
+              Sums& sums) const;
   /// Particle i is removed at `start`: it has no certified end.
-  void lose(const fluid::Particles& particles, std::size_t i, const Vec3& start, double dt);
+  void lose(const fluid::Particles& particles, std::size_t i, const Vec3& start, double dt, Sums& sums) const;
   /// Whether particle i is faster than any energy in the world allows (F.63).
   bool is_too_fast(const fluid::Particles& particles, std::size_t i) const;
-  /// `next_id` of particles to come.
-  void end_interval(std::uint64_t next_id, double dt);
+  /// `sums` are of all particles; `next_id` is that of particles to come.
+  void end_interval(const Sums& sums, std::uint64_t next_id, double dt);
 
   /// A surface at the end of a step of dt, and as the step of dt_before left it.
   void end_surface(const SurfaceMotion& now, double dt, const SurfaceMotion& before, double dt_before);
@@ -106,9 +127,6 @@ class EnergyBalance {
   // off by in the step before.
   double on_prescribed_ = 0, transfer_ = 0, late_ = 0;
   double by_effects_ = 0;  // work of effects on particles and surfaces [J]
-  // Of the interval
-  Energy water_;
-  double max_speed_ = 0;  // squared
 };
 
 }  // namespace oilskin::world

@@ -10,7 +10,9 @@ class Ledger {
   /// Adds to `report`; a new particle weighs particle_mass [kg]. `ratio` is the mass of a particle over that.
   Ledger(StepReport& report, double particle_mass) : report_(report), mass_(particle_mass) {}
 
-  /// A particle that is in the fluid when the step begins.
+  /// Particles that are in the fluid when the step begins: Σ ratio × velocity.
+  void present_before(const Vec3& sum) { report_.momentum_before += mass_ * sum; }
+  /// One of them.
   void present_before(double ratio, const Vec3& velocity) {
     report_.momentum_before += ratio * mass_ * velocity;
   }
@@ -57,8 +59,29 @@ class Ledger {
     present_after(1, velocity);
   }
 
-  /// The sum of present_after() begins again: the fluid at the end of an interval.
-  void begin_after() { report_.momentum_after.setZero(); }
+  /// Of some of the particles at the end of an interval: threads add up their own.
+  struct Sums {
+    Vec3 after = Vec3::Zero();  // of those that stay, Σ ratio × velocity
+    double removed = 0;         // Σ ratio of those that leave
+    Vec3 removed_momentum = Vec3::Zero();
+
+    void stays(double ratio, const Vec3& velocity) { after += ratio * velocity; }
+    void leaves(double ratio, const Vec3& velocity) {
+      removed += ratio;
+      removed_momentum += ratio * velocity;
+    }
+    void operator+=(const Sums& o) {
+      after += o.after;
+      removed += o.removed;
+      removed_momentum += o.removed_momentum;
+    }
+  };
+  /// All particles at the end of an interval.
+  void end_interval(const Sums& sums) {
+    report_.momentum_after = mass_ * sums.after;
+    report_.mass_removed += sums.removed * mass_;
+    report_.momentum_removed += mass_ * sums.removed_momentum;
+  }
   void present_after(double ratio, const Vec3& velocity) {
     report_.momentum_after += ratio * mass_ * velocity;
   }

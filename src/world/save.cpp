@@ -286,6 +286,19 @@ Status World::Impl::restore(Span<const std::uint8_t> saved) {
   return {};
 }
 
+void world::WorldState::copy_to(WorldState& to, const Workers& copiers) const {
+  auto& [particles_, next_id, steps, intervals, time_, last_dt_, max_acceleration_, energy_, withdrawn_] = to;
+  particles.copy_to(particles_, copiers);
+  next_id = next_particle_id;
+  steps = step_count;
+  intervals = interval_count;
+  time_ = time;
+  last_dt_ = last_dt;
+  max_acceleration_ = max_acceleration;
+  energy_ = energy;
+  withdrawn_ = withdrawn;
+}
+
 Status World::save(std::vector<std::uint8_t>* out) const {
   if (!out) return Status::refused("save() needs a vector to write to, and `out` is null");
   if (!impl_->status.ok()) return impl_->status;

@@ -17,6 +17,8 @@ using world::StepContext;
 
 namespace {
 
+constexpr std::size_t chunk_size = 2048;
+
 [[maybe_unused]] bool all_finite(Span<const Vec3> values) {
   return std::all_of(values.begin(), values.end(), [](const Vec3& x) { return x.allFinite(); });
 }
@@ -132,16 +134,26 @@ void World::Impl::exchange(IntervalContext& interval, Span<const Contact> near) 
 
 void World::Impl::remove_invalid_particles(StepContext& step) {
   fluid::Particles& particles = state.particles;
-  std::vector<std::uint8_t> keep(particles.size(), 1);
-  bool any = false;
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    if (world::is_in_range(particles.position[i]) && world::is_in_range(particles.velocity[i])) continue;
-    keep[i] = 0;
-    any = true;
-    ++step.report.removed_invalid;
-    step.ledger.removed_without_momentum(particles.relative_mass(i));
+  const auto is_valid = [&](std::size_t i) {
+    return world::is_in_range(particles.position[i]) && world::is_in_range(particles.velocity[i]);
+  };
+  const auto count_invalid = [&](std::size_t begin, std::size_t end) {
+    std::uint64_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) count += is_valid(i) ? 0 : 1;
+    return count;
+  };
+  const std::uint64_t invalid =
+      workers->ordered_sum(particles.size(), chunk_size, std::uint64_t{0}, count_invalid);
+  if (invalid > 0) {
+    std::vector<std::uint8_t> keep(particles.size(), 1);
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+      if (is_valid(i)) continue;
+      keep[i] = 0;
+      step.ledger.removed_without_momentum(particles.relative_mass(i));
+    }
+    particles.compress(keep);
+    step.report.removed_invalid += invalid;
   }
-  if (any) particles.compress(keep);
   OILSKIN_ASSERT(all_finite(particles.position) && all_finite(particles.velocity));
 }
 
@@ -149,16 +161,18 @@ void World::Impl::predict_motion(IntervalContext& interval) const {
   const fluid::Particles& particles = state.particles;
   const std::size_t n = particles.size();
   OILSKIN_ASSERT(interval.remaining.size() == n);
-  interval.velocity = particles.velocity;
-  interval.inverse_mass.assign(n, 1 / fluid->particle_mass());
-  if (particles.mass_varies)
-    for (std::size_t i = 0; i < n; ++i) interval.inverse_mass[i] /= particles.relative_mass(i);
+  interval.velocity.resize(n);
+  interval.inverse_mass.resize(n);
   interval.removed.assign(n, 0);
   interval.x_t1.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
+  const double inverse_mass = 1 / fluid->particle_mass();
+  workers->for_each(n, chunk_size, [&](std::size_t i) {
     const double t = interval.remaining[i];
+    interval.velocity[i] = particles.velocity[i];
+    interval.inverse_mass[i] = inverse_mass;
+    if (particles.mass_varies) interval.inverse_mass[i] /= particles.relative_mass(i);
     interval.x_t1[i] = particles.position[i] + t * (particles.velocity[i] + t * settings.gravity);
-  }
+  });
 }
 
 /// Refers to the arrays of the interval and of the particles, which must stay where they are.
@@ -197,24 +211,44 @@ void World::Impl::propose_motion(IntervalContext& interval) {
                  interval.velocity, found, step.report.seconds);
   step.report.fluid = interval.is_first ? found : worst_of(step.report.fluid, found);
   StageTimer timer(step.report.seconds.other_fluid);
-  double change = 0;  // squared
-  for (std::size_t i = 0; i < interval.velocity.size(); ++i) {
-    const Vec3 &x_t0 = state.particles.position[i], &before = state.particles.velocity[i];
-    Vec3 &x_t1 = interval.x_t1[i], &velocity = interval.velocity[i];
-    const Vec3 ballistic = before + interval.remaining[i] * settings.gravity;
-    if (i >= interval.live) velocity = ballistic;
-    x_t1 = x_t0 + interval.remaining[i] * velocity;
-    if (world::is_in_range(x_t1) && world::is_in_range(velocity)) {
-      if (i < interval.live) change = std::max(change, (velocity - before).squaredNorm());
-      continue;
+  struct Proposed {
+    double change = 0;  // the largest, squared
+    std::uint64_t removed = 0;
+    void operator+=(const Proposed& o) {
+      change = std::max(change, o.change);
+      removed += o.removed;
     }
-    x_t1 = x_t0;
-    if (!velocity.allFinite()) velocity = ballistic;  // the momentum that the ledger counts as removed
-    interval.removed[i] = 1;
-    ++step.report.removed_invalid;
-  }
+  };
+  const Proposed all = workers->ordered_sum(
+      interval.velocity.size(), chunk_size, Proposed(), [&](std::size_t begin, std::size_t end) {
+        Proposed part;
+        for (std::size_t i = begin; i < end; ++i)
+          if (propose_end(interval, i)) {
+            if (i < interval.live)
+              part.change =
+                  std::max(part.change, (interval.velocity[i] - state.particles.velocity[i]).squaredNorm());
+          } else {
+            ++part.removed;
+          }
+        return part;
+      });
+  step.report.removed_invalid += all.removed;
   OILSKIN_ASSERT(all_finite(interval.x_t1) && all_finite(interval.velocity));
-  state.max_acceleration = std::sqrt(change) / interval.dt;
+  state.max_acceleration = std::sqrt(all.change) / interval.dt;
+}
+
+/// Whether its numbers are in range; otherwise the particle stays and is removed.
+bool World::Impl::propose_end(IntervalContext& interval, std::size_t i) const {
+  const Vec3& x_t0 = state.particles.position[i];
+  Vec3 &x_t1 = interval.x_t1[i], &velocity = interval.velocity[i];
+  const Vec3 ballistic = state.particles.velocity[i] + interval.remaining[i] * settings.gravity;
+  if (i >= interval.live) velocity = ballistic;
+  x_t1 = x_t0 + interval.remaining[i] * velocity;
+  if (world::is_in_range(x_t1) && world::is_in_range(velocity)) return true;
+  x_t1 = x_t0;
+  if (!velocity.allFinite()) velocity = ballistic;  // the momentum that the ledger counts as removed
+  interval.removed[i] = 1;
+  return false;
 }
 
 void World::Impl::verify(IntervalContext& interval, const ParticleMotion& motion) const {
@@ -251,61 +285,69 @@ void World::Impl::commit(IntervalContext& interval) {
   fluid::Particles& particles = state.particles;
   OILSKIN_ASSERT(interval.x_t1.size() == particles.size() && interval.velocity.size() == particles.size());
   OILSKIN_ASSERT(all_finite(interval.x_t1) && all_finite(interval.velocity));
-  particles.velocity = interval.velocity;
   std::vector<std::uint8_t> keep(particles.size(), 1);
-  step.ledger.begin_after();
   step.energy.touch(step.surfaces.motion, interval.dt);
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    keep[i] = commit_particle(interval, i);
-    if (keep[i])
-      step.ledger.present_after(particles.relative_mass(i), particles.velocity[i]);
-    else
-      step.ledger.removed(particles.relative_mass(i), particles.velocity[i]);
-  }
-  step.energy.end_interval(state.next_particle_id, interval.dt);
-  step.report.removed += interval.report.removed;
+  const world::EndSums all = workers->ordered_sum(particles.size(), chunk_size, world::EndSums(),
+                                                  [&](std::size_t begin, std::size_t end) {
+                                                    world::EndSums sums;
+                                                    for (std::size_t i = begin; i < end; ++i) {
+                                                      particles.velocity[i] = interval.velocity[i];
+                                                      keep[i] = commit_particle(interval, i, sums);
+                                                      const double ratio = particles.relative_mass(i);
+                                                      if (keep[i])
+                                                        sums.ledger.stays(ratio, particles.velocity[i]);
+                                                      else
+                                                        sums.ledger.leaves(ratio, particles.velocity[i]);
+                                                    }
+                                                    return sums;
+                                                  });
+  step.ledger.end_interval(all.ledger);
+  step.energy.end_interval(all.energy, state.next_particle_id, interval.dt);
+  step.report.removed += interval.report.removed + all.removed;
+  step.report.removed_too_fast += all.removed_too_fast;
+  step.report.absorbed += all.absorbed;
   step.report.contact.add(interval.report);
   particles.compress(keep);
   step.report.alive = particles.size();
 }
 
 /// Whether the particle remains.
-bool World::Impl::commit_particle(IntervalContext& interval, std::size_t i) {
+bool World::Impl::commit_particle(IntervalContext& interval, std::size_t i, world::EndSums& sums) {
   fluid::Particles& particles = state.particles;
-  world::EnergyBalance& energy = interval.step.energy;
+  const world::EnergyBalance& energy = interval.step.energy;
   const Vec3 start = particles.position[i];
   particles.position[i] = interval.x_t1[i];
   const bool inside = settings.kill_box.contains(particles.position[i]);
   if (interval.removed[i]) {
-    energy.lose(particles, i, start, interval.dt);
+    energy.lose(particles, i, start, interval.dt, sums.energy);
     return false;
   }
   const Vec3 motion_before = particles.motion[i];
-  energy.move(particles, i, start, interval.remaining[i], interval.dt);
+  world::EnergyBalance::move(particles, i, start, interval.remaining[i], interval.dt);
   if (!interval.acceleration.empty() && i < interval.live)
     energy.drive(particles.relative_mass(i), interval.acceleration[i],
-                 0.5 * (motion_before + particles.motion[i]), interval.dt);
-  if (!interval.mass_left.empty() && !keep_mass(interval, i)) return false;
+                 0.5 * (motion_before + particles.motion[i]), interval.dt, sums.energy);
+  if (!interval.mass_left.empty() && !keep_mass(interval, i, sums)) return false;
   if (inside) {
-    energy.stay(particles, i, interval.dt);
+    energy.stay(particles, i, interval.dt, sums.energy);
     return true;
   }
-  energy.leave(particles, i, interval.dt);
-  ++interval.step.report.removed;
-  if (energy.is_too_fast(particles, i)) ++interval.step.report.removed_too_fast;
+  energy.leave(particles, i, interval.dt, sums.energy);
+  ++sums.removed;
+  if (energy.is_too_fast(particles, i)) ++sums.removed_too_fast;
   return false;
 }
 
 /// What surfaces absorbed leaves particle i. Whether it has any mass left.
-bool World::Impl::keep_mass(IntervalContext& interval, std::size_t i) {
+bool World::Impl::keep_mass(IntervalContext& interval, std::size_t i, world::EndSums& sums) {
   fluid::Particles& particles = state.particles;
   float& mass = particles.mass_ratio[i];
   const float left = interval.mass_left[i];
   interval.step.energy.absorb(particles, i, static_cast<double>(mass) - static_cast<double>(left),
-                              interval.dt);
+                              interval.dt, sums.energy);
   mass = left;
   if (left > 0) return true;
-  ++interval.step.report.absorbed;
+  ++sums.absorbed;
   return false;
 }
 

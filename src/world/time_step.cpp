@@ -15,20 +15,33 @@ using world::StepContext;
 /// A wall gives its own speed to the water in front of it, so the speed of surfaces counts like that of the
 /// fluid, but only where their swept triangles overlap the fluid's box.
 world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved_for, double dt) const {
+  struct Water {
+    Box box;
+    double speed = 0;  // squared
+    void operator+=(const Water& o) {
+      box.add(o.box);
+      speed = std::max(speed, o.speed);
+    }
+  };
+  const fluid::Particles& particles = state.particles;
+  const Water water =
+      workers->ordered_sum(particles.size(), 4096, Water(), [&](std::size_t begin, std::size_t end) {
+        Water part;
+        for (std::size_t i = begin; i < end; ++i) {
+          const Vec3 &x = particles.position[i], &v = particles.velocity[i];
+          if (!world::is_in_range(x) || !world::is_in_range(v)) continue;  // removed by the next step
+          part.box.add(x);
+          // Momentum that a surface has not taken yet moves nothing.
+          part.speed = std::max(part.speed, particles.motion[i].squaredNorm());
+        }
+        return part;
+      });
   world::Speeds found;
-  Box water;
-  for (std::size_t i = 0; i < state.particles.size(); ++i) {
-    const Vec3 &x = state.particles.position[i], &v = state.particles.velocity[i];
-    if (!world::is_in_range(x) || !world::is_in_range(v)) continue;  // removed by the next step
-    water.add(x);
-    // Momentum that a surface has not taken yet moves nothing.
-    found.fluid = std::max(found.fluid, state.particles.motion[i].squaredNorm());
-  }
-  found.fluid = std::max(std::sqrt(found.fluid), emission->fastest_due(state.time, dt));
+  found.fluid = std::max(std::sqrt(water.speed), emission->fastest_due(state.time, dt));
   found.change = state.max_acceleration;
   found.gravity = found.fluid > 0 || state.particles.size() > 0 ? settings.gravity.norm() : 0;
   const double reach = fluid->support_radius() + found.fluid * dt;
-  if (moved_for > 0) found.surfaces = world::fastest_node(moved, water.inflated(reach), moved_for);
+  if (moved_for > 0) found.surfaces = world::fastest_node(moved, water.box.inflated(reach), moved_for);
   return found;
 }
 

@@ -40,7 +40,7 @@ World::Impl::Impl(const WorldSettings& world, const FluidSettings& fluid_in,
 }
 
 void World::Impl::checkpoint() {
-  saved_state = state;
+  state.copy_to(saved_state, *workers);
   emission->checkpoint();
   fluid->checkpoint();
   attachments.checkpoint();

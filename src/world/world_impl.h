@@ -22,6 +22,21 @@ struct Withdrawn {
   Vec3 momentum = Vec3::Zero();  // Σ mass_ratio × velocity [m/s]
 };
 
+/// Of some of the particles at the end of an interval: threads add up their own.
+struct EndSums {
+  EnergyBalance::Sums energy;
+  Ledger::Sums ledger;
+  std::uint64_t removed = 0, removed_too_fast = 0, absorbed = 0;
+
+  void operator+=(const EndSums& o) {
+    energy += o.energy;
+    ledger += o.ledger;
+    removed += o.removed;
+    removed_too_fast += o.removed_too_fast;
+    absorbed += o.absorbed;
+  }
+};
+
 /// What a world keeps from step to step, but for its surfaces, its emitters and the fluid solver's memory.
 struct WorldState {
   fluid::Particles particles;
@@ -33,6 +48,8 @@ struct WorldState {
   double max_acceleration = 0;  // by the fluid's own forces in the last interval [m/s²]
   EnergyState energy;
   Withdrawn withdrawn;
+
+  void copy_to(WorldState& to, const Workers& copiers) const;
 };
 
 }  // namespace world
@@ -73,12 +90,13 @@ struct World::Impl {
   void act(world::IntervalContext& interval);
   void predict_contacts(world::IntervalContext& interval, contact::ContactPass& pass) const;
   void propose_motion(world::IntervalContext& interval);
+  bool propose_end(world::IntervalContext& interval, std::size_t i) const;
   void verify(world::IntervalContext& interval, const ParticleMotion& motion) const;
   void exchange(world::IntervalContext& interval, Span<const Contact> near);
   void notify_observer(world::IntervalContext& interval);
   void commit(world::IntervalContext& interval);
-  bool commit_particle(world::IntervalContext& interval, std::size_t i);
-  bool keep_mass(world::IntervalContext& interval, std::size_t i);
+  bool commit_particle(world::IntervalContext& interval, std::size_t i, world::EndSums& sums);
+  bool keep_mass(world::IntervalContext& interval, std::size_t i, world::EndSums& sums);
   void release(world::StepContext& step);
   void scatter(world::StepContext& step);
   void finish(world::StepContext& step);

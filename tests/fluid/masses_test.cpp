@@ -128,7 +128,8 @@ TEST(MassesOfParticles, follow_their_particles) {
   p.push_back(3, Vec3::Zero(), Vec3::Zero(), 1000);
   p.mass_ratio = {0.25f, 0.5f, 0.75f};
   const std::vector<std::uint32_t> order = {2, 0, 1};
-  p.permute(order);
+  Particles::Scratch scratch;
+  p.permute(order, Workers(1), scratch);
   EXPECT_EQ(p.id[0], 3u);
   EXPECT_EQ(p.mass_ratio, (std::vector<float>{0.75f, 0.25f, 0.5f}));
   const std::vector<std::uint8_t> keep = {1, 0, 1};

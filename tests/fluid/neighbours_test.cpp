@@ -171,7 +171,8 @@ TEST(Particles, compress_and_permute_keep_fields_together) {
     p.pressure.back() = -d;
   }
   const std::vector<std::uint32_t> order = {4, 2, 0, 1, 3};
-  p.permute(order);
+  Particles::Scratch scratch;
+  p.permute(order, Workers(1), scratch);
   const std::vector<std::uint8_t> keep = {1, 0, 1, 1, 0};
   p.compress(keep);
   ASSERT_EQ(p.size(), 3u);
@@ -182,6 +183,47 @@ TEST(Particles, compress_and_permute_keep_fields_together) {
     EXPECT_EQ(p.velocity[i].y(), expected[i]);
     EXPECT_EQ(p.density[i], expected[i]);
     EXPECT_EQ(p.pressure[i], -expected[i]);
+  }
+}
+
+TEST(Particles, many_are_permuted_copied_and_compressed_by_any_number_of_threads) {
+  constexpr std::size_t n = 10000;  // larger than a chunk of these loops
+  for (const int threads : {1, 3}) {
+    const Workers workers(threads);
+    Particles p;
+    std::vector<std::uint32_t> order(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double d = static_cast<double>(i);
+      p.push_back(i + 1, Vec3(d, 0, 0), Vec3(0, d, 0), 1000);
+      p.pressure.back() = d;
+      order[i] = static_cast<std::uint32_t>(7 * i % n);
+    }
+    Particles::Scratch scratch;
+    p.permute(order, workers, scratch);
+    Particles copy;
+    copy.push_back(77, Vec3::Zero(), Vec3::Zero(), 1);
+    p.copy_to(copy, workers);
+    ASSERT_EQ(copy.size(), n);
+    std::vector<std::uint8_t> keep(n, 1);
+    p.compress(keep);
+    ASSERT_EQ(p.size(), n) << "all stay";
+    for (std::size_t i = 0; i < n; ++i) {
+      ASSERT_EQ(p.id[i], order[i] + 1);
+      ASSERT_EQ(copy.id[i], p.id[i]);
+      ASSERT_EQ(copy.position[i].x(), order[i]);
+      ASSERT_EQ(copy.motion[i].y(), order[i]);
+      ASSERT_EQ(copy.pressure[i], order[i]);
+      keep[i] = order[i] % 3 != 0;
+    }
+    p.compress(keep);
+    ASSERT_EQ(p.size(), n - (n + 2) / 3);
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      ASSERT_NE((p.id[i] - 1) % 3, 0u);
+      ASSERT_EQ(p.position[i].x(), p.pressure[i]);
+      ASSERT_EQ(p.velocity[i].y() + 1, static_cast<double>(p.id[i]));
+    }
+    const Vec3 sum = copy.sum_of_velocities(workers);
+    EXPECT_EQ(sum.y(), 0.5 * static_cast<double>(n) * static_cast<double>(n - 1));
   }
 }
 
