@@ -98,12 +98,17 @@ struct Sum4 {
   Sum4 operator+(const Sum4& o) const { return {low + o.low, high + o.high}; }
 };
 
-/// Four records, transposed: x[k] is that of record index[k].
+/// Four records, transposed: x[k] is that of record index[k], or of the k-th from r on.
 struct Record4 {
   F4 x, y, z, w;
-  Record4(const Record* r, const std::uint32_t* index) {
-    const F4::V a = load(&r[index[0]].x).v, b = load(&r[index[1]].x).v;
-    const F4::V c = load(&r[index[2]].x).v, d = load(&r[index[3]].x).v;
+  Record4(const Record* r, const std::uint32_t* index)
+      : Record4(r[index[0]], r[index[1]], r[index[2]], r[index[3]]) {}
+  explicit Record4(const Record* r) : Record4(r[0], r[1], r[2], r[3]) {}
+
+ private:
+  Record4(const Record& r0, const Record& r1, const Record& r2, const Record& r3) {
+    const F4::V a = load(&r0.x).v, b = load(&r1.x).v;
+    const F4::V c = load(&r2.x).v, d = load(&r3.x).v;
     const F4::V ab_xy = __builtin_shufflevector(a, b, 0, 4, 1, 5),
                 cd_xy = __builtin_shufflevector(c, d, 0, 4, 1, 5);
     const F4::V ab_zw = __builtin_shufflevector(a, b, 2, 6, 3, 7),
@@ -180,6 +185,11 @@ struct Record4 {
         y(r[i[0]].y, r[i[1]].y, r[i[2]].y, r[i[3]].y),
         z(r[i[0]].z, r[i[1]].z, r[i[2]].z, r[i[3]].z),
         w(r[i[0]].w, r[i[1]].w, r[i[2]].w, r[i[3]].w) {}
+  explicit Record4(const Record* r)
+      : x(r[0].x, r[1].x, r[2].x, r[3].x),
+        y(r[0].y, r[1].y, r[2].y, r[3].y),
+        z(r[0].z, r[1].z, r[2].z, r[3].z),
+        w(r[0].w, r[1].w, r[2].w, r[3].w) {}
 };
 
 #endif
@@ -281,10 +291,11 @@ struct Sum8 {
   double total() const { return (low + high).total(); }
 };
 
-/// Eight records, transposed: x[k] is that of record index[k].
+/// Eight records, transposed: x[k] is that of record index[k], or of the k-th from r on.
 struct Record8 {
   F8 x, y, z, w;
   Record8(const Record* r, const std::uint32_t* index) : Record8(Record4(r, index), Record4(r, index + 4)) {}
+  explicit Record8(const Record* r) : Record8(Record4(r), Record4(r + 4)) {}
 
  private:
   Record8(const Record4& a, const Record4& b) : x(a.x, b.x), y(a.y, b.y), z(a.z, b.z), w(a.w, b.w) {}

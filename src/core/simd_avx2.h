@@ -74,9 +74,14 @@ struct Sum8 {
 
 struct Record8 {
   F8 x, y, z, w;
-  Record8(const Record* r, const std::uint32_t* i) {
-    const __m256 a = both(r, i[0], i[4]), b = both(r, i[1], i[5]);
-    const __m256 c = both(r, i[2], i[6]), d = both(r, i[3], i[7]);
+  Record8(const Record* r, const std::uint32_t* i)
+      : Record8(both(r[i[0]], r[i[4]]), both(r[i[1]], r[i[5]]), both(r[i[2]], r[i[6]]),
+                both(r[i[3]], r[i[7]])) {}
+  explicit Record8(const Record* r)
+      : Record8(both(r[0], r[4]), both(r[1], r[5]), both(r[2], r[6]), both(r[3], r[7])) {}
+
+ private:
+  Record8(__m256 a, __m256 b, __m256 c, __m256 d) {
     const __m256 ab_xy = _mm256_unpacklo_ps(a, b), cd_xy = _mm256_unpacklo_ps(c, d);
     const __m256 ab_zw = _mm256_unpackhi_ps(a, b), cd_zw = _mm256_unpackhi_ps(c, d);
     x = _mm256_shuffle_ps(ab_xy, cd_xy, _MM_SHUFFLE(1, 0, 1, 0));
@@ -84,11 +89,8 @@ struct Record8 {
     z = _mm256_shuffle_ps(ab_zw, cd_zw, _MM_SHUFFLE(1, 0, 1, 0));
     w = _mm256_shuffle_ps(ab_zw, cd_zw, _MM_SHUFFLE(3, 2, 3, 2));
   }
-
- private:
-  static __m256 both(const Record* r, std::uint32_t first, std::uint32_t second) {
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(&r[first].x)), _mm_load_ps(&r[second].x),
-                                1);
+  static __m256 both(const Record& first, const Record& second) {
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(&first.x)), _mm_load_ps(&second.x), 1);
   }
 };
 

@@ -21,6 +21,12 @@ constexpr Record far_away = {1e18f, 1e18f, 1e18f, 0};
 
 constexpr std::size_t list_padding = 8;
 
+/// Records beyond the last one that the search may read, and places beyond a list that it may write.
+constexpr std::size_t read_ahead = 8, write_ahead = 16;
+
+/// Bits of a cell coordinate plus 2²⁰.
+constexpr int coordinate_bits = 21;
+
 constexpr std::size_t padded_size(std::size_t n) {
   return (n + list_padding - 1) / list_padding * list_padding;
 }
@@ -35,6 +41,20 @@ struct CellBox {
     }
   }
 };
+
+std::uint64_t packed(const CellBox::Cell& c) {
+  std::uint64_t all = 0;
+  for (int k = 2; k >= 0; --k)
+    all = (all << coordinate_bits) | static_cast<std::uint64_t>(c[k] + (1 << (coordinate_bits - 1)));
+  return all;
+}
+
+CellBox::Cell unpacked(std::uint64_t all) {
+  CellBox::Cell c;
+  for (int k = 0; k < 3; ++k, all >>= coordinate_bits)
+    c[k] = static_cast<std::int32_t>(all & ((1u << coordinate_bits) - 1)) - (1 << (coordinate_bits - 1));
+  return c;
+}
 
 int bits_for(std::uint64_t values) {
   int bits = 0;
@@ -59,12 +79,17 @@ const std::vector<std::uint32_t>& Neighbours::cell_order(Span<const Vec3> positi
 
 Neighbours::Cell Neighbours::cell_of(const Vec3& x) const {
   Cell c;
-  for (int k = 0; k < 3; ++k)
-    c[k] = static_cast<std::int32_t>(std::clamp(std::floor(x[k] * inverse_radius_), -max_cell, max_cell));
+  for (int k = 0; k < 3; ++k) {
+    const double in_cells = std::clamp(x[k] * inverse_radius_, -max_cell, max_cell);
+    c[k] = static_cast<std::int32_t>(in_cells);
+    c[k] -= c[k] > in_cells;  // floor, which is a function call without SSE4.1
+  }
   return c;
 }
 
 void Neighbours::make_keys(Span<const Vec3> positions, const Workers& workers) {
+  // The cells of all particles, packed, then their box, then keys relative to it.
+  keys_.resize(positions.size());
   const CellBox box =
       workers.ordered_sum(positions.size(), sort_chunk, CellBox{}, [&](std::size_t b, std::size_t e) {
         CellBox part;
@@ -72,6 +97,7 @@ void Neighbours::make_keys(Span<const Vec3> positions, const Workers& workers) {
           OILSKIN_ASSERT(positions[i].allFinite());  // the world removes particles that are not
           const Cell c = cell_of(positions[i]);
           part += CellBox{c, c};
+          keys_[i] = {packed(c), static_cast<std::uint32_t>(i)};
         }
         return part;
       });
@@ -80,12 +106,11 @@ void Neighbours::make_keys(Span<const Vec3> positions, const Workers& workers) {
   // One empty cell on either side, so that a neighbouring cell never wraps into another row.
   for (int k = 0; k < 3; ++k)
     bits_[k] = bits_for(positions.empty() ? 1 : static_cast<std::uint64_t>(box.max[k] - box.min[k]) + 3);
-  keys_.resize(positions.size());
   workers.for_each(positions.size(), sort_chunk, [&](std::size_t i) {
-    const Cell c = cell_of(positions[i]);
+    const Cell c = unpacked(keys_[i].cell);
     std::uint64_t key = 0;
     for (int k = 2; k >= 0; --k) key = (key << bits_[k]) | static_cast<std::uint64_t>(c[k] - box.min[k] + 1);
-    keys_[i] = {key, static_cast<std::uint32_t>(i)};
+    keys_[i].cell = key;
   });
 }
 
@@ -144,8 +169,8 @@ void Neighbours::make_records(Span<const Vec3> positions, const Workers& workers
     origin_[k] = sample[samples / 2];
   }
   const double inverse = 1 / support_radius_;
-  records_.resize(n + 1);
-  records_[n] = far_away;
+  records_.resize(n + read_ahead);
+  std::fill(records_.end() - read_ahead, records_.end(), far_away);
   workers.for_each(n, sort_chunk, [&](std::size_t i) {
     const Eigen::Vector3f x = ((positions[i] - origin_) * inverse).cast<float>();
     records_[i] = {x[0], x[1], x[2], 0};
@@ -231,46 +256,46 @@ void Neighbours::remove(Span<const std::pair<std::uint32_t, std::uint32_t>> pair
 
 void Neighbours::search_chunk(std::size_t begin, std::size_t end, std::size_t chunk) {
   Around candidates;
+  const PairKernels& kernels = pair_kernels();
   std::size_t cell = static_cast<std::size_t>(
       std::upper_bound(cell_begin_.begin(), cell_begin_.end(), static_cast<std::uint32_t>(begin)) -
       cell_begin_.begin() - 1);
   for (std::size_t i = begin; i < end; ++cell) {
-    collect(cell, candidates);
+    collect(kernels, cell, candidates);
     const std::uint32_t own_first = runs_[cell][4].begin;
     for (const std::size_t stop = std::min<std::size_t>(end, cell_begin_[cell + 1]); i < stop; ++i)
-      list_neighbours(i, candidates.own_run + (i - own_first), candidates, chunk);
+      list_neighbours(kernels, i, candidates.own_run + (i - own_first), candidates, chunk);
   }
 }
 
-void Neighbours::collect(std::size_t cell, Around& c) const {
+void Neighbours::collect(const PairKernels& kernels, std::size_t cell, Around& c) const {
   std::size_t n = 0;
   for (const Run& r : runs_[cell]) n += r.end - r.begin;
-  const std::size_t padded = padded_size(n);
-  for (std::vector<float>* v : {&c.x, &c.y, &c.z}) v->resize(padded);
-  c.particle.resize(padded);
+  c.count = padded_size(n);
+  if (c.particle.size() < c.count + read_ahead) {
+    for (std::vector<float>* v : {&c.x, &c.y, &c.z}) v->resize(c.count + read_ahead);
+    c.particle.resize(c.count + read_ahead);
+  }
   std::size_t k = 0;
   for (std::size_t slot = 0; slot < 9; ++slot) {
     const Run& r = runs_[cell][slot];
     if (slot == 4) c.own_run = static_cast<std::uint32_t>(k);
-    for (std::uint32_t j = r.begin; j < r.end; ++j, ++k) {
-      c.x[k] = records_[j].x;
-      c.y[k] = records_[j].y;
-      c.z[k] = records_[j].z;
-      c.particle[k] = j;
-    }
+    kernels.columns(records_.data(), {r.begin, r.end}, &c.x[k], &c.y[k], &c.z[k]);
+    for (std::uint32_t j = r.begin; j < r.end; ++j) c.particle[k++] = j;
   }
-  for (; k < padded; ++k) c.x[k] = c.y[k] = c.z[k] = far_away.x;
+  for (; k < c.count; ++k) c.x[k] = c.y[k] = c.z[k] = far_away.x;
 }
 
-void Neighbours::list_neighbours(std::size_t i, std::size_t own, Around& c, std::size_t chunk) {
-  OILSKIN_ASSERT(own < c.particle.size() && c.particle[own] == i);
-  const std::size_t n = c.particle.size(), begin = used_[chunk];
+void Neighbours::list_neighbours(const PairKernels& kernels, std::size_t i, std::size_t own, Around& c,
+                                 std::size_t chunk) {
+  OILSKIN_ASSERT(own < c.count && c.particle[own] == i);
+  const std::size_t n = c.count, begin = used_[chunk];
   std::vector<std::uint32_t>& list = lists_[chunk];
-  if (list.size() < begin + n + list_padding) list.resize(begin + n + list_padding + list.size() / 2);
+  if (list.size() < begin + n + write_ahead) list.resize(begin + n + write_ahead + list.size() / 2);
   std::uint32_t* out = list.data() + begin;
   c.x[own] = far_away.x;  // no neighbour of itself
   std::size_t found =
-      pair_kernels().near({c.x.data(), c.y.data(), c.z.data(), c.particle.data(), n}, records_[i], out);
+      kernels.near({c.x.data(), c.y.data(), c.z.data(), c.particle.data(), n}, records_[i], out);
   c.x[own] = records_[i].x;
   begin_[i] = begin;
   count_[i] = static_cast<std::uint32_t>(found);

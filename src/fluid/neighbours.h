@@ -47,7 +47,7 @@ class Neighbours {
   /// else forces would not be antisymmetric.
   void remove(Span<const std::pair<std::uint32_t, std::uint32_t>> pairs, const Workers& workers);
 
-  /// (x − origin)/H in float, w = 0, and one more record that is far from everything: the padding.
+  /// (x − origin)/H in float, w = 0, and eight more records that are far from everything: the padding.
   const std::vector<Record>& records() const { return records_; }
   const Vec3& origin() const { return origin_; }
 
@@ -60,9 +60,10 @@ class Neighbours {
     std::uint32_t begin, end;  // particles, contiguous in cell order
   };
   using Cell = std::array<std::int32_t, 3>;
-  struct Around {  // a cell: the particles that may be neighbours, padded to a multiple of eight
+  struct Around {  // a cell: the particles that may be neighbours
     std::vector<float> x, y, z;
     std::vector<std::uint32_t> particle;
+    std::size_t count = 0;      // padded to a multiple of eight; the arrays are longer
     std::uint32_t own_run = 0;  // where the run that contains the cell itself starts
   };
 
@@ -75,8 +76,9 @@ class Neighbours {
   void find_runs(const Workers& workers);
   void runs_of_row(std::size_t row);
   void search_chunk(std::size_t begin, std::size_t end, std::size_t chunk);
-  void collect(std::size_t cell, Around& c) const;
-  void list_neighbours(std::size_t i, std::size_t own, Around& c, std::size_t chunk);
+  void collect(const PairKernels& kernels, std::size_t cell, Around& c) const;
+  void list_neighbours(const PairKernels& kernels, std::size_t i, std::size_t own, Around& c,
+                       std::size_t chunk);
 
   double support_radius_ = 1, inverse_radius_ = 1;
   Cell first_cell_{}, last_cell_{};  // of all particles

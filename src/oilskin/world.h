@@ -192,8 +192,8 @@ class World {
   /// positions and velocities of every surface in the order of attachment. Equal for any number of threads.
   std::uint64_t state_hash() const;
 
-  /// The instruction set of the loops over pairs of particles on this machine: "AVX2", or that of the build:
-  /// "SSE2" or "generic". All give the same bits.
+  /// The instruction set of the loops over pairs of particles on this machine: "AVX-512", "AVX2", or that of
+  /// the build: "SSE2" or "generic". All give the same bits.
   static const char* instruction_set();
 
   // --- save and restore, between steps

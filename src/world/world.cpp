@@ -359,6 +359,7 @@ const std::vector<Contact>& World::contacts() const {
 }
 
 const char* World::instruction_set() {
+  if (fluid::instruction_set() == fluid::InstructionSet::avx512) return "AVX-512";
   if (fluid::instruction_set() == fluid::InstructionSet::avx2) return "AVX2";
 #if defined(OILSKIN_VECTOR_EXTENSIONS) && defined(__SSE2__)
   return "SSE2";

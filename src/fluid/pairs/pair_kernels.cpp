@@ -1,9 +1,11 @@
 #include "fluid/pairs/pair_kernels.h"
 
+#include <array>
 #include <atomic>
 
 #include "core/assert.h"
 #include "fluid/pairs/pair_kernels_avx2.h"
+#include "fluid/pairs/pair_kernels_avx512.h"
 #include "fluid/pairs/pair_loops.h"
 
 namespace oilskin::fluid {
@@ -28,42 +30,70 @@ struct BaselineLanes {
 
 constexpr PairKernels baseline = PairLoops<BaselineLanes>::kernels();
 
-const PairKernels& kernels_of(InstructionSet set) {
+struct Available {
+  InstructionSet set;
+  PairKernels kernels;
+};
+
+PairKernels kernels_of([[maybe_unused]] InstructionSet set) {
+  PairKernels kernels = baseline;
 #if defined(OILSKIN_AVX2)
-  if (set == InstructionSet::avx2) return avx2_pair_kernels();
+  if (set != InstructionSet::baseline) kernels = avx2_pair_kernels();
 #endif
-  OILSKIN_ASSERT(set == InstructionSet::baseline);
-  return baseline;
+#if defined(OILSKIN_AVX512)
+  if (set == InstructionSet::avx512) kernels.near = avx512_near;
+#endif
+  return kernels;
+}
+
+const Available& kept(InstructionSet set) {
+  static const std::array<Available, 3> all = {
+      {{InstructionSet::baseline, kernels_of(InstructionSet::baseline)},
+       {InstructionSet::avx2, kernels_of(InstructionSet::avx2)},
+       {InstructionSet::avx512, kernels_of(InstructionSet::avx512)}}};
+  return all[static_cast<std::size_t>(set)];
 }
 
 /// Null: not chosen yet.
-std::atomic<const PairKernels*> in_use{nullptr};
+std::atomic<const Available*> in_use{nullptr};
+
+const Available& chosen() {
+  const Available* now = in_use.load(std::memory_order_acquire);
+  if (now) return *now;
+  for (const InstructionSet set : all_instruction_sets)
+    if (is_available(set)) now = &kept(set);
+  in_use.store(now, std::memory_order_release);
+  return *now;
+}
 
 }  // namespace
 
 bool is_available(InstructionSet set) {
-  if (set == InstructionSet::baseline) return true;
+  switch (set) {
 #if defined(OILSKIN_AVX2)
-  return __builtin_cpu_supports("avx2") != 0;
-#else
-  return false;
+    case InstructionSet::avx2:
+      return __builtin_cpu_supports("avx2") != 0;
 #endif
+#if defined(OILSKIN_AVX2) && defined(OILSKIN_AVX512)
+    case InstructionSet::avx512:
+      return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("avx512f") != 0;
+#endif
+    default:
+      return set == InstructionSet::baseline;
+  }
 }
 
 const PairKernels& pair_kernels() {
-  const PairKernels* kernels = in_use.load(std::memory_order_acquire);
-  if (kernels) return *kernels;
-  use(is_available(InstructionSet::avx2) ? InstructionSet::avx2 : InstructionSet::baseline);
-  return *in_use.load(std::memory_order_acquire);
+  return chosen().kernels;
 }
 
 InstructionSet instruction_set() {
-  return &pair_kernels() == &baseline ? InstructionSet::baseline : InstructionSet::avx2;
+  return chosen().set;
 }
 
 void use(InstructionSet set) {
   OILSKIN_ASSERT(is_available(set));
-  in_use.store(&kernels_of(set), std::memory_order_release);
+  in_use.store(&kept(set), std::memory_order_release);
 }
 
 }  // namespace oilskin::fluid

@@ -75,12 +75,19 @@ struct PairKernels {
   void (*pressure_exact)(const PairTable&, const Record* x, PairRange, Change* out);
   /// Σ_j m_j w'/q Δ_ij·(y_i − y_j): the compression by displacements y [H], over D (F.29).
   void (*compression)(const PairTable&, const Record* x, const Record* y, PairRange, float* out);
-  /// The candidates closer than 1 to p, in their order, to `out`, which has space for eight more. Returns
+  /// Writes the places of the records [range.begin, range.end) to columns, which have space for eight more.
+  /// Reads up to seven records beyond the range.
+  void (*columns)(const Record* records, PairRange range, float* x, float* y, float* z);
+  /// The candidates closer than 1 to p, in their order, to `out`, which has space for sixteen more. Returns
   /// their number.
   std::size_t (*near)(const Candidates&, const Record& p, std::uint32_t* out);
 };
 
-enum class InstructionSet { baseline, avx2 };
+/// avx512: the search alone, otherwise avx2; the sums over pairs gain nothing from wider registers.
+enum class InstructionSet { baseline, avx2, avx512 };
+/// From the slowest to the fastest.
+constexpr InstructionSet all_instruction_sets[] = {InstructionSet::baseline, InstructionSet::avx2,
+                                                   InstructionSet::avx512};
 
 /// Whether this machine and this build have it.
 bool is_available(InstructionSet set);

@@ -1,5 +1,5 @@
 /// Compiled with -mavx2. What this unit defines is in namespace avx2 or a template of a type there: the
-/// linker must not give other units a function that needs AVX2 (test avx2_symbols).
+/// linker must not give other units a function that needs AVX2 (test instruction_set_symbols).
 #include "fluid/pairs/pair_kernels_avx2.h"
 
 #include "core/simd_avx2.h"

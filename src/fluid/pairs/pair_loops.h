@@ -186,6 +186,15 @@ struct PairLoops {
     });
   }
 
+  static void columns(const Record* records, PairRange range, float* x, float* y, float* z) {
+    for (std::size_t j = range.begin; j < range.end; j += 8, x += 8, y += 8, z += 8) {
+      const Record8 r(records + j);
+      r.x.store(x);
+      r.y.store(y);
+      r.z.store(z);
+    }
+  }
+
   static std::size_t near(const Candidates& c, const Record& p, std::uint32_t* out) {
     const F8 px(p.x), py(p.y), pz(p.z), one(1.0f);
     std::size_t found = 0;
@@ -197,7 +206,7 @@ struct PairLoops {
   }
 
   static constexpr PairKernels kernels() {
-    return {start, density, pressure, pressure_exact, compression, near};
+    return {start, density, pressure, pressure_exact, compression, columns, near};
   }
 };
 
