@@ -57,6 +57,7 @@ Status btFluidCoupling::Impl::add(Attachment a) {
   if (!status.ok()) return status;
   a.mark = std::make_unique<ObjectMark>();
   a.mark->put_on(*a.object);
+  a.number = next_number++;
   attachments.push_back(std::move(a));
   return status;
 }
@@ -119,6 +120,7 @@ btFluidCoupling::btFluidCoupling(btFluid* fluid) : m_impl(std::make_unique<Impl>
 }
 
 btFluidCoupling::~btFluidCoupling() {
+  forgetListeners();
   if (m_impl->fluid) removeFluid(m_impl->fluid);
 }
 
@@ -210,6 +212,10 @@ void btFluidCoupling::setUseClothGravity(bool use) {
   m_impl->use_cloth_gravity = use;
 }
 
+bool btFluidCoupling::followsClothGravity() const {
+  return m_impl->gravity_of_cloth().has_value();
+}
+
 void btFluidCoupling::setCarriesWater(bool carries) {
   m_impl->carries_water = carries;
 }
@@ -220,6 +226,7 @@ bool btFluidCoupling::getCarriesWater() const {
 
 const StepReport& btFluidCoupling::couple(double dt, bool updateNormals) {
   BT_PROFILE("oilskin::step");
+  if (m_impl->listening.is_telling) return m_impl->refuse_within_call();
   if (!m_impl->fluid)
     return m_impl->refused.status.ok() ? m_impl->refuse("there is no fluid: call addFluid() first")
                                        : m_impl->refused;
@@ -236,11 +243,16 @@ const StepReport& btFluidCoupling::couple(double dt, bool updateNormals) {
   }
   const StepReport& report = m_impl->world()->step(dt);
   m_impl->note_report(report);
+  m_impl->hear(report);
   return report;
 }
 
 const StepReport& btFluidCoupling::step(btScalar dt) {
-  return couple(static_cast<double>(dt), true);
+  if (m_impl->listening.is_telling) return m_impl->refuse_within_call();
+  const StepReport& report = couple(static_cast<double>(dt), true);
+  if (m_impl->listening.due.empty()) return report;
+  tellListeners();
+  return m_impl->listening.report;  // the fluid may be gone
 }
 
 const StepReport& btFluidCoupling::getReport() const {

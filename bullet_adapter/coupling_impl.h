@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "collision_object_host.h"
+#include "listening.h"
 #include "object_mark.h"
 #include "oilskin/bullet.h"
 #include "soft_body_host.h"
@@ -18,7 +19,9 @@ struct Attachment {
   std::unique_ptr<CollisionObjectHost> rigid;
   std::unique_ptr<ObjectMark> mark;
   SurfaceSettings settings;
-  SurfaceId id;  ///< 0 without a fluid
+  SurfaceId id;              ///< 0 without a fluid
+  std::uint64_t number = 0;  ///< no other attachment of its coupling has it
+  Touched touched;
 
   SurfaceHost& host() { return soft ? static_cast<SurfaceHost&>(*soft) : *rigid; }
 };
@@ -33,6 +36,8 @@ struct btFluidCoupling::Impl {
   bool stepped_by_solver = false;        // since the last step by hand
   std::vector<std::string> messages;     // since they were last taken
   StepReport refused;                    // returned by step() if World::step was not called
+  Listening listening;
+  std::uint64_t next_number = 1;
 
   World* world() const { return fluid ? &fluid->getWorld() : nullptr; }
   Attachment* find(const btCollisionObject* object);
@@ -52,6 +57,13 @@ struct btFluidCoupling::Impl {
   Status follow_gravity();
   std::optional<Vec3> gravity_of_cloth() const;
   const StepReport& refuse(std::string why);
+
+  // coupling_listen.cpp
+  const btCollisionObject* object_of(std::uint64_t number) const;
+  void hear(const StepReport& report);
+  void hear_surfaces(double dt);
+  void tell(const FluidEvent& event, btFluidListener& listener);
+  const StepReport& refuse_within_call();
 };
 
 }  // namespace oilskin::bullet

@@ -169,6 +169,18 @@ int btFluid::getMaxParticles() const {
   return count_of(m_world->settings().max_particles);
 }
 
+Status btFluid::setGravity(const btVector3& gravity) {
+  if (m_coupling && m_coupling->followsClothGravity())
+    return Status::refused(
+        "the gravity is that of the attached cloth: set its btSoftBodyWorldInfo::m_gravity, or call "
+        "setUseClothGravity(false) first");
+  return m_world->set_gravity(to_vec3(gravity));
+}
+
+btVector3 btFluid::getGravity() const {
+  return to_bt(m_world->settings().gravity);
+}
+
 std::uint64_t btFluid::getId(int i) const {
   const bool is_inside = i >= 0 && i < getNumParticles();
   return is_inside ? m_world->ids()[static_cast<std::size_t>(i)] : std::numeric_limits<std::uint64_t>::max();

@@ -38,6 +38,7 @@ void btFluidSoftBodySolver::updateSoftBodies() {
     m_pendingTime = 0;
   }
   btDefaultSoftBodySolver::updateSoftBodies();
+  m_coupling.tellListeners();  // Bullet reads no soft body after this
 }
 
 }  // namespace oilskin::bullet

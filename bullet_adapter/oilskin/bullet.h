@@ -41,6 +41,7 @@ __attribute__((used)) static const char* const link_guard = &OILSKIN_BULLET_GUAR
 namespace oilskin::bullet {
 
 class btFluidCoupling;
+class btFluidListener;
 
 /// A fluid: settings, particles and emitters. It belongs to at most one coupling, and may be deleted before
 /// it.
@@ -82,6 +83,12 @@ class btFluid {
   void setMaxParticles(int n);
   /// 0 = no limit.
   int getMaxParticles() const;
+
+  /// [m/s²]. Refuses numbers that are not finite, and is refused while the coupling takes the gravity of a
+  /// cloth: set that cloth's btSoftBodyWorldInfo::m_gravity, or call setUseClothGravity(false) first.
+  Status setGravity(const btVector3& gravity);
+  /// [m/s²]; while the coupling takes the gravity of a cloth, that of the last step.
+  btVector3 getGravity() const;
 
   /// The number of particles.
   int getNumParticles() const;
@@ -182,6 +189,8 @@ class btFluidCoupling : public btActionInterface {
   /// The gravity of the fluid: that of the first cloth's btSoftBodyWorldInfo while a cloth is attached
   /// (default), or that of WorldSettings and World::set_gravity().
   void setUseClothGravity(bool use);
+  /// Whether the next step takes the gravity of a cloth.
+  bool followsClothGravity() const;
 
   /// Whether loaded nodes of supported cloth weigh up to half a layer of the water on them, too, where
   /// the load would move them by more than 0.03 spacings in a step (default; C.29). Off: water on cloth that
@@ -211,6 +220,27 @@ class btFluidCoupling : public btActionInterface {
   /// The handle of an object.
   SurfaceId getSurfaceId(const btCollisionObject* object) const;
 
+  /// Calls the listener after each coupled step (oilskin/bullet_listener.h). It is the caller's, and removes
+  /// itself when it is deleted. Refuses null, and a listener that is in a coupling already.
+  Status addListener(btFluidListener* listener);
+  /// One that is not there is ignored.
+  void removeListener(btFluidListener* listener);
+  /// A touch ends when the water has not given the object any impulse for this time [s], ≥ 0 (default 0.1 s).
+  /// With 0 it ends in the first step without an impulse, and may begin and end many times at rest.
+  Status setTouchHold(btScalar seconds);
+  /// [s].
+  btScalar getTouchHold() const;
+
+  /// The reports of all steps since the last call as one: StepReport::add().
+  StepReport takeReport();
+  /// The impulses of the water on an object since the last call: their sum [N s] and their moment about the
+  /// origin [N m s]. False, and nothing is written, for one that is not attached.
+  bool takeImpulse(const btCollisionObject* object, btVector3& linear, btVector3& angular);
+  /// The object with this handle; null for one that is not attached.
+  const btCollisionObject* getObject(SurfaceId surface) const;
+  /// The object of a Contact::surface of the last step; null where it was removed since.
+  const btCollisionObject* getObject(std::uint32_t surface) const;
+
   /// Does nothing: actions run before Bullet solves the cloth.
   void updateAction(btCollisionWorld*, btScalar) override {}
   /// Wireframe: particles as short lines along their motion, from dark blue (at rest) to white (fast).
@@ -221,6 +251,8 @@ class btFluidCoupling : public btActionInterface {
   friend class btFluidSoftBodySolver;
   const StepReport& couple(double dt, bool updateNormals);
   void detachAbsent(const btAlignedObjectArray<btSoftBody*>& bodies);
+  void tellListeners();
+  void forgetListeners();
 
   struct Impl;
   std::unique_ptr<Impl> m_impl;
@@ -270,6 +302,13 @@ class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
   void setCollisionWorld(const btCollisionWorld* world) { m_coupling.setCollisionWorld(world); }
   /// btFluidCoupling::takeMessages().
   std::vector<std::string> takeMessages() { return m_coupling.takeMessages(); }
+
+  /// btFluidCoupling::addListener().
+  Status addListener(btFluidListener* listener) { return m_coupling.addListener(listener); }
+  /// btFluidCoupling::removeListener().
+  void removeListener(btFluidListener* listener) { m_coupling.removeListener(listener); }
+  /// btFluidCoupling::takeReport().
+  StepReport takeReport() { return m_coupling.takeReport(); }
 
   /// btFluidCoupling::setCarriesWater().
   void setCarriesWater(bool carries) { m_coupling.setCarriesWater(carries); }

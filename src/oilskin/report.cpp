@@ -66,6 +66,58 @@ Vec3 StepReport::momentum_residual() const {
          contact.impulse_on_prescribed;
 }
 
+namespace {
+
+constexpr std::size_t most_messages = 256;
+
+void add_messages(const std::vector<std::string>& from, std::vector<std::string>& to) {
+  for (const std::string& message : from)
+    if (to.size() < most_messages && std::find(to.begin(), to.end(), message) == to.end())
+      to.push_back(message);
+}
+
+template <class T>
+void keep_larger(T& largest, const T& value) {
+  largest = std::max(largest, value);
+}
+
+}  // namespace
+
+// Structured bindings name every member: a new member that is not added does not compile.
+void StepReport::add(const StepReport& next) {
+  if (status.ok()) status = next.status;
+  add_messages(next.messages, messages);
+  if (!next.status.ok()) return;
+  const bool is_first = dt == 0;
+  const double made_before = energy.made_in_step, speed_before = energy.max_speed;
+  const auto& [status_, messages_, step_, time_, dt_, substeps_, needed, seconds_, fluid_, contact_, alive_,
+               emitted_, removed_, absorbed_, released_, invalid, too_fast, blocked, limited, mass_emitted_,
+               mass_removed_, mass_absorbed_, mass_released_, mass_dried_, mass_lost_, before, after,
+               momentum_emitted_, momentum_removed_, momentum_absorbed_, momentum_released_, gravity, effects,
+               energy_, owed, carried, load, flags_] = next;
+  static_cast<void>(status_), static_cast<void>(messages_);
+  step = step_, time = time_, alive = alive_, momentum_after = after, energy = energy_;
+  energy.made_in_step += made_before;
+  keep_larger(energy.max_speed, speed_before);
+  if (is_first) momentum_before = before;
+  fluid = is_first ? fluid_ : worst_of(fluid, fluid_);
+  contact.add(contact_);
+  seconds += seconds_;
+  dt += dt_, substeps += substeps_;
+  emitted += emitted_, removed += removed_, absorbed += absorbed_, released += released_;
+  removed_invalid += invalid, removed_too_fast += too_fast;
+  blocked_starts += blocked, limited_starts += limited;
+  mass_emitted += mass_emitted_, mass_removed += mass_removed_, mass_absorbed += mass_absorbed_;
+  mass_released += mass_released_, mass_dried += mass_dried_, mass_lost += mass_lost_;
+  momentum_emitted += momentum_emitted_, momentum_removed += momentum_removed_;
+  momentum_absorbed += momentum_absorbed_, momentum_released += momentum_released_;
+  momentum_gravity += gravity, momentum_effects += effects, momentum_owed += owed;
+  keep_larger(substeps_needed, needed);
+  keep_larger(carried_ratio, carried);
+  keep_larger(load_speed, load);
+  flags |= flags_;
+}
+
 std::vector<std::string> flag_texts(std::uint32_t flags) {
   static const std::pair<StepFlag, const char*> all[] = {
       {flag_pressure_not_converged, "pressure_not_converged: raise fluid.max_iterations, or lower dt"},

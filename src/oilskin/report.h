@@ -294,6 +294,16 @@ struct StepReport {
   /// After − before − emitted + removed + absorbed − released − gravity − effects + impulses on surfaces [N
   /// s] (C.28): zero up to rounding.
   Vec3 momentum_residual() const;
+
+  /// Makes this the report of several steps: adds that of the step after them. A report without a step
+  /// (dt = 0) becomes that step's.
+  ///
+  /// Sums: dt, substeps, seconds, contact, particles and starts counted, masses, and the momenta that
+  /// entered, left, came from gravity, effects, or are owed. `fluid`: worst_of(). Largest: substeps_needed,
+  /// carried_ratio, load_speed. `flags` are or-ed. Of the first step: momentum_before; of the last: step,
+  /// time, alive, momentum_after, energy, but for made_in_step (sum) and max_speed (largest). `status` is the
+  /// first refusal. Each message stays once, in order; at most 256.
+  void add(const StepReport& next);
 };
 
 }  // namespace oilskin

@@ -187,6 +187,9 @@ class World {
   /// the particle had in that step: it is another particle's where the step or the caller has removed
   /// particles since.
   const std::vector<Contact>& contacts() const;
+  /// The surfaces that took part in the last step: Contact::surface of contacts() is an index into it. Some
+  /// of them may be detached since.
+  const std::vector<SurfaceId>& contact_surfaces() const;
 
   /// 64 bits over the id, position and velocity bits of every particle in the order of ids, then the node
   /// positions and velocities of every surface in the order of attachment. Equal for any number of threads.

@@ -104,6 +104,7 @@ void World::Impl::run_interval(IntervalContext& interval) {
 void World::Impl::gather(StepContext& step) {
   StageTimer timer(step.report.seconds.gather);
   step.surfaces = attachments.gather(step.dt, settings, fluid_settings, step.report);
+  for (const world::Attachment* a : step.surfaces.attachment) step.contact_surfaces.push_back({a->handle});
   fluid->record_host_response(step.dt, settings.gravity, step.surfaces.motion);
   world::relocate_particles(step.surfaces, state.particles, state.next_particle_id, *workers, step.report,
                             step.ledger);

@@ -28,6 +28,7 @@ struct StepContext {
   Ledger ledger;  // adds to the report
   EnergyBalance energy;
   std::vector<Contact> contacts;  // of the last interval
+  std::vector<SurfaceId> contact_surfaces;
   std::vector<Release> releases;  // that effects asked for
 };
 

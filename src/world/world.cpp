@@ -339,23 +339,17 @@ const StepReport& World::step(double dt) {
   if (step.report.status.ok()) {
     w.run_step(step);
     w.contacts.swap(step.contacts);
+    w.contact_surfaces.swap(step.contact_surfaces);
   }
   std::swap(w.report, step.report);
   return w.report;
 }
 
-const StepReport& World::report() const {
-  return impl_->report;
-}
 double World::time() const {
   return impl_->state.time;
 }
 std::uint64_t World::step_count() const {
   return impl_->state.step_count;
-}
-
-const std::vector<Contact>& World::contacts() const {
-  return impl_->contacts;
 }
 
 const char* World::instruction_set() {

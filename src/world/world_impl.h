@@ -73,6 +73,7 @@ struct World::Impl {
   // Of the last step
   StepReport report;
   std::vector<Contact> contacts;
+  std::vector<SurfaceId> contact_surfaces;
 
   template <class Emitter>
   Status add(const Emitter& emitter);

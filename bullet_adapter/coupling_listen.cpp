@@ -1,0 +1,169 @@
+// Listeners, and what a coupling sums for its owner.
+#include <algorithm>
+
+#include "convert.h"
+#include "coupling_impl.h"
+
+namespace oilskin::bullet {
+
+namespace {
+
+/// Of each surface of the last step: the number of particles with a contact there.
+std::vector<std::size_t> count_touching_particles(const World& world) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  for (const Contact& c : world.contacts()) pairs.emplace_back(c.surface, c.particle);
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<std::size_t> count(world.contact_surfaces().size(), 0);
+  for (const auto& pair : pairs) ++count[pair.first];
+  return count;
+}
+
+/// Sets a flag for as long as it lives.
+class Raised {
+ public:
+  explicit Raised(bool& flag) : flag_(flag) { flag_ = true; }
+  ~Raised() { flag_ = false; }
+  Raised(const Raised&) = delete;
+  Raised& operator=(const Raised&) = delete;
+
+ private:
+  bool& flag_;
+};
+
+}  // namespace
+
+btFluidListener::~btFluidListener() {
+  if (m_coupling) m_coupling->removeListener(this);
+}
+
+Status btFluidListener::setSplashThreshold(btScalar impulse) {
+  if (!(impulse >= 0)) return Status::refused("the splash threshold must be at least 0 N s");
+  m_splashThreshold = impulse;
+  return Status::accepted();
+}
+
+const btCollisionObject* btFluidCoupling::Impl::object_of(std::uint64_t number) const {
+  const auto it = std::find_if(attachments.begin(), attachments.end(),
+                               [number](const Attachment& a) { return a.number == number; });
+  return it == attachments.end() ? nullptr : it->object;
+}
+
+void btFluidCoupling::Impl::hear_surfaces(double dt) {
+  const std::vector<SurfaceId>& active = world()->contact_surfaces();
+  std::vector<std::size_t> particles;
+  if (!listening.listeners.empty()) particles = count_touching_particles(*world());
+  const double spacing = world()->fluid_settings().spacing;
+  const auto by_value = [](SurfaceId a, SurfaceId b) { return a.value < b.value; };
+  for (Attachment& a : attachments) {
+    const auto it = std::lower_bound(active.begin(), active.end(), a.id, by_value);
+    if (it == active.end() || !(*it == a.id)) {
+      listening.add_no_load(dt, a.number, a.touched);
+      continue;
+    }
+    const auto surface = static_cast<std::size_t>(it - active.begin());
+    const double area = particles.empty() ? 0 : static_cast<double>(particles[surface]) * spacing * spacing;
+    listening.add_load(*world()->surface(a.id), area, dt, a.number, a.touched);
+  }
+}
+
+void btFluidCoupling::Impl::hear(const StepReport& report) {
+  listening.due.clear();
+  listening.sum.add(report);
+  if (report.status.ok()) hear_surfaces(report.dt);
+  if (listening.listeners.empty()) return;
+  listening.report = report;
+  listening.due.push_back({});
+}
+
+const StepReport& btFluidCoupling::Impl::refuse_within_call() {
+  listening.refused = StepReport();
+  listening.refused.status =
+      Status::refused("a listener may not step: leave that until the call has returned");
+  note(listening.refused.status.message);
+  return listening.refused;
+}
+
+void btFluidCoupling::Impl::tell(const FluidEvent& event, btFluidListener& listener) {
+  if (event.kind == FluidEvent::Kind::stepped) return listener.stepped(listening.report);
+  const btCollisionObject* object = object_of(event.attachment);
+  if (!object) return;
+  if (event.kind == FluidEvent::Kind::touch_began) return listener.touchBegan(object, event.touch);
+  if (event.kind == FluidEvent::Kind::touch_ended) return listener.touchEnded(object);
+  if (event.touch.m_impulse.length() > listener.getSplashThreshold()) listener.splash(object, event.touch);
+}
+
+/// A call may change the listeners and the attachments.
+void btFluidCoupling::tellListeners() {
+  Listening& listening = m_impl->listening;
+  if (listening.due.empty() || listening.is_telling) return;
+  const Raised telling(listening.is_telling);
+  std::vector<FluidEvent> due;
+  due.swap(listening.due);
+  for (const FluidEvent& event : due) {
+    const std::vector<btFluidListener*> listeners = listening.listeners;
+    for (btFluidListener* listener : listeners)
+      if (listening.has(listener)) m_impl->tell(event, *listener);
+  }
+}
+
+Status btFluidCoupling::addListener(btFluidListener* listener) {
+  if (!listener) return Status::refused("listener is null");
+  if (listener->m_coupling) return Status::refused("this listener is in a coupling already: remove it there");
+  m_impl->listening.listeners.push_back(listener);
+  listener->m_coupling = this;
+  return Status::accepted();
+}
+
+void btFluidCoupling::removeListener(btFluidListener* listener) {
+  if (!listener || listener->m_coupling != this) return;
+  std::vector<btFluidListener*>& all = m_impl->listening.listeners;
+  all.erase(std::find(all.begin(), all.end(), listener));
+  listener->m_coupling = nullptr;
+}
+
+void btFluidCoupling::forgetListeners() {
+  for (btFluidListener* listener : m_impl->listening.listeners) listener->m_coupling = nullptr;
+  m_impl->listening.listeners.clear();
+}
+
+Status btFluidCoupling::setTouchHold(btScalar seconds) {
+  if (!(seconds >= 0) || seconds > std::numeric_limits<btScalar>::max())
+    return Status::refused("the time that a touch is held must be finite and at least 0 s");
+  m_impl->listening.touch_hold = static_cast<double>(seconds);
+  return Status::accepted();
+}
+
+btScalar btFluidCoupling::getTouchHold() const {
+  return static_cast<btScalar>(m_impl->listening.touch_hold);
+}
+
+StepReport btFluidCoupling::takeReport() {
+  StepReport taken;
+  std::swap(taken, m_impl->listening.sum);
+  return taken;
+}
+
+bool btFluidCoupling::takeImpulse(const btCollisionObject* object, btVector3& linear, btVector3& angular) {
+  Attachment* a = m_impl->find(object);
+  if (!a) return false;
+  linear = to_bt(a->touched.total.impulse);
+  angular = to_bt(a->touched.total.angular_impulse);
+  a->touched.total = {};
+  return true;
+}
+
+const btCollisionObject* btFluidCoupling::getObject(SurfaceId surface) const {
+  if (!surface) return nullptr;
+  for (const Attachment& a : m_impl->attachments)
+    if (a.id == surface) return a.object;
+  return nullptr;
+}
+
+const btCollisionObject* btFluidCoupling::getObject(std::uint32_t surface) const {
+  if (!m_impl->fluid) return nullptr;
+  const std::vector<SurfaceId>& all = m_impl->world()->contact_surfaces();
+  return surface < all.size() ? getObject(all[surface]) : nullptr;
+}
+
+}  // namespace oilskin::bullet
