@@ -47,6 +47,7 @@ Status CollisionObjectHost::update_positions(const btTransform& transform) {
   if (!is_finite(transform)) return Status::refused("collision object has a transform that is not finite");
   transform_ = transform;
   world_.clear();
+  ++revision_;
   for (const btVector3& v : mesh_.vertices) world_.push_back(to_vec3(transform * v));
   triangles_ = mesh_.triangles;
   for (const ShapeMesh::Plane& plane : mesh_.planes) {
@@ -71,7 +72,12 @@ Gathered CollisionObjectHost::gather(double dt, SurfaceMotion& motion) {
     signature_.clear();
     return result;
   }
+  if (motion.still != 0 && motion.revision == revision_) {
+    result.unchanged = true;
+    return result;
+  }
   const std::size_t n = world_.size();
+  motion.revision = revision_;
   if (motion.triangles != triangles_ || motion.x_t1.size() != n) {
     result.new_surface = true;
     motion.triangles = triangles_;
@@ -89,7 +95,11 @@ Gathered CollisionObjectHost::gather(double dt, SurfaceMotion& motion) {
 }
 
 void CollisionObjectHost::scatter(SurfaceMotion& motion) {
-  if (motion.x_t1.size() == world_.size()) motion.x_t1 = world_;
+  if (motion.x_t1.size() != world_.size()) return;
+  if (motion.still == 0)
+    motion.x_t1 = world_;
+  else
+    for (std::uint32_t node : motion.touched) motion.x_t1[node] = world_[node];
 }
 
 }  // namespace oilskin::bullet

@@ -35,7 +35,8 @@ class CollisionObjectHost : public SurfaceHost {
   bool forget_motion_ = true;
   std::vector<double> signature_;
   ShapeMesh mesh_;
-  btTransform transform_;  // of world_
+  btTransform transform_;       // of world_
+  std::uint64_t revision_ = 0;  // of world_ and triangles_
   std::vector<Vec3> world_;
   std::vector<Triangle> triangles_;
 };

@@ -12,7 +12,7 @@ namespace {
 Vec3 mean_place(const SurfaceMotion& surface) {
   double weight = 0;
   Vec3 moment = Vec3::Zero();
-  for (std::size_t j = 0; j < surface.impulse.size(); ++j) {
+  for (std::uint32_t j : surface.touched) {
     const double size = surface.impulse[j].norm();
     weight += size;
     moment += size * surface.x_t1[j];
@@ -22,8 +22,8 @@ Vec3 mean_place(const SurfaceMotion& surface) {
 
 bool has_impulse(const SurfaceMotion& surface) {
   return surface.impulse.size() == surface.x_t1.size() &&
-         std::any_of(surface.impulse.begin(), surface.impulse.end(),
-                     [](const Vec3& j) { return !j.isZero(0); });
+         std::any_of(surface.touched.begin(), surface.touched.end(),
+                     [&](std::uint32_t j) { return !surface.impulse[j].isZero(0); });
 }
 
 btFluidTouch touch_of(const SurfaceMotion& surface, const SurfaceLoad& load, double area, double dt) {

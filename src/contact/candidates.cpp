@@ -40,7 +40,7 @@ void CandidateSet::collect(Context& context) {
     set.count.resize(n);
     set.pool.clear();
     const SurfaceMotion& motion = *context.surfaces[s];
-    context.geometry[s]->tree.update(motion.triangles, motion.x_t0, motion.x_t1);
+    context.geometry[s]->fit(motion);
     set.tree_epoch = context.epoch;
     query(context, s, all);
   }
@@ -102,7 +102,8 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
     const SurfaceMotion& motion = *context.surfaces[s];
     const bool nodes_moved = context.surface_stamp[s] >= set.tree_epoch && context.surface_stamp[s] > 0;
     if (nodes_moved) {
-      context.geometry[s]->tree.update(motion.triangles, motion.x_t0, motion.x_t1);
+      OILSKIN_ASSERT(motion.still == 0);
+      context.geometry[s]->fit(motion);
       set.tree_epoch = context.epoch + 1;
       set.pool.clear();
     }

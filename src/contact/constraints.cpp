@@ -33,7 +33,7 @@ void apply_impulse(Context& context, const Contact& c, const Vec3& impulse, bool
     const std::uint32_t node = c.nodes[k];
     const Vec3 node_impulse = -c.weights[k] * impulse;
     s.velocity[node] += s.inverse_mass[node] * node_impulse;
-    s.impulse[node] += node_impulse;
+    s.add_impulse(node, node_impulse);
   }
 }
 

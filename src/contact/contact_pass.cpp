@@ -14,7 +14,7 @@ ContactPass::ContactPass(double dt, const ContactSettings& settings, const Worke
                          ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
                          Span<SurfaceGeometry* const> geometry, ContactBuffers& buffers,
                          ContactReport& report, StageSeconds& seconds)
-    : candidates_(buffers.candidates), contacts_(buffers.contacts) {
+    : candidates_(buffers.candidates), contacts_(buffers.contacts), near_(buffers.near) {
   OILSKIN_ASSERT(dt > 0 && geometry.size() == surfaces.size());
   context_.dt = dt;
   context_.settings = &settings;
@@ -41,6 +41,33 @@ void ContactPass::find() {
   contacts_.find(context_, candidates_);
 }
 
+namespace {
+
+void clear_impulses(SurfaceMotion& s) {
+  const std::size_t nodes = s.x_t0.size();
+  if (s.still != 0 && s.impulse.size() == nodes && s.moved.size() == nodes) {
+    for (std::uint32_t node : s.touched) {
+      s.impulse[node].setZero();
+      s.moved[node] = 0;
+    }
+  } else {
+    s.impulse.assign(nodes, Vec3::Zero());
+    s.moved.assign(nodes, 0);
+  }
+  s.touched.clear();
+}
+
+/// Ascending, each once, without nodes whose impulses cancel.
+void sort_touched(SurfaceMotion& s) {
+  const auto is_left_alone = [&](std::uint32_t i) { return s.impulse[i].isZero(0) && s.moved[i] == 0; };
+  std::vector<std::uint32_t>& nodes = s.touched;
+  nodes.erase(std::remove_if(nodes.begin(), nodes.end(), is_left_alone), nodes.end());
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+}
+
+}  // namespace
+
 void ContactPass::reset_surfaces() {
   const std::size_t count = context_.surfaces.size();
   context_.node_stamp.resize(count);
@@ -53,9 +80,8 @@ void ContactPass::reset_surfaces() {
     OILSKIN_ASSERT(s.delta > 0 && s.thickness >= 4 * s.delta);
     OILSKIN_ASSERT(s.holdable.empty() || s.holdable.size() == nodes);
     OILSKIN_ASSERT(s.x_t1.size() == nodes && s.velocity.size() == nodes && s.inverse_mass.size() == nodes);
-    context_.node_stamp[k].assign(nodes, 0);
-    s.impulse.assign(nodes, Vec3::Zero());
-    s.moved.assign(nodes, 0);
+    context_.node_stamp[k].clear();
+    clear_impulses(s);
   }
 }
 
@@ -137,7 +163,7 @@ double ContactPass::kinetic_energy() const {
         return sum;
       });
   for (const SurfaceMotion* s : context_.surfaces)
-    for (std::size_t i = 0; i < s->velocity.size(); ++i)
+    for (std::size_t i = 0; s->still == 0 && i < s->velocity.size(); ++i)
       if (s->inverse_mass[i] > 0) energy += 0.5 * s->velocity[i].squaredNorm() / s->inverse_mass[i];
   return energy;
 }
@@ -145,9 +171,10 @@ double ContactPass::kinetic_energy() const {
 void ContactPass::record_impulses() {
   ContactReport& report = *context_.report;
   for (std::uint32_t k = 0; k < context_.surfaces.size(); ++k) {
-    const SurfaceMotion& s = *context_.surfaces[k];
+    SurfaceMotion& s = *context_.surfaces[k];
     OILSKIN_ASSERT(s.impulse.size() == s.inverse_mass.size());
-    for (std::size_t i = 0; i < s.impulse.size(); ++i)
+    sort_touched(s);
+    for (std::uint32_t i : s.touched)
       (s.inverse_mass[i] > 0 ? report.impulse_on_free_nodes : report.impulse_on_prescribed) += s.impulse[i];
   }
   OILSKIN_ASSERT(report.impulse_on_free_nodes.allFinite() && report.impulse_on_prescribed.allFinite());

@@ -4,6 +4,7 @@
 #include "contact/candidates.h"
 #include "contact/contacts.h"
 #include "contact/detection.h"
+#include "contact/near_triangle_lists.h"
 
 namespace oilskin::contact {
 
@@ -11,6 +12,7 @@ namespace oilskin::contact {
 struct ContactBuffers {
   CandidateSet candidates;
   ContactSet contacts;
+  NearTriangleLists near;
 };
 
 /// One interval: find() → (a fluid decides where to go) → solve(). It refers to the arguments of its
@@ -28,6 +30,12 @@ class ContactPass {
 
   /// Collects candidates and contacts for the predicted x_t1. Sets impulse and moved of the surfaces to zero.
   void find();
+
+  /// After find(): per surface, ascending, at least the triangles that have a point within `reach` [m] of one
+  /// of the boxes at x_t0.
+  Span<const std::vector<std::uint32_t>> find_triangles_near(Span<const Box> boxes, double reach) {
+    return near_.find(context_.geometry, boxes, reach);
+  }
 
   /// Of the particles at the start, before this interval's forces; without them, their present velocities
   /// count as such.
@@ -62,6 +70,7 @@ class ContactPass {
   Context context_;
   CandidateSet& candidates_;
   ContactSet& contacts_;
+  NearTriangleLists& near_;
   std::vector<Contact> active_;
 };
 

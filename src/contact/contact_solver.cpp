@@ -136,7 +136,8 @@ Status ContactSolver::resolve(double dt, ParticleMotion& particles, Span<Surface
   report = {};
   std::fill(particles.removed.begin(), particles.removed.end(), std::uint8_t{0});
   std::vector<contact::SurfaceGeometry*> geometry;
-  for (const SurfaceMotion* s : surfaces) {
+  for (SurfaceMotion* s : surfaces) {
+    s->still = 0;
     geometry.push_back(&impl_->geometry[s->id]);
     geometry.back()->analyse(*s);
   }

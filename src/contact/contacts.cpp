@@ -42,7 +42,7 @@ std::vector<double> max_displacements(const Context& context) {
   std::vector<double> result;
   for (const SurfaceMotion* s : context.surfaces) {
     double max_squared = 0;
-    for (std::size_t i = 0; i < s->x_t0.size(); ++i)
+    for (std::size_t i = 0; s->still == 0 && i < s->x_t0.size(); ++i)
       max_squared = std::max(max_squared, (s->x_t1[i] - s->x_t0[i]).squaredNorm());
     result.push_back(std::sqrt(max_squared));
   }

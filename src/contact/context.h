@@ -28,9 +28,9 @@ struct Context {
   // its points is younger than its last test.
   std::uint32_t epoch = 1;
   std::vector<std::uint32_t> particle_stamp;
-  std::vector<std::vector<std::uint32_t>> node_stamp;
-  std::vector<std::uint32_t> surface_stamp;  // the youngest of the surface's nodes
-  std::vector<std::uint8_t> out_of_play;     // per particle: removed, or allowed to pass by policy
+  std::vector<std::vector<std::uint32_t>> node_stamp;  // empty while no node of the surface has one
+  std::vector<std::uint32_t> surface_stamp;            // the youngest of the surface's nodes
+  std::vector<std::uint8_t> out_of_play;               // per particle: removed, or allowed to pass by policy
 
   // Output
   ContactReport* report = nullptr;
@@ -64,6 +64,8 @@ struct Context {
     if (rounded == s.x_t1[node]) return;
     s.x_t1[node] = rounded;
     s.moved[node] = 1;
+    s.touched.push_back(node);
+    if (node_stamp[surface].empty()) node_stamp[surface].assign(s.x_t1.size(), 0);
     node_stamp[surface][node] = epoch;
     surface_stamp[surface] = epoch;
   }

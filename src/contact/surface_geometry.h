@@ -11,7 +11,8 @@ namespace oilskin::contact {
 struct SurfaceGeometry {
   std::uint64_t id = 0;  // of the surface that `topology` was made for; 0 = none
   MeshTopology topology;
-  proximity::SurfaceTree tree;  // fits itself to the triangles that it is given
+  proximity::SurfaceTree tree;     // fits itself to the triangles that it is given
+  std::uint64_t fitted_still = 0;  // SurfaceMotion::still of what fit() fitted the tree to
 
   /// Analyses the mesh of a surface whose id it has not seen: a changed mesh has a new id.
   void analyse(const SurfaceMotion& surface) {
@@ -20,6 +21,16 @@ struct SurfaceGeometry {
     topology = MeshTopology(surface.triangles, surface.x_t1.size());
     id = surface.id;
   }
+
+  /// Fits the tree to the swept triangles; a still surface of one number, once.
+  void fit(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1,
+           std::uint64_t still) {
+    if (still != 0 && fitted_still == still) return;
+    fitted_still = 0;
+    tree.update(triangles, x_t0, x_t1);
+    fitted_still = still;
+  }
+  void fit(const SurfaceMotion& s) { fit(s.triangles, s.x_t0, s.x_t1, s.still); }
 };
 
 }  // namespace oilskin::contact

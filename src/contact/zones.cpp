@@ -150,7 +150,7 @@ void Zones::set_velocity(std::uint32_t point, const Vec3& v) {
   SurfaceMotion& motion = *context_.surfaces[s];
   const std::uint32_t node = point - offset_[s];
   OILSKIN_ASSERT(motion.inverse_mass[node] > 0);  // prescribed nodes keep their velocity
-  motion.impulse[node] += (v - motion.velocity[node]) / motion.inverse_mass[node];
+  motion.add_impulse(node, (v - motion.velocity[node]) / motion.inverse_mass[node]);
   motion.velocity[node] = v;
 }
 
@@ -265,7 +265,7 @@ void Zones::translate_with_prescribed(const std::vector<std::uint32_t>& members,
   if (supports.empty()) context_.report->impulse_on_prescribed += reaction;
   for (std::uint32_t m : supports) {
     const std::uint32_t s = surface_of(m);
-    context_.surfaces[s]->impulse[m - offset_[s]] += reaction / static_cast<double>(supports.size());
+    context_.surfaces[s]->add_impulse(m - offset_[s], reaction / static_cast<double>(supports.size()));
   }
 }
 

@@ -82,9 +82,15 @@ void FluidSolver::prepare(Particles& particles, StageSeconds& seconds) {
   impl_->state.hidden_pairs = 0;
 }
 
+std::vector<Box> FluidSolver::boxes(const Particles& particles) const {
+  const Neighbours& neighbours = impl_->state.neighbours;
+  return neighbours.boxes({particles.position.data(), neighbours.size()});
+}
+
 void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles& particles,
                                  Span<SurfaceMotion* const> surfaces,
-                                 Span<const MeshTopology* const> topologies, StageSeconds& seconds) {
+                                 Span<const MeshTopology* const> topologies, Span<const TriangleList> near,
+                                 StageSeconds& seconds) {
   StepState& state = impl_->state;
   const FluidSettings& settings = impl_->settings;
   OILSKIN_ASSERT(dt > 0 && particles.size() >= state.size() && topologies.size() == surfaces.size());
@@ -92,13 +98,13 @@ void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles
   const Span<const Vec3> positions(particles.position.data(), state.size());
   if (settings.occlusion) {
     const StageTimer timer(seconds.occlusion);
-    state.hidden_pairs =
-        remove_hidden_neighbours(positions, surfaces, support_radius(), state.neighbours, *impl_->workers);
+    state.hidden_pairs = remove_hidden_neighbours(positions, surfaces, near, support_radius(),
+                                                  state.neighbours, *impl_->workers);
   }
   if (settings.boundary == BoundaryModel::mirrored) {
     const StageTimer timer(seconds.boundary);
     state.boundary.find({dt, particle_mass(), support_radius(), gravity.stableNormalized(), positions,
-                         state.neighbours, surfaces, topologies},
+                         state.neighbours, surfaces, topologies, near},
                         *impl_->workers);
   }
 }
@@ -106,15 +112,16 @@ void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles
 const WallGeometry& FluidSolver::find_visible_walls(double reach, double dt, const Vec3& gravity,
                                                     const Particles& particles,
                                                     Span<SurfaceMotion* const> surfaces,
-                                                    Span<const MeshTopology* const> topologies) {
+                                                    Span<const MeshTopology* const> topologies,
+                                                    Span<const TriangleList> near) {
   StepState& state = impl_->state;
   const WallGeometry& of_boundary = state.boundary.geometry();
   if (impl_->settings.boundary == BoundaryModel::mirrored && reach <= of_boundary.reach(support_radius()))
     return of_boundary;
-  impl_->visible_walls.find(
-      {dt, particle_mass(), support_radius(), gravity.stableNormalized(),
-       Span<const Vec3>(particles.position.data(), state.size()), state.neighbours, surfaces, topologies},
-      *impl_->workers);
+  impl_->visible_walls.find({dt, particle_mass(), support_radius(), gravity.stableNormalized(),
+                             Span<const Vec3>(particles.position.data(), state.size()), state.neighbours,
+                             surfaces, topologies, near},
+                            *impl_->workers);
   return impl_->visible_walls;
 }
 

@@ -30,18 +30,24 @@ class FluidSolver {
   /// order.
   void prepare(Particles& particles, StageSeconds& seconds);
 
+  /// After prepare(), for the same particles: boxes that contain all of them, each a few H wide [m].
+  std::vector<Box> boxes(const Particles& particles) const;
+
   /// After prepare(), for the same particles. As the settings say, removes neighbours hidden by surfaces and
   /// finds the boundary terms. The surfaces move from x_t0 to x_t1 within dt [s]. They are kept until
   /// propose(), which changes their velocities and impulses: boundary terms give the nodes the momentum
-  /// opposite to that of the particles. `topologies` are those of the surfaces, in their order.
+  /// opposite to that of the particles. `topologies` are those of the surfaces, in their order. `near`:
+  /// per surface, ascending, at least the triangles that are within H of a particle at x_t0; empty = all
+  /// are looked at.
   void apply_surfaces(double dt, const Vec3& gravity, const Particles& particles,
                       Span<SurfaceMotion* const> surfaces, Span<const MeshTopology* const> topologies,
-                      StageSeconds& seconds);
+                      Span<const TriangleList> near, StageSeconds& seconds);
   /// After apply_surfaces(), with the same arguments: the parts of the surfaces that each particle sees, at
   /// least those within `reach` [m] and H. Valid until the next prepare().
   const WallGeometry& find_visible_walls(double reach, double dt, const Vec3& gravity,
                                          const Particles& particles, Span<SurfaceMotion* const> surfaces,
-                                         Span<const MeshTopology* const> topologies);
+                                         Span<const MeshTopology* const> topologies,
+                                         Span<const TriangleList> near);
 
   /// Load memory of the boundary terms: the hosts' response to the load of the last step, and the load of
   /// this one. Once per step each, after all surfaces were gathered and before they are scattered. Surfaces

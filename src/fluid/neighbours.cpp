@@ -24,6 +24,9 @@ constexpr std::size_t list_padding = 8;
 /// Records beyond the last one that the search may read, and places beyond a list that it may write.
 constexpr std::size_t read_ahead = 8, write_ahead = 16;
 
+/// Width of the blocks whose particles boxes() puts into one box.
+constexpr std::uint64_t block_cells = 4;
+
 /// Bits of a cell coordinate plus 2²⁰.
 constexpr int coordinate_bits = 21;
 
@@ -228,6 +231,32 @@ void Neighbours::runs_of_row(std::size_t row) {
 std::size_t Neighbours::first_row(std::uint64_t row_key) const {
   return static_cast<std::size_t>(std::lower_bound(row_key_.begin(), row_key_.end(), row_key) -
                                   row_key_.begin());
+}
+
+std::vector<Box> Neighbours::boxes(Span<const Vec3> positions) const {
+  OILSKIN_ASSERT(positions.size() == keys_.size());
+  struct Part {
+    std::array<std::uint64_t, 3> place;  // in blocks of cells
+    Box box;
+  };
+  std::vector<Part> parts;
+  for (std::size_t cell = 0; cell < cell_key_.size(); ++cell) {
+    std::uint64_t key = cell_key_[cell];
+    Part part;
+    for (std::size_t k = 0; k < 3; key >>= bits_[k], ++k)
+      part.place[k] = (key & ((std::uint64_t{1} << bits_[k]) - 1)) / block_cells;
+    if (parts.empty() || parts.back().place != part.place) parts.push_back(part);
+    for (std::uint32_t i = cell_begin_[cell]; i < cell_begin_[cell + 1]; ++i)
+      parts.back().box.add(positions[i]);
+  }
+  std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.place < b.place; });
+  std::vector<Box> boxes;
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    if (k > 0 && parts[k].place == parts[k - 1].place)
+      boxes.back().add(parts[k].box);
+    else
+      boxes.push_back(parts[k].box);
+  return boxes;
 }
 
 void Neighbours::remove(Span<const std::pair<std::uint32_t, std::uint32_t>> pairs, const Workers& workers) {

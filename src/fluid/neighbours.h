@@ -43,6 +43,9 @@ class Neighbours {
   template <class F>
   void for_runs_in(const Box& box, const F& f) const;
 
+  /// Boxes of parts of the fluid, a few cells wide, that contain all particles [m].
+  std::vector<Box> boxes(Span<const Vec3> positions) const;
+
   /// Removes `second` from the list of `first`. Pairs are sorted and unique, and with (i, j) there is (j, i):
   /// else forces would not be antisymmetric.
   void remove(Span<const std::pair<std::uint32_t, std::uint32_t>> pairs, const Workers& workers);

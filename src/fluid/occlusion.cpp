@@ -88,15 +88,15 @@ void find_near_particles(const SurfaceMotion& motion, TriangleRef ref, Span<cons
 }
 
 DividingTriangles find_dividing_triangles(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,
-                                          double support_radius, const Neighbours& neighbours,
-                                          const Workers& workers) {
+                                          Span<const TriangleList> near, double support_radius,
+                                          const Neighbours& neighbours, const Workers& workers) {
   std::vector<NearPair> all;
   for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
-    const std::size_t triangles = surfaces[s]->triangles.size();
-    std::vector<std::vector<NearPair>> found((triangles + triangle_chunk - 1) / triangle_chunk);
-    workers.for_chunks(triangles, triangle_chunk, [&](std::size_t b, std::size_t e, std::size_t chunk) {
-      for (auto t = static_cast<std::uint32_t>(b); t < e; ++t)
-        find_near_particles(*surfaces[s], {s, t}, x, support_radius, neighbours, found[chunk]);
+    const TriangleChoice triangles(near, s, surfaces[s]->triangles.size());
+    std::vector<std::vector<NearPair>> found((triangles.size() + triangle_chunk - 1) / triangle_chunk);
+    workers.for_chunks(triangles.size(), triangle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
+      for (std::size_t k = b; k < e; ++k)
+        find_near_particles(*surfaces[s], {s, triangles[k]}, x, support_radius, neighbours, found[c]);
     });
     for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
   }
@@ -158,14 +158,16 @@ SightTest::SightTest(const SurfaceMotion& surface, std::uint32_t triangle) {
 }
 
 std::uint64_t remove_hidden_neighbours(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,
-                                       double support_radius, Neighbours& neighbours,
-                                       const Workers& workers) {
+                                       Span<const TriangleList> near, double support_radius,
+                                       Neighbours& neighbours, const Workers& workers) {
   OILSKIN_ASSERT(support_radius > 0 && neighbours.size() == x.size());
-  const DividingTriangles near = find_dividing_triangles(x, surfaces, support_radius, neighbours, workers);
-  std::vector<std::vector<Pair>> hidden((near.particle.size() + particle_chunk - 1) / particle_chunk);
-  workers.for_chunks(near.particle.size(), particle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
+  const DividingTriangles dividing =
+      find_dividing_triangles(x, surfaces, near, support_radius, neighbours, workers);
+  const std::size_t count = dividing.particle.size();
+  std::vector<std::vector<Pair>> hidden((count + particle_chunk - 1) / particle_chunk);
+  workers.for_chunks(count, particle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
     for (std::size_t k = b; k < e; ++k)
-      find_hidden_neighbours(near.particle[k], near.of(k), x, surfaces, neighbours, hidden[c]);
+      find_hidden_neighbours(dividing.particle[k], dividing.of(k), x, surfaces, neighbours, hidden[c]);
     sort_unique(hidden[c]);
   });
   const std::vector<Pair> pairs = both_orders(hidden);

@@ -62,6 +62,17 @@ struct SurfaceMotion {
   std::vector<Vec3> impulse;
   /// 1 = contact changed x_t1 of the node.
   std::vector<std::uint8_t> moved;
+  /// Ascending: the nodes with an impulse or with `moved`, at least. All others have neither.
+  std::vector<std::uint32_t> touched;
+
+  // --- what stands still costs nothing: see SurfaceHost::gather()
+  /// The host's own number of what it filled in last; 0 = none. The world sets it to 0 where the arrays no
+  /// longer hold that, or where they do not stand still.
+  std::uint64_t revision = 0;
+  /// Is given by the world. 0 = nodes may move. Else all nodes are prescribed, x_t1 is x_t0 bit for bit, the
+  /// velocities are 0 and no mass is added; as long as the number stays the same, so do these arrays and the
+  /// triangles.
+  std::uint64_t still = 0;
 
   // --- output of the world for the host's next gather()
   /// The mass of water that a free node carries under its load [kg], ≥ 0 (C.29); empty = none. A host whose
@@ -75,6 +86,12 @@ struct SurfaceMotion {
 
   /// The slip law of one side.
   const SlipSettings& slip_on(bool back) const { return back && slip_back ? *slip_back : slip; }
+  /// Adds j [N s] to the node's impulse. `touched` is not in order until the end of the interval.
+  void add_impulse(std::uint32_t node, const Vec3& j) {
+    Vec3& sum = impulse[node];
+    if (sum[0] == 0 && sum[1] == 0 && sum[2] == 0) touched.push_back(node);
+    sum += j;
+  }
 };
 
 /// δ = max(10⁻³ h, 64 ε R) (C.1), with the thickness h [m] > 0, ε = 2⁻²³ or 2⁻⁵² by storage, and R =
@@ -110,6 +127,9 @@ struct Gathered {
   /// The topology or the order of nodes changed, or the motion is a teleport: the surface gets a new id, and
   /// particles close to it are relocated.
   bool new_surface = false;
+  /// The host left `motion` alone, as it would have filled in the same again. Only where motion.revision was
+  /// the host's own, not 0.
+  bool unchanged = false;
 };
 
 /// Is implemented by adapters: of a Bullet soft body, a collision object, another simulation.
@@ -120,10 +140,17 @@ class SurfaceHost {
   /// Fills the input of an interval: x_t1, velocity, inverse_mass, holdable; if it returns new_surface also
   /// triangles, storage and nodes_movable. dt [s] is the length of the step, 0 when the surface is attached.
   /// The caller fills x_t0.
+  ///
+  /// A host of many triangles that mostly stand still gives what it fills in a number, motion.revision, ≥ 1:
+  /// another one whenever nodes, masses or triangles change. Where it finds its present number in
+  /// motion.revision, it may leave `motion` as it is and return `unchanged`. Such a surface costs a step
+  /// nothing but for the triangles near the fluid. A host that sets no number is asked for everything in
+  /// each step.
   virtual Gathered gather(double dt, SurfaceMotion& motion) = 0;
 
   /// Takes the result: adds inverse_mass × impulse to velocities, changes positions only where `moved`, and
-  /// then sets x_t1 to what the host stores now.
+  /// then sets x_t1 to what the host stores now. Only nodes in `touched` have impulses or moved. With
+  /// motion.still the host changes x_t1 of no other node.
   virtual void scatter(SurfaceMotion& motion) = 0;
 };
 

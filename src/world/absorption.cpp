@@ -151,8 +151,9 @@ std::vector<Vec3> add_momentum_of_liquid(Attachment& a) {
     const double dry = own - c.before[i];  // ≤ 0: the host does not weigh what its nodes hold
     const Vec3 dv = arrived[i] / (dry > 0 ? own + m.absorbed_mass[i] - c.before[i] : own);
     m.velocity[i] += dv;
-    m.impulse[i] += dv / m.inverse_mass[i];
+    m.add_impulse(static_cast<std::uint32_t>(i), dv / m.inverse_mass[i]);
   }
+  std::sort(m.touched.begin(), m.touched.end());
   c = {};
   return impulse;
 }

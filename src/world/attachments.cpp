@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "core/assert.h"
 #include "core/inverse_mass.h"
@@ -74,7 +75,37 @@ Status set_delta(SurfaceMotion& m, const SurfaceSettings& settings, double r) {
       per_metre * r, " m, or the kill box must reach no farther than ", m.thickness / per_metre, " m");
 }
 
+bool is_zero(const Vec3& v) {
+  return v[0] == 0 && v[1] == 0 && v[2] == 0;
+}
+
+/// Whether SurfaceMotion::still holds.
+bool stands_still(const SurfaceMotion& m) {
+  if (!m.added_mass.empty() || m.x_t0.size() != m.x_t1.size()) return false;
+  if (std::any_of(m.inverse_mass.begin(), m.inverse_mass.end(), [](double u) { return u != 0; }))
+    return false;
+  // Bits are compared, so that +0 and −0 differ.
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
+  return std::memcmp(m.x_t0.data(), m.x_t1.data(), m.x_t0.size() * sizeof(Vec3)) == 0 &&
+         std::all_of(m.velocity.begin(), m.velocity.end(), is_zero);
+}
+
+Status refuse_unchanged() {
+  return refuse(
+      "the host says that nothing changed, but motion.revision was 0: it must fill in the motion, and may "
+      "leave it as it is where it finds its own number there");
+}
+
 }  // namespace
+
+void Attachments::note_stillness(SurfaceMotion& m) {
+  m.still = m.revision != 0 && stands_still(m) ? next_still_++ : 0;
+  if (m.still == 0) return;
+  m.velocity_t0.clear();  // as `velocity`
+  m.impulse.clear();      // contact makes new ones
+  m.moved.clear();
+  m.touched.clear();
+}
 
 bool can_collide(const FluidSettings& fluid, const SurfaceSettings& surface) {
   return (fluid.collision_mask & surface.collision_group) != 0 &&
@@ -90,6 +121,7 @@ Status Attachments::attach(SurfaceHost& host, const SurfaceSettings& settings, c
   a->settings = settings;
   const Gathered gathered = host.gather(0, a->motion);
   if (!gathered.status.ok()) return gathered.status;
+  if (gathered.unchanged) return refuse_unchanged();
   if (Status s = check_mesh(a->motion); !s.ok()) return s;
   if (Status s = check_state(a->motion); !s.ok()) return s;
   if (Status s = set_delta(a->motion, settings, max_coordinate(world.kill_box)); !s.ok()) return s;
@@ -100,6 +132,7 @@ Status Attachments::attach(SurfaceHost& host, const SurfaceSettings& settings, c
                     ") m, beyond the largest coordinate ", r,
                     " m of the kill box, for which δ was chosen; enlarge the kill box");
   a->motion.x_t0 = a->motion.x_t1;
+  note_stillness(a->motion);
   OILSKIN_ASSERT(list_.empty() || list_.back()->handle < next_handle_);
   OILSKIN_ASSERT(a->motion.delta > 0 && a->motion.thickness >= 4 * a->motion.delta);
   list_.push_back(std::move(a));
@@ -126,6 +159,7 @@ const Attachment* Attachments::find(std::uint64_t handle) const {
 namespace {
 
 bool is_out_of_range(const SurfaceMotion& m, double max_coordinate) {
+  if (m.still != 0) return false;  // all nodes are prescribed
   for (std::size_t i = 0; i < m.x_t1.size(); ++i)
     if (m.inverse_mass[i] > 0 && m.x_t1[i].cwiseAbs().maxCoeff() > max_coordinate) return true;
   return false;
@@ -147,6 +181,7 @@ ActiveSurfaces Attachments::gather(double dt, const WorldSettings& world, const 
     }
     if (a->refused) {
       report.flags |= flag_surface_refused;
+      a->motion.revision = a->motion.still = 0;
       forget_load(*a);
       continue;
     }
@@ -160,13 +195,32 @@ ActiveSurfaces Attachments::gather(double dt, const WorldSettings& world, const 
 Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box, StepReport& report) {
   SurfaceMotion& m = a.motion;
   a.liquid_change = {};
+  if (a.teleported) m.still = 0;
+  if (m.still == 0) m.revision = 0;
   std::swap(m.x_t0, m.x_t1);
   const std::size_t nodes_before = m.x_t0.size();
-  if (a.settings.smooth) m.velocity_t0 = m.velocity;
+  if (a.settings.smooth && m.still == 0) m.velocity_t0 = m.velocity;
   m.added_mass.clear();
   const Gathered gathered = a.host->gather(dt, m);
   if (!gathered.status.ok()) return gathered.status;
-  const bool is_new = gathered.new_surface || a.teleported || m.x_t1.size() != m.x_t0.size();
+  if (gathered.unchanged && (m.still == 0 || gathered.new_surface)) return refuse_unchanged();
+  if (!gathered.unchanged)
+    if (Status s = take_motion(a, gathered.new_surface, nodes_before, kill_box, report); !s.ok()) return s;
+  OILSKIN_ASSERT(m.id != 0 && m.delta > 0 && m.x_t0.size() == m.x_t1.size());
+  OILSKIN_ASSERT(m.still == 0 || stands_still(m));
+  m.slip = a.settings.slip;
+  m.slip_back = a.settings.slip_back;
+  m.smooth = a.settings.smooth;
+  return {};
+}
+
+/// Checks what the host filled in; gives it a new id where it is a new surface.
+Status Attachments::take_motion(Attachment& a, bool new_surface, std::size_t nodes_before,
+                                const Box& kill_box, StepReport& report) {
+  SurfaceMotion& m = a.motion;
+  const bool was_still = m.still != 0;
+  m.still = 0;
+  const bool is_new = new_surface || a.teleported || m.x_t1.size() != m.x_t0.size();
   if (is_new)
     if (Status s = check_mesh(m); !s.ok()) return s;
   if (Status s = check_state(m); !s.ok()) return s;
@@ -179,28 +233,38 @@ Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box
     forget_load(a);
     // A teleport keeps them. A mesh that was refused may have had another number of nodes.
     const bool fits = m.absorbed_mass.empty() || m.absorbed_mass.size() == m.x_t1.size();
-    if (gathered.new_surface || m.x_t1.size() != nodes_before || !fits) {
+    if (new_surface || m.x_t1.size() != nodes_before || !fits) {
       a.values.clear();
       report.mass_lost += absorbed_mass(a);
       m.absorbed_mass.clear();
     }
   }
-  OILSKIN_ASSERT(m.id != 0 && m.delta > 0 && m.x_t0.size() == m.x_t1.size());
-  m.slip = a.settings.slip;
-  m.slip_back = a.settings.slip_back;
-  m.smooth = a.settings.smooth;
+  if (!is_new && was_still && a.settings.smooth) m.velocity_t0.assign(m.x_t1.size(), Vec3::Zero());
+  note_stillness(m);
   return {};
 }
+
+namespace {
+
+/// Whether the nodes are where the certificate says.
+bool is_certified(const SurfaceMotion& m, const std::vector<Vec3>& certified) {
+  if (m.still == 0) return m.x_t1 == certified;
+  OILSKIN_ASSERT(stands_still(m));
+  return std::all_of(m.touched.begin(), m.touched.end(),
+                     [&](std::uint32_t node) { return m.x_t1[node] == m.x_t0[node]; });
+}
+
+}  // namespace
 
 void Attachments::scatter(const ActiveSurfaces& active, StepReport& report) {
   std::vector<Vec3> certified;
   for (Attachment* a : active.attachment) {
     SurfaceMotion& m = a->motion;
     OILSKIN_ASSERT(m.impulse.size() == m.x_t1.size() && m.moved.size() == m.x_t1.size());
-    certified = m.x_t1;
+    if (m.still == 0) certified = m.x_t1;
     a->host->scatter(m);
-    OILSKIN_ASSERT(m.x_t1.size() == certified.size());
-    if (m.x_t1 != certified) {
+    OILSKIN_ASSERT(m.x_t1.size() == m.x_t0.size());
+    if (!is_certified(m, certified)) {
       // The certificate holds for positions that the host does not store: the stored ones begin a new
       // surface.
       report.flags |= flag_scatter_mismatch;
@@ -213,7 +277,7 @@ namespace {
 
 /// `x`: x_t0 or x_t1 of its motion.
 StandingSurface standing_at(const std::vector<Vec3>& x, Attachment& a) {
-  return {a.motion.triangles, x, a.motion.delta, &a.geometry.tree};
+  return {a.motion.triangles, x, a.motion.delta, &a.geometry, a.motion.still};
 }
 
 }  // namespace
@@ -225,42 +289,85 @@ std::vector<StandingSurface> Attachments::between_steps(const FluidSettings& flu
   return standing;
 }
 
+namespace {
+
+/// From and to a still surface of one number: what a step may change.
+void copy_changes(const SurfaceMotion& from, SurfaceMotion& to) {
+  // Names every member: a new one that is forgotten here does not compile.
+  const auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, x_t0, x_t1,
+               velocity, velocity_t0, inverse_mass, holdable, added_mass, impulse, moved, touched, revision,
+               still, carried_mass, absorbed_mass] = from;
+  OILSKIN_ASSERT(still != 0 && to.still == still && to.id == id && to.x_t1.size() == x_t1.size());
+  OILSKIN_ASSERT(to.storage == storage && to.triangles.size() == triangles.size());
+  OILSKIN_ASSERT(to.velocity.size() == velocity.size() && to.inverse_mass.size() == inverse_mass.size());
+  OILSKIN_ASSERT(to.x_t0.size() == x_t0.size() && velocity_t0.empty() && added_mass.empty());
+  OILSKIN_ASSERT(to.holdable.size() == holdable.size() && to.nodes_movable == nodes_movable);
+  to.thickness = thickness;
+  to.delta = delta;
+  to.slip = slip;
+  to.slip_back = slip_back;
+  to.smooth = smooth;
+  to.revision = revision;
+  to.carried_mass = carried_mass;
+  to.absorbed_mass = absorbed_mass;
+  if (to.impulse.size() != impulse.size() || to.moved.size() != moved.size()) {
+    to.impulse = impulse;
+    to.moved = moved;
+  } else {
+    for (std::uint32_t node : to.touched) {
+      to.impulse[node].setZero();
+      to.moved[node] = 0;
+    }
+    for (std::uint32_t node : touched) {
+      to.impulse[node] = impulse[node];
+      to.moved[node] = moved[node];
+    }
+  }
+  to.touched = touched;
+}
+
+void save_state(Attachment& a) {
+  SavedState& saved = a.saved;
+  const bool has_arrays = a.motion.still != 0 && saved.still == a.motion.still;
+  saved.still = 0;  // until all is copied
+  if (has_arrays)
+    copy_changes(a.motion, saved.motion);
+  else
+    saved.motion = a.motion;
+  saved.mean_load = a.mean_load;
+  saved.values = a.values;
+  saved.is_new = a.is_new;
+  saved.teleported = a.teleported;
+  saved.refused = a.refused;
+  saved.still = a.motion.still;
+}
+
+}  // namespace
+
 void Attachments::checkpoint() {
   saved_next_id_ = next_id_;
-  saved_.resize(list_.size());
-  for (std::size_t k = 0; k < list_.size(); ++k) {
-    const Attachment& a = *list_[k];
-    saved_[k].motion = a.motion;
-    saved_[k].mean_load = a.mean_load;
-    saved_[k].values = a.values;
-    saved_[k].is_new = a.is_new;
-    saved_[k].teleported = a.teleported;
-    saved_[k].refused = a.refused;
-  }
+  for (const auto& a : list_) save_state(*a);
 }
 
 void Attachments::roll_back() noexcept {
-  OILSKIN_ASSERT(saved_.size() == list_.size());
   next_id_ = saved_next_id_;
-  for (std::size_t k = 0; k < list_.size(); ++k) {
-    Attachment& a = *list_[k];
-    std::swap(a.motion, saved_[k].motion);
-    a.mean_load.swap(saved_[k].mean_load);
-    a.values.swap(saved_[k].values);
-    a.is_new = saved_[k].is_new;
-    a.teleported = saved_[k].teleported;
-    a.refused = saved_[k].refused;
+  for (const auto& attachment : list_) {
+    Attachment& a = *attachment;
+    std::swap(a.motion, a.saved.motion);
+    a.mean_load.swap(a.saved.mean_load);
+    a.values.swap(a.saved.values);
+    a.is_new = a.saved.is_new;
+    a.teleported = a.saved.teleported;
+    a.refused = a.saved.refused;
+    a.saved.still = 0;
     // Another mesh may get the id that the step gave to this one.
     if (a.geometry.id != a.motion.id) a.geometry.id = 0;
   }
 }
 
-const SurfaceMotion& Attachments::before(const Attachment& a) const {
-  OILSKIN_ASSERT(saved_.size() == list_.size());
-  std::size_t k = 0;
-  while (list_[k].get() != &a) ++k;
+const SurfaceMotion& Attachments::before(const Attachment& a) {
   // A refused motion holds what its host gave: its lists may differ in length, its masses make no sense.
-  return saved_[k].refused ? a.motion : saved_[k].motion;
+  return a.saved.refused ? a.motion : a.saved.motion;
 }
 
 void ActiveSurfaces::add(Attachment& a) {

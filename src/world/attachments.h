@@ -23,6 +23,15 @@ struct LiquidChange {
   std::vector<Passage> passages;
 };
 
+/// Of an attachment, before the step under way.
+struct SavedState {
+  SurfaceMotion motion;
+  std::vector<Vec3> mean_load;
+  std::vector<std::vector<double>> values;
+  bool is_new = false, teleported = false, refused = false;
+  std::uint64_t still = 0;  ///< whose arrays `motion` has; 0 = they must be copied
+};
+
 /// All that a world keeps of a surface, but for the load that the fluid's boundary terms remember by id.
 struct Attachment {
   std::uint64_t handle = 0;
@@ -39,6 +48,7 @@ struct Attachment {
   std::vector<std::vector<double>> values;  // of effects: per kind of value, one per node
 
   LiquidChange liquid_change;  // of the step under way
+  SavedState saved;            // by checkpoint()
 
   // Derived from the motion
   contact::SurfaceGeometry geometry;
@@ -80,11 +90,11 @@ class Attachments {
   std::vector<StandingSurface> between_steps(const FluidSettings& fluid) const;
 
   /// For a step that may fail: checkpoint() copies the state of every surface, roll_back() puts it back.
-  /// Nothing may be attached or detached in between.
+  /// Nothing may be attached or detached in between. Of a still surface only what steps change is copied.
   void checkpoint();
   void roll_back() noexcept;
   /// The motion of an active surface as checkpoint() found it; if it was refused then, as it is now.
-  const SurfaceMotion& before(const Attachment& a) const;
+  static const SurfaceMotion& before(const Attachment& a);
 
   /// Everything but hosts and handles; when reading, into attachments without hosts.
   void visit(Archive& archive);
@@ -93,20 +103,15 @@ class Attachments {
   Status take_hosts(Attachments& from);
 
  private:
-  /// Of an attachment, by checkpoint().
-  struct SavedState {
-    SurfaceMotion motion;
-    std::vector<Vec3> mean_load;
-    std::vector<std::vector<double>> values;
-    bool is_new = false, teleported = false, refused = false;
-  };
-
+  void note_stillness(SurfaceMotion& m);
   Status gather_surface(Attachment& a, double dt, const Box& kill_box, StepReport& report);
+  Status take_motion(Attachment& a, bool new_surface, std::size_t nodes_before, const Box& kill_box,
+                     StepReport& report);
 
   std::vector<std::unique_ptr<Attachment>> list_;  // in order of handle
   std::uint64_t next_handle_ = 1;
   std::uint64_t next_id_ = 1;
-  std::vector<SavedState> saved_;
+  std::uint64_t next_still_ = 1;  // is never put back: what depends on a number is found by it
   std::uint64_t saved_next_id_ = 1;
 };
 

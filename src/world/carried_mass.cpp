@@ -53,6 +53,7 @@ void record_load(double dt, Attachment& a) {
 void update_carried_mass(double dt, const FluidSettings& fluid, Attachment& a, StepReport& report) {
   SurfaceMotion& m = a.motion;
   OILSKIN_ASSERT(dt > 0 && m.impulse.size() == m.x_t1.size());
+  if (m.still != 0) return forget_load(a);  // prescribed nodes carry nothing
   report.momentum_owed += owed(m);
   record_load(dt, a);
   const std::vector<double> area = node_areas(m);

@@ -7,13 +7,21 @@ namespace oilskin::world {
 
 namespace {
 
-void block_near(const StandingSurface& surface, Span<const Vec3> points, const Workers& workers,
-                std::vector<std::uint8_t>& blocked) {
-  OILSKIN_ASSERT(surface.delta > 0 && !surface.triangles.empty() && surface.tree);
-  const double cutoff = 2 * surface.delta;
+Box bounds_of(const StandingSurface& surface) {
+  if (surface.still != 0) {
+    surface.geometry->fit(surface.triangles, surface.x, surface.x, surface.still);
+    return surface.geometry->tree.bounds();
+  }
   Box bounds;
   for (const Vec3& x : surface.x) bounds.add(x);
-  bounds = bounds.inflated(cutoff);
+  return bounds;
+}
+
+void block_near(const StandingSurface& surface, Span<const Vec3> points, const Workers& workers,
+                std::vector<std::uint8_t>& blocked) {
+  OILSKIN_ASSERT(surface.delta > 0 && !surface.triangles.empty() && surface.geometry);
+  const double cutoff = 2 * surface.delta;
+  const Box bounds = bounds_of(surface).inflated(cutoff);
   std::vector<Box> boxes;
   std::vector<std::uint32_t> index;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
@@ -22,9 +30,9 @@ void block_near(const StandingSurface& surface, Span<const Vec3> points, const W
     index.push_back(i);
   }
   if (boxes.empty()) return;
-  surface.tree->update(surface.triangles, surface.x, surface.x);
+  surface.geometry->fit(surface.triangles, surface.x, surface.x, surface.still);
   proximity::Candidates candidates;
-  surface.tree->query(boxes, workers, candidates);
+  surface.geometry->tree.query(boxes, workers, candidates);
   OILSKIN_ASSERT(candidates.begin.size() == boxes.size() + 1);
   for (std::size_t k = 0; k < boxes.size(); ++k)
     for (std::uint32_t t : candidates.of(k)) {
@@ -40,6 +48,7 @@ void block_near(const StandingSurface& surface, Span<const Vec3> points, const W
 std::vector<std::uint8_t> find_blocked_points(Span<const StandingSurface> surfaces, Span<const Vec3> points,
                                               const Workers& workers) {
   std::vector<std::uint8_t> blocked(points.size(), 0);
+  if (points.empty()) return blocked;
   for (const StandingSurface& s : surfaces) block_near(s, points, workers, blocked);
   return blocked;
 }

@@ -1,18 +1,18 @@
 /// Where a particle may start: at least 2 δ from every surface.
 #pragma once
 
+#include "contact/surface_geometry.h"
 #include "core/parallel.h"
-#include "oilskin/surface_motion.h"
-#include "proximity/surface_tree.h"
 
 namespace oilskin::world {
 
-/// A surface at one moment. The tree is fitted to it.
+/// A surface at one moment. The tree of its geometry is fitted to it.
 struct StandingSurface {
   Span<const Triangle> triangles;
   Span<const Vec3> x;  // of the nodes [m]
   double delta = 0;    // δ [m]
-  proximity::SurfaceTree* tree = nullptr;
+  contact::SurfaceGeometry* geometry = nullptr;
+  std::uint64_t still = 0;  // as SurfaceMotion::still
 };
 
 /// Per point: 1 where some triangle is nearer than 2 δ of its surface, or rounding cannot decide.

@@ -89,7 +89,7 @@ class Forces : public View<EffectForces> {
       const std::uint32_t node = nodes[k];
       const Vec3 impulse = weights[k] * dt * force;
       if (!impulse.allFinite()) continue;
-      s.impulse[node] += impulse;
+      s.add_impulse(node, impulse);
       s.velocity[node] += s.inverse_mass[node] * impulse;
       step.ledger.effect(impulse);
       step.energy.drive(impulse.dot(s.x_t1[node] - s.x_t0[node]) / dt);

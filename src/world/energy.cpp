@@ -80,7 +80,7 @@ void EnergyBalance::enter(const Vec3& x, const Vec3& velocity, double dt) {
 void EnergyBalance::touch(Span<SurfaceMotion* const> surfaces, double dt) {
   OILSKIN_ASSERT(dt > 0);
   for (const SurfaceMotion* s : surfaces)
-    for (std::size_t j = 0; j < s->impulse.size(); ++j) {
+    for (std::uint32_t j : s->touched) {
       if (s->impulse[j].isZero(0)) continue;
       const Vec3 u = speed(*s, j, dt);
       state_.max_node_speed = std::max(state_.max_node_speed, u.norm());
@@ -136,6 +136,7 @@ void EnergyBalance::end_interval(const Sums& sums, std::uint64_t next_id, double
 /// the work is at the mean (F.60).
 void EnergyBalance::end_surface(const SurfaceMotion& now, double dt, const SurfaceMotion& before,
                                 double dt_before) {
+  if (before.still != 0 && now.still != 0) return;  // no node is free
   const bool is_same = before.id == now.id && before.x_t1.size() == now.x_t1.size();
   for (std::size_t j = 0; j < before.x_t1.size(); ++j) {
     if (before.inverse_mass[j] == 0) continue;

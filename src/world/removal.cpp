@@ -1,4 +1,4 @@
-/// Removal of particles by the caller, between steps.
+/// Removal of particles: by the caller, between steps, and of invalid ones at the start of a step.
 #include <algorithm>
 
 #include "core/refuse.h"
@@ -66,6 +66,32 @@ std::uint64_t World::remove_particles(Span<const std::uint64_t> ids) {
 
 void World::clear() {
   impl_->remove_where([](std::size_t) { return true; });
+}
+
+/// A stage of the step.
+void World::Impl::remove_invalid_particles(world::StepContext& step) {
+  constexpr std::size_t chunk = 2048;
+  fluid::Particles& particles = state.particles;
+  const auto is_valid = [&](std::size_t i) {
+    return world::is_in_range(particles.position[i]) && world::is_in_range(particles.velocity[i]);
+  };
+  const auto count_invalid = [&](std::size_t begin, std::size_t end) {
+    std::uint64_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) count += is_valid(i) ? 0 : 1;
+    return count;
+  };
+  const std::uint64_t invalid =
+      workers->ordered_sum(particles.size(), chunk, std::uint64_t{0}, count_invalid);
+  if (invalid > 0) {
+    std::vector<std::uint8_t> keep(particles.size(), 1);
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+      if (is_valid(i)) continue;
+      keep[i] = 0;
+      step.ledger.removed_without_momentum(particles.relative_mass(i));
+    }
+    particles.compress(keep);
+    step.report.removed_invalid += invalid;
+  }
 }
 
 }  // namespace oilskin

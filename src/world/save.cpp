@@ -60,14 +60,21 @@ void visit(Archive& archive, SurfaceSettings& settings) {
 
 void visit(Archive& archive, SurfaceMotion& motion) {
   auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, x_t0, x_t1,
-         velocity, velocity_t0, inverse_mass, holdable, added_mass, impulse, moved, carried_mass,
-         absorbed_mass] = motion;
-  if (archive.reading()) velocity_t0.clear();  // gather() fills it
+         velocity, velocity_t0, inverse_mass, holdable, added_mass, impulse, moved, touched, revision, still,
+         carried_mass, absorbed_mass] = motion;
+  if (archive.reading()) {  // gather() fills them
+    velocity_t0.clear();
+    revision = still = 0;
+  }
   archive.values(id, triangles, storage, thickness, delta);
   visit(archive, slip);
   visit(archive, slip_back);
   archive.values(smooth, nodes_movable, x_t0, x_t1, velocity, inverse_mass, holdable, added_mass, impulse,
                  moved, carried_mass, absorbed_mass);
+  if (!archive.reading()) return;
+  touched.clear();
+  for (std::uint32_t i = 0; i < impulse.size(); ++i)
+    if (!impulse[i].isZero(0) || (i < moved.size() && moved[i] != 0)) touched.push_back(i);
 }
 
 /// Beyond it the squares of distances overflow [m].
@@ -223,6 +230,7 @@ Status Attachments::take_hosts(Attachments& from) {
     const std::uint64_t id = mine.motion.id;
     mine.motion = other.motion;
     mine.motion.id = id;
+    mine.motion.revision = mine.motion.still = 0;  // a number of the other attachments
   }
   next_handle_ = from.next_handle_;
   return {};

@@ -84,9 +84,7 @@ void World::Impl::run_interval(IntervalContext& interval) {
   contact::ContactPass pass(interval.dt, contact_settings, *workers, motion, step.surfaces.motion,
                             step.surfaces.geometry, contact_buffers, interval.report, seconds);
   pass.find();
-  // hidden neighbours, boundary terms
-  fluid->apply_surfaces(interval.dt, settings.gravity, state.particles, step.surfaces.motion,
-                        step.surfaces.topology, seconds);
+  apply_surfaces(interval, pass);    // hidden neighbours, boundary terms
   act(interval);                     // forces of effects
   predict_contacts(interval, pass);  // bounds for the pressure solver
   propose_motion(interval);          // pressure, viscosity → x_t1
@@ -110,6 +108,19 @@ void World::Impl::gather(StepContext& step) {
                             step.ledger);
 }
 
+void World::Impl::apply_surfaces(IntervalContext& interval, contact::ContactPass& pass) {
+  StepContext& step = interval.step;
+  const bool needed = fluid_settings.occlusion || fluid_settings.boundary == BoundaryModel::mirrored ||
+                      effects.wall_reach() > 0;
+  if (!needed || step.surfaces.size() == 0) return;
+  {
+    StageTimer timer(step.report.seconds.proximity);
+    interval.near = pass.find_triangles_near(fluid->boxes(state.particles), fluid->support_radius());
+  }
+  fluid->apply_surfaces(interval.dt, settings.gravity, state.particles, step.surfaces.motion,
+                        step.surfaces.topology, interval.near, step.report.seconds);
+}
+
 void World::Impl::act(IntervalContext& interval) {
   if (effects.empty()) return;
   StageTimer timer(interval.step.report.seconds.effects);
@@ -117,9 +128,10 @@ void World::Impl::act(IntervalContext& interval) {
   for (world::Attachment* a : surfaces.attachment) effects.fill(*a);
   std::optional<world::VisibleWalls> walls;
   if (const double reach = effects.wall_reach(); reach > 0)
-    walls.emplace(fluid->find_visible_walls(reach * fluid_settings.spacing, interval.dt, settings.gravity,
-                                            state.particles, surfaces.motion, surfaces.topology),
-                  surfaces.motion, fluid->support_radius());
+    walls.emplace(
+        fluid->find_visible_walls(reach * fluid_settings.spacing, interval.dt, settings.gravity,
+                                  state.particles, surfaces.motion, surfaces.topology, interval.near),
+        surfaces.motion, fluid->support_radius());
   effects.act({interval, state.particles, *fluid, fluid_settings, settings.gravity, *workers,
                walls ? &*walls : nullptr});
   for (std::size_t i = 0; i < interval.live; ++i)
@@ -131,31 +143,6 @@ void World::Impl::exchange(IntervalContext& interval, Span<const Contact> near) 
   StageTimer timer(interval.step.report.seconds.effects);
   effects.exchange({interval, state.particles, *fluid, fluid_settings, settings.gravity, *workers, nullptr},
                    near);
-}
-
-void World::Impl::remove_invalid_particles(StepContext& step) {
-  fluid::Particles& particles = state.particles;
-  const auto is_valid = [&](std::size_t i) {
-    return world::is_in_range(particles.position[i]) && world::is_in_range(particles.velocity[i]);
-  };
-  const auto count_invalid = [&](std::size_t begin, std::size_t end) {
-    std::uint64_t count = 0;
-    for (std::size_t i = begin; i < end; ++i) count += is_valid(i) ? 0 : 1;
-    return count;
-  };
-  const std::uint64_t invalid =
-      workers->ordered_sum(particles.size(), chunk_size, std::uint64_t{0}, count_invalid);
-  if (invalid > 0) {
-    std::vector<std::uint8_t> keep(particles.size(), 1);
-    for (std::size_t i = 0; i < particles.size(); ++i) {
-      if (is_valid(i)) continue;
-      keep[i] = 0;
-      step.ledger.removed_without_momentum(particles.relative_mass(i));
-    }
-    particles.compress(keep);
-    step.report.removed_invalid += invalid;
-  }
-  OILSKIN_ASSERT(all_finite(particles.position) && all_finite(particles.velocity));
 }
 
 void World::Impl::predict_motion(IntervalContext& interval) const {
@@ -374,7 +361,7 @@ void World::Impl::scatter(StepContext& step) {
   for (std::size_t s = 0; s < impulses.size(); ++s)
     if (!impulses[s].empty()) step.surfaces.motion[s]->impulse.swap(impulses[s]);
   for (const world::Attachment* a : step.surfaces.attachment)
-    step.energy.end_surface(a->motion, step.dt, attachments.before(*a), state.last_dt);
+    step.energy.end_surface(a->motion, step.dt, world::Attachments::before(*a), state.last_dt);
 }
 
 void World::Impl::finish(StepContext& step) {

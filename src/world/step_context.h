@@ -51,6 +51,7 @@ struct IntervalContext {
   std::vector<Vec3> x_t1, velocity;  // at the end: predicted, proposed, then certified [m], [m/s]
   std::vector<double> inverse_mass;  // [1/kg]
   std::vector<std::uint8_t> removed;
+  Span<const std::vector<std::uint32_t>> near;  // per surface: triangles within H of the fluid, at least
   std::vector<fluid::PredictionContact> prediction;
   std::vector<Vec3> acceleration;  // by effects; empty = there are none [m/s²]
   std::vector<float> mass_left;    // where surfaces absorbed: relative masses at the end; empty = nowhere

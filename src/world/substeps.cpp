@@ -34,7 +34,8 @@ double longest_step(const Speeds& speeds, double distance) {
 double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, double dt) {
   OILSKIN_ASSERT(dt > 0);
   double longest = 0;  // squared
-  for (const SurfaceMotion* s : surfaces)
+  for (const SurfaceMotion* s : surfaces) {
+    if (s->still != 0) continue;
     for (const Triangle& t : s->triangles) {
       Box swept;
       double distance = 0;
@@ -45,6 +46,7 @@ double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, doubl
       }
       if (distance > longest && swept.overlaps(water)) longest = distance;
     }
+  }
   return std::sqrt(longest) / dt;
 }
 
@@ -54,8 +56,14 @@ void SurfacePaths::begin(Span<SurfaceMotion* const> surfaces, int parts, double 
   parts_ = left_ = parts;
   length_ = length;
   if (parts == 1) return;
-  for (SurfaceMotion* s : surfaces)
-    paths_.push_back({s, s->x_t0, s->x_t1, s->velocity, std::vector<Vec3>(s->x_t0.size(), Vec3::Zero())});
+  for (SurfaceMotion* s : surfaces) {
+    paths_.push_back({s, {}, {}, {}, {}});
+    if (s->still != 0) continue;
+    Path& path = paths_.back();
+    path.start = s->x_t0;
+    path.target = s->x_t1;
+    path.velocity = s->velocity;
+  }
 }
 
 void SurfacePaths::next() {
@@ -63,37 +71,67 @@ void SurfacePaths::next() {
   for (Path& path : paths_) {
     if (left_ < parts_) continue_from_certified(path);
     SurfaceMotion& m = *path.motion;
-    for (std::size_t i = 0; i < m.x_t0.size(); ++i)
+    for (std::size_t i = 0; i < path.target.size(); ++i)
       m.x_t1[i] =
           left_ == 1 ? path.target[i] : stored(m.x_t0[i] + (path.target[i] - m.x_t0[i]) / left_, m.storage);
   }
   --left_;
 }
 
+/// impulses += those of the interval, which come first in each sum.
+void SurfacePaths::sum_impulses(Path& path) {
+  const SurfaceMotion& m = *path.motion;
+  std::vector<std::pair<std::uint32_t, Vec3>> sums;
+  sums.reserve(path.impulses.size() + m.touched.size());
+  auto before = path.impulses.begin();
+  for (std::uint32_t node : m.touched) {
+    for (; before != path.impulses.end() && before->first < node; ++before) sums.push_back(*before);
+    const bool is_there = before != path.impulses.end() && before->first == node;
+    sums.emplace_back(node, m.impulse[node]);
+    if (is_there) sums.back().second += (before++)->second;
+  }
+  sums.insert(sums.end(), before, path.impulses.end());
+  path.impulses.swap(sums);
+}
+
 void SurfacePaths::continue_from_certified(Path& path) const {
   SurfaceMotion& m = *path.motion;
-  OILSKIN_ASSERT(m.impulse.size() == m.x_t1.size() && path.target.size() == m.x_t1.size());
+  OILSKIN_ASSERT(m.impulse.size() == m.x_t1.size());
+  sum_impulses(path);
+  if (m.still != 0) return;
+  OILSKIN_ASSERT(path.target.size() == m.x_t1.size());
   m.x_t0 = m.x_t1;
   if (m.smooth) m.velocity_t0 = m.velocity;
-  for (std::size_t i = 0; i < m.x_t0.size(); ++i) {
-    path.impulse[i] += m.impulse[i];
-    // A prescribed node that was held has a longer displacement in less time; its velocity is that.
+  // A prescribed node that was held has a longer displacement in less time; its velocity is that.
+  for (std::uint32_t i : m.touched)
     if (m.moved[i] && m.inverse_mass[i] == 0)
       m.velocity[i] = (path.target[i] - m.x_t0[i]) / (left_ * length_);
-  }
 }
 
 void SurfacePaths::end() {
   OILSKIN_ASSERT(left_ == 0);
-  for (Path& path : paths_) {
-    SurfaceMotion& m = *path.motion;
-    m.x_t0 = path.start;
-    for (std::size_t i = 0; i < m.x_t0.size(); ++i) {
-      m.impulse[i] += path.impulse[i];
-      m.moved[i] = m.x_t1[i] != path.target[i];
-      if (m.inverse_mass[i] == 0) m.velocity[i] = path.velocity[i];
-    }
+  for (Path& path : paths_) end(path);
+}
+
+void SurfacePaths::end(Path& path) {
+  SurfaceMotion& m = *path.motion;
+  sum_impulses(path);
+  m.touched.clear();
+  for (const auto& [node, impulse] : path.impulses) {
+    m.impulse[node] = impulse;
+    m.touched.push_back(node);
   }
+  if (m.still != 0) return;
+  m.x_t0 = path.start;
+  std::vector<std::uint32_t> moved;
+  for (std::uint32_t i = 0; i < m.x_t0.size(); ++i) {
+    m.moved[i] = m.x_t1[i] != path.target[i];
+    if (m.moved[i]) moved.push_back(i);
+    if (m.inverse_mass[i] == 0) m.velocity[i] = path.velocity[i];
+  }
+  std::vector<std::uint32_t> both;
+  std::set_union(m.touched.begin(), m.touched.end(), moved.begin(), moved.end(), std::back_inserter(both));
+  m.touched.swap(both);
 }
 
 }  // namespace oilskin::world

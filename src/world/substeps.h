@@ -42,12 +42,15 @@ class SurfacePaths {
   void end();
 
  private:
+  /// Of a still surface only the impulses.
   struct Path {
     SurfaceMotion* motion = nullptr;
-    std::vector<Vec3> start, target;  ///< of the step, stored [m]
-    std::vector<Vec3> velocity;       ///< the host's [m/s]
-    std::vector<Vec3> impulse;        ///< of the completed parts [N s]
+    std::vector<Vec3> start, target;                       ///< of the step, stored [m]
+    std::vector<Vec3> velocity;                            ///< the host's [m/s]
+    std::vector<std::pair<std::uint32_t, Vec3>> impulses;  ///< of the completed parts, by node [N s]
   };
+  static void sum_impulses(Path& path);
+  static void end(Path& path);
   void continue_from_certified(Path& path) const;
 
   std::vector<Path> paths_;

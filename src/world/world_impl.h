@@ -88,6 +88,7 @@ struct World::Impl {
   void run_interval(world::IntervalContext& interval);
   void emit(world::IntervalContext& interval);  // emit.cpp
   void predict_motion(world::IntervalContext& interval) const;
+  void apply_surfaces(world::IntervalContext& interval, contact::ContactPass& pass);
   void act(world::IntervalContext& interval);
   void predict_contacts(world::IntervalContext& interval, contact::ContactPass& pass) const;
   void propose_motion(world::IntervalContext& interval);

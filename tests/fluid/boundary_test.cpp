@@ -40,7 +40,7 @@ struct Layer {
     SurfaceMotion* surfaces[] = {&surface};
     const MeshTopology topology(surface.triangles, surface.x_t0.size());
     const MeshTopology* topologies[] = {&topology};
-    boundary.find({1e-3, mass, h, Vec3(0, -1, 0), x, neighbours, surfaces, topologies}, workers);
+    boundary.find({1e-3, mass, h, Vec3(0, -1, 0), x, neighbours, surfaces, topologies, {}}, workers);
   }
 };
 
@@ -182,7 +182,7 @@ TEST(Boundary, sheets_that_lie_on_each_other_count_once) {
   const MeshTopology topology(other.triangles, other.x_t0.size());  // of both
   const MeshTopology* topologies[] = {&topology, &topology};
   twice.boundary.find(
-      {1e-3, Layer::mass, Layer::h, Vec3::Zero(), sorted, twice.neighbours, surfaces, topologies},
+      {1e-3, Layer::mass, Layer::h, Vec3::Zero(), sorted, twice.neighbours, surfaces, topologies, {}},
       twice.workers);
   ASSERT_EQ(twice.boundary.points().size(), 16u);
   for (const WallPoint& p : twice.boundary.points())

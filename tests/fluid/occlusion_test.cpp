@@ -84,7 +84,7 @@ TEST(Occlusion, hides_exactly_the_pairs_that_a_sheet_parts) {
     ASSERT_GT(margin, 1e-12) << "a pair of this seed is undecided";
     SurfaceMotion* surfaces[] = {&surface};
     const std::uint64_t hidden =
-        remove_hidden_neighbours(cloud.x, surfaces, 0.01, cloud.neighbours, cloud.workers);
+        remove_hidden_neighbours(cloud.x, surfaces, {}, 0.01, cloud.neighbours, cloud.workers);
     EXPECT_EQ(cloud.pairs(), expected) << "seed " << seed;
     EXPECT_EQ(2 * hidden, before.size() - expected.size());
     EXPECT_GT(hidden, 30u);
@@ -188,7 +188,7 @@ TEST(Occlusion, keeps_momentum_and_bits) {
     StageSeconds seconds;
     FluidReport report;
     solver.prepare(particles, seconds);
-    solver.apply_surfaces(1e-3, Vec3::Zero(), particles, surfaces, topologies, seconds);
+    solver.apply_surfaces(1e-3, Vec3::Zero(), particles, surfaces, topologies, {}, seconds);
     Vec3 before = Vec3::Zero();
     for (const Vec3& v : particles.velocity) before += v;
     solver.propose(1e-3, Vec3::Zero(), particles, {}, {}, particles.velocity, report, seconds);

@@ -129,7 +129,7 @@ float max_lambda() {
   for (std::uint32_t i : neighbours.cell_order(lattice, 0.01, workers)) x.push_back(lattice[i]);
   neighbours.search(x, workers);
   fluid::Boundary boundary{2.0};
-  boundary.find({1e-3, particle_mass, 0.01, Vec3::Zero(), x, neighbours, surfaces, topologies}, workers);
+  boundary.find({1e-3, particle_mass, 0.01, Vec3::Zero(), x, neighbours, surfaces, topologies, {}}, workers);
   float largest = 0;
   for (const fluid::WallPoint& p : boundary.points()) largest = std::max(largest, p.lambda);
   return largest;

@@ -1,4 +1,4 @@
-/// A surface that never moves: walls and floors for tests and benchmarks.
+/// A surface that stands still: walls and floors for tests and benchmarks.
 #pragma once
 
 #include "oilskin/surface_motion.h"
@@ -9,6 +9,9 @@ class StaticMesh : public SurfaceHost {
  public:
   std::vector<Vec3> nodes;
   std::vector<Triangle> triangles;
+  /// Whether the nodes change while attached: it compares them in every step; they do not; or it gives
+  /// them no number, and the world reads them in every step.
+  enum class Changes { compared, never, unknown } changes = Changes::compared;
 
   /// Two triangles a cell over corner + s·u + t·v.
   void add_rectangle(const Vec3& corner, const Vec3& u, const Vec3& v, std::uint32_t nu = 1,
@@ -36,6 +39,9 @@ class StaticMesh : public SurfaceHost {
   }
 
   Gathered gather(double, SurfaceMotion& m) override {
+    const std::uint64_t number = changes == Changes::unknown ? 0 : present_revision();
+    if (number != 0 && m.revision == number) return {Status{}, false, true};
+    m.revision = number;
     const bool is_new = m.triangles.size() != triangles.size();
     if (is_new) m.triangles = triangles;
     m.storage = Storage::float64;
@@ -46,6 +52,21 @@ class StaticMesh : public SurfaceHost {
     return {Status{}, is_new};
   }
   void scatter(SurfaceMotion&) override {}
+
+ private:
+  std::uint64_t present_revision() {
+    if (revision_ == 0 ||
+        (changes == Changes::compared && (seen_ != nodes || seen_triangles_ != triangles))) {
+      ++revision_;
+      seen_ = nodes;
+      seen_triangles_ = triangles;
+    }
+    return revision_;
+  }
+
+  std::uint64_t revision_ = 0;
+  std::vector<Vec3> seen_;
+  std::vector<Triangle> seen_triangles_;
 };
 
 /// A sheet that slides along x at a constant speed.

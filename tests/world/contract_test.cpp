@@ -1,6 +1,8 @@
-// The contract of hosts on the mock cloth, in steps and in sub-steps.
+// The contract of hosts on the mock cloth, in steps and in sub-steps; that of levels on the mock mesh.
 #include "support/contract_suite.h"
+#include "support/level_contract.h"
 #include "support/mock_cloth.h"
+#include "support/static_mesh.h"
 
 namespace oilskin::test {
 namespace {
@@ -41,6 +43,20 @@ class MockFixture {
 using Hosts =
     ::testing::Types<MockFixture<float>, MockFixture<double>, MockFixture<float, 6>, MockFixture<double, 6>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Mock, HostContract, Hosts);
+
+class MockLevel {
+ public:
+  MockLevel() { mesh_.add_rectangle(Vec3(-0.15, 0, -0.15), Vec3(0, 0, 0.3), Vec3(0.3, 0, 0), 15, 15); }
+  SurfaceHost& host() { return mesh_; }
+  void move(const Vec3& by) {
+    for (Vec3& x : mesh_.nodes) x += by;
+  }
+
+ private:
+  StaticMesh mesh_;
+};
+
+INSTANTIATE_TYPED_TEST_SUITE_P(Mock, LevelContract, MockLevel);
 
 }  // namespace
 }  // namespace oilskin::test

@@ -14,7 +14,11 @@ namespace {
 /// Allocations until one fails; 0 = none does.
 thread_local std::uint64_t allocations_left = 0;
 
+/// Of all allocations so far.
+thread_local std::uint64_t allocated_bytes = 0;
+
 void* allocate(std::size_t size) {
+  allocated_bytes += size;
   if (allocations_left > 0 && --allocations_left == 0) throw std::bad_alloc();
   if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
   throw std::bad_alloc();
@@ -103,6 +107,35 @@ void expect_unchanged(const World& w, const Snapshot& before) {
   const Snapshot after(w);
   expect_same(after, before);
   EXPECT_EQ(after.neighbour_seconds, before.neighbour_seconds);
+}
+
+/// Bytes that the fifth step of some water on the corner of a level allocates.
+std::uint64_t bytes_of_a_step(std::uint32_t cells, test::StaticMesh::Changes changes, int max_substeps) {
+  FluidSettings fluid;
+  fluid.max_substeps = max_substeps;
+  World world(test::busy_world(1), fluid);
+  test::StaticMesh level;
+  const double width = 0.01 * cells;
+  level.add_rectangle(Vec3::Constant(-0.05), Vec3(0, 0, width), Vec3(width, 0, 0), cells, cells);
+  level.changes = changes;
+  EXPECT_TRUE(world.attach(level, test::sheet_settings(), nullptr).ok());
+  test::add_block(world, 5, Vec3(0, -0.045, 0), Vec3(0.1, -1, 0.1));
+  for (int k = 0; k < 4; ++k) EXPECT_TRUE(world.step(4e-3).status.ok());
+  const std::uint64_t before = allocated_bytes;
+  world.step(4e-3);
+  EXPECT_GT(world.report().contact.contacts, 0u);
+  EXPECT_EQ(world.report().substeps > 1, max_substeps > 1);
+  return allocated_bytes - before;
+}
+
+TEST(StillSurface, a_step_copies_nothing_of_it) {
+  using Changes = test::StaticMesh::Changes;
+  for (int max_substeps : {1, 4}) {
+    const std::uint64_t small = bytes_of_a_step(20, Changes::never, max_substeps);
+    const std::uint64_t large = bytes_of_a_step(200, Changes::never, max_substeps);
+    EXPECT_LT(large, small + 10000) << "the level has 80,000 triangles";
+    EXPECT_GT(bytes_of_a_step(200, Changes::unknown, max_substeps), large + 1000000);
+  }
 }
 
 class ThrowingObserver : public IntervalObserver {
@@ -200,7 +233,10 @@ class ThrowingWall : public test::StaticMesh {
  public:
   bool throws_in_gather = false, throws_in_scatter = false;
 
-  ThrowingWall() { add_rectangle(Vec3(-0.3, -0.12, -0.3), Vec3(0.6, 0, 0), Vec3(0, 0, 0.6)); }
+  ThrowingWall() {
+    changes = Changes::unknown;
+    add_rectangle(Vec3(-0.3, -0.12, -0.3), Vec3(0.6, 0, 0), Vec3(0, 0, 0.6));
+  }
   Gathered gather(double dt, SurfaceMotion& m) override {
     Gathered gathered = StaticMesh::gather(dt, m);
     m.velocity[0] = Vec3::UnitX();  // some of it is written already

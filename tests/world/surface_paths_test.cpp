@@ -23,6 +23,7 @@ void act(SurfaceMotion& m, const Vec3& end, const Vec3& impulse) {
   m.impulse = {impulse};
   m.velocity[0] += m.inverse_mass[0] * impulse;
   m.moved = {std::uint8_t(end != m.x_t1[0])};
+  m.touched.assign(m.moved[0] != 0 || !impulse.isZero(0) ? 1 : 0, 0);
   m.x_t1[0] = end;
 }
 

@@ -338,5 +338,57 @@ TEST(World, nothing_crosses_at_any_time_step) {
     EXPECT_EQ(splash(2, dt, Storage::float32).crossings, 0u) << "dt " << dt;
 }
 
+/// Says that nothing changed, whether it was asked to number its nodes or not.
+class Idler : public test::StaticMesh {
+ public:
+  bool idles = false;
+  Gathered gather(double dt, SurfaceMotion& m) override {
+    if (idles) return {Status{}, false, true};
+    return StaticMesh::gather(dt, m);
+  }
+};
+
+TEST(World, a_host_that_was_not_known_to_stand_still_cannot_say_that_nothing_changed) {
+  World w;
+  Idler host;
+  host.add_rectangle(Vec3(-0.1, 0, -0.1), Vec3(0, 0, 0.2), Vec3(0.2, 0, 0));
+  host.idles = true;
+  const Status status = w.attach(host, test::sheet_settings(), nullptr);
+  EXPECT_NE(status.message.find("motion.revision was 0"), std::string::npos) << status.message;
+  EXPECT_EQ(w.surface_count(), 0u);
+  host.idles = false;
+  host.changes = test::StaticMesh::Changes::unknown;
+  ASSERT_TRUE(w.attach(host, test::sheet_settings(), nullptr).ok());
+  EXPECT_EQ(w.step(1e-3).flags & flag_surface_refused, 0u);
+  host.idles = true;
+  const StepReport& r = w.step(1e-3);
+  EXPECT_NE(r.flags & flag_surface_refused, 0u);
+  ASSERT_EQ(r.messages.size(), 1u);
+  EXPECT_NE(r.messages[0].find("nothing changed"), std::string::npos);
+}
+
+/// The world finds out by itself whether what is numbered stands still.
+TEST(World, a_numbered_surface_that_moves_is_read_in_every_step) {
+  World w;
+  test::StaticMesh host;
+  host.add_rectangle(Vec3(-0.1, 0, -0.1), Vec3(0, 0, 0.2), Vec3(0.2, 0, 0), 4, 4);
+  SurfaceId id;
+  ASSERT_TRUE(w.attach(host, test::sheet_settings(), &id).ok());
+  std::vector<std::uint64_t> numbers;
+  for (int k = 0; k < 8; ++k) {
+    if (k >= 2 && k < 4)
+      for (Vec3& x : host.nodes) x.y() += 0.001;
+    w.step(1e-3);
+    numbers.push_back(w.surface(id)->still);
+    EXPECT_EQ(w.surface(id)->x_t1, host.nodes) << "step " << k;
+  }
+  EXPECT_GT(numbers[0], 0u);
+  EXPECT_EQ(numbers[1], numbers[0]);
+  EXPECT_EQ(numbers[2], 0u);
+  EXPECT_EQ(numbers[3], 0u);
+  EXPECT_GT(numbers[4], numbers[0]) << "another place, another number";
+  EXPECT_EQ(numbers[7], numbers[4]);
+}
+
 }  // namespace
 }  // namespace oilskin

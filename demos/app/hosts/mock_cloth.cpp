@@ -166,7 +166,13 @@ void MockBody::advance(double t) {
 }
 
 Gathered MockBody::gather(double, SurfaceMotion& motion) {
+  constexpr std::uint64_t number_at_rest = 1;
   Gathered result;
+  if (motion.revision == number_at_rest && !fresh_) {
+    result.unchanged = true;
+    return result;
+  }
+  motion.revision = prescribed_.moves() ? 0 : number_at_rest;
   result.new_surface = fresh_;
   fresh_ = false;
   if (result.new_surface) {
@@ -181,7 +187,7 @@ Gathered MockBody::gather(double, SurfaceMotion& motion) {
 }
 
 void MockBody::scatter(SurfaceMotion& motion) {
-  motion.x_t1 = x_;
+  if (motion.still == 0) motion.x_t1 = x_;
 }
 
 }  // namespace oilskin::demo

@@ -75,6 +75,8 @@ void Boundary::apply_load(const std::vector<WallLoad<double>>& load, Span<const 
     s.velocity[nodes_[n].node] += s.inverse_mass[nodes_[n].node] * impulse;
     s.impulse[nodes_[n].node] += impulse;
   });
+  for (std::size_t n = 0; n < nodes_.size(); ++n)
+    surfaces_[nodes_[n].surface]->touched.push_back(nodes_[n].node);
   record_wall_impulses(load, mass_ratio);
 }
 

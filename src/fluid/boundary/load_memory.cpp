@@ -21,6 +21,10 @@ double weight_of_new_value(double dt) {
 
 void LoadMemory::prepare(Span<SurfaceMotion* const> surfaces) {
   for (const SurfaceMotion* s : surfaces) {
+    if (s->still != 0) {
+      of_surface_.erase(s->id);
+      continue;
+    }
     std::vector<NodeMemory>& nodes = of_surface_[s->id];
     if (nodes.size() != s->x_t0.size()) nodes.assign(s->x_t0.size(), {});
   }
@@ -35,6 +39,7 @@ void LoadMemory::forget_others(Span<SurfaceMotion* const> surfaces) {
 }
 
 std::vector<LoadMemory::NodeMemory>* LoadMemory::find(const SurfaceMotion& surface) {
+  if (surface.still != 0) return nullptr;
   const auto found = of_surface_.find(surface.id);
   return found != of_surface_.end() && found->second.size() == surface.velocity.size() ? &found->second
                                                                                        : nullptr;

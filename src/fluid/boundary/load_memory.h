@@ -13,7 +13,8 @@ namespace oilskin::fluid {
 
 class LoadMemory {
  public:
-  /// Starts with an empty memory for surfaces that are new or have another number of nodes.
+  /// Starts with an empty memory for surfaces that are new or have another number of nodes. Still ones have
+  /// none: it is of free nodes.
   void prepare(Span<SurfaceMotion* const> surfaces);
 
   /// Once per step, after the hosts were gathered: the forces with which they reacted to the last load

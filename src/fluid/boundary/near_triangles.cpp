@@ -48,15 +48,17 @@ void NearTriangles::find(const BoundaryInput& input, double plane_reach,
   std::size_t first = 0;
   for (std::uint32_t s = 0; s < input.surfaces.size(); ++s) {
     const MeshTopology& topology = *input.topologies[s];
-    const std::size_t triangles = input.surfaces[s]->triangles.size();
-    OILSKIN_ASSERT(topology.triangle_count() == triangles);
-    const std::size_t end = first + (triangles + triangle_chunk - 1) / triangle_chunk;
+    const TriangleChoice triangles(input.near, s, topology.triangle_count());
+    OILSKIN_ASSERT(topology.triangle_count() == input.surfaces[s]->triangles.size());
+    const std::size_t end = first + (triangles.size() + triangle_chunk - 1) / triangle_chunk;
     if (found_.size() < end) found_.resize(end);
-    workers.for_chunks(triangles, triangle_chunk, [&](std::size_t b, std::size_t e, std::size_t chunk) {
-      std::vector<NearTriangle>& found = found_[first + chunk];
+    workers.for_chunks(triangles.size(), triangle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
+      std::vector<NearTriangle>& found = found_[first + c];
       found.clear();
-      for (auto t = static_cast<std::uint32_t>(b); t < e; ++t)
+      for (std::size_t k = b; k < e; ++k) {
+        const std::uint32_t t = triangles[k];
         if (!topology.is_duplicate(t)) collect(input, s, t, plane_reach, is_asked, found);
+      }
     });
     first = end;
   }

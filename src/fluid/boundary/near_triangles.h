@@ -7,6 +7,7 @@
 #include "core/mesh_topology.h"
 #include "core/parallel.h"
 #include "fluid/neighbours.h"
+#include "fluid/triangle_list.h"
 #include "oilskin/surface_motion.h"
 
 namespace oilskin::fluid {
@@ -21,6 +22,7 @@ struct BoundaryInput {
   const Neighbours& neighbours;
   Span<SurfaceMotion* const> surfaces;         ///< walls at x_t0, which move to x_t1 within dt
   Span<const MeshTopology* const> topologies;  ///< of the surfaces, in their order
+  Span<const TriangleList> near;               ///< per surface: at least those within H; empty = all
 };
 
 /// A triangle within H of a particle.

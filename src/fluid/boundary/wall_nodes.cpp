@@ -11,17 +11,23 @@ void WallNodes::clear() {
   of_wall_.clear();
 }
 
+namespace {
+
+constexpr std::uint32_t none = UINT32_MAX;
+
+}  // namespace
+
 void WallNodes::number(const std::vector<Wall>& walls, Span<SurfaceMotion* const> surfaces) {
-  constexpr std::uint32_t none = UINT32_MAX;
   clear();
-  std::vector<std::vector<std::uint32_t>> number(surfaces.size());
-  for (std::size_t s = 0; s < surfaces.size(); ++s) number[s].assign(surfaces[s]->x_t0.size(), none);
+  number_.resize(surfaces.size());
+  for (std::size_t s = 0; s < surfaces.size(); ++s)
+    if (number_[s].size() != surfaces[s]->x_t0.size()) number_[s].assign(surfaces[s]->x_t0.size(), none);
   of_wall_.reserve(walls.size());
   for (const Wall& wall : walls) {
     const Triangle& triangle = surfaces[wall.surface]->triangles[wall.triangle];
     std::array<std::uint32_t, 3> of_wall{};
     for (std::size_t k = 0; k < 3; ++k) {
-      std::uint32_t& n = number[wall.surface][triangle[k]];
+      std::uint32_t& n = number_[wall.surface][triangle[k]];
       if (n == none) {
         n = static_cast<std::uint32_t>(nodes_.size());
         nodes_.push_back({wall.surface, triangle[k]});
@@ -30,7 +36,12 @@ void WallNodes::number(const std::vector<Wall>& walls, Span<SurfaceMotion* const
     }
     of_wall_.push_back(of_wall);
   }
+  forget_numbers();
   list_corners();
+}
+
+void WallNodes::forget_numbers() {
+  for (const Node& n : nodes_) number_[n.surface][n.node] = none;
 }
 
 void WallNodes::list_corners() {

@@ -29,11 +29,13 @@ class WallNodes {
 
  private:
   void list_corners();
+  void forget_numbers();
 
   std::vector<Node> nodes_;
   std::vector<std::array<std::uint32_t, 3>> of_wall_;
   std::vector<std::uint32_t> corners_begin_;
   std::vector<Corner> corners_;
+  std::vector<std::vector<std::uint32_t>> number_;  // per surface and node; kept for its memory alone
 };
 
 }  // namespace oilskin::fluid
