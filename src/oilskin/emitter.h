@@ -8,6 +8,46 @@
 
 namespace oilskin {
 
+/// The handle of an emitter.
+struct EmitterId {
+  /// 0 = none.
+  std::uint64_t value = 0;
+  /// Whether it is the handle of an emitter.
+  explicit operator bool() const { return value != 0; }
+  /// Whether two handles are the same.
+  bool operator==(EmitterId o) const { return value == o.value; }
+};
+
+/// A turn: a quaternion of length 1.
+using Rotation = Eigen::Quaternion<double, Eigen::DontAlign>;
+
+/// Where an emitter is. Its centre is that of the disc, the box, the parallelogram, or of the box around the
+/// vertices of the mesh.
+struct EmitterPose {
+  /// The place of the centre [m].
+  Vec3 position = Vec3::Zero();
+  /// How the emitter is turned against what was given to add_emitter(), around the centre. Any length > 0.
+  Rotation rotation = Rotation::Identity();
+};
+
+/// What an emitter does.
+struct EmitterState {
+  /// Whether no particle comes from it any more: its volume is filled, or its stop time is past.
+  bool ended = false;
+  /// World::set_emitter_enabled().
+  bool enabled = true;
+  /// Where it is, or moves to.
+  EmitterPose pose = {};
+  /// Of the particles relative to the emitter, without their own field of velocity [m/s].
+  double speed = 0;
+  /// Added to their velocity [m/s].
+  Vec3 inherited_velocity = Vec3::Zero();
+  /// How many have come from it.
+  std::uint64_t particles = 0;
+  /// Their volume at the rest density [m³].
+  double volume = 0;
+};
+
 /// A vector at each point [m], for example a velocity [m/s] or a displacement [m].
 using VectorField = std::function<Vec3(const Vec3&)>;
 
@@ -74,7 +114,7 @@ struct DiscEmitter {
   Vec3 direction = Vec3(0, -1, 0);
   /// The radius r of the nozzle [m], half a spacing to 10⁴ spacings of the fluid.
   double radius = 0.025;
-  /// The speed v of the jet [m/s], > 0.
+  /// The speed v of the jet relative to the nozzle [m/s], ≥ 0.
   double speed = 1;
   /// The time of the first layer [s].
   double start = 0;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "oilskin/contact.h"
 #include "oilskin/effect.h"
@@ -86,14 +87,46 @@ class World {
   Status set_slip(SurfaceId id, const SlipSettings& front, const SlipSettings& back);
 
   // --- fluid
-  /// Adds a nozzle.
-  Status add_emitter(const DiscEmitter& emitter);
+  /// Adds a nozzle. `id`: its handle, which is valid until remove_emitter(); null: the emitter is forgotten
+  /// when it has ended. `pose`: where it is put; null: where it was given. Refuses what lies outside the kill
+  /// box.
+  Status add_emitter(const DiscEmitter& emitter, EmitterId* id = nullptr, const EmitterPose* pose = nullptr);
   /// Adds a box to fill.
-  Status add_emitter(const BoxEmitter& emitter);
+  Status add_emitter(const BoxEmitter& emitter, EmitterId* id = nullptr, const EmitterPose* pose = nullptr);
   /// Adds a closed mesh to fill.
-  Status add_emitter(const MeshEmitter& emitter);
+  Status add_emitter(const MeshEmitter& emitter, EmitterId* id = nullptr, const EmitterPose* pose = nullptr);
   /// Adds rain.
-  Status add_emitter(const RainEmitter& emitter);
+  Status add_emitter(const RainEmitter& emitter, EmitterId* id = nullptr, const EmitterPose* pose = nullptr);
+
+  // Between steps, an emitter can be changed. All calls refuse an unknown handle and numbers that are not
+  // finite; an emitter that has ended stays as it is. The phase of a nozzle and of rain, the number of layers
+  // or drops so far, is kept, so that the flow is what is asked at each time (F.80).
+  /// The emitter moves to the pose within `duration` [s], 0 … 1e6, on a straight line and by the shortest
+  /// turn; 0: within the next step. What starts meanwhile starts where the emitter is then. A nozzle that
+  /// moves forward along its axis faster than its inherited velocity gives the water the difference, for
+  /// layers that are closer than a spacing would burst (F.81).
+  Status move_emitter(EmitterId id, const EmitterPose& pose, double duration = 0);
+  /// The same for a nozzle: its axis turns from its present direction to `direction`, of any length > 0.
+  Status move_emitter(EmitterId id, const Vec3& center, const Vec3& direction, double duration = 0);
+  /// The emitter is at the pose from now on. Nothing starts on the way there.
+  Status place_emitter(EmitterId id, const EmitterPose& pose);
+  /// The same for a nozzle.
+  Status place_emitter(EmitterId id, const Vec3& center, const Vec3& direction);
+  /// The speed relative to the emitter [m/s], ≥ 0: of a nozzle, whose flow changes with it, of drops, or what
+  /// the particles of a volume have in common. Refuses a speed for an emitter that was given no velocity.
+  Status set_emitter_speed(EmitterId id, double speed);
+  /// The rate of rain [1/s], > 0. Refuses other emitters.
+  Status set_drops_per_second(EmitterId id, double rate);
+  /// Whether particles start. Starts that wait for a free place are given up where they do not. A volume is
+  /// filled when it is enabled and its start time is past.
+  Status set_emitter_enabled(EmitterId id, bool enabled);
+  /// The velocity of what carries the emitter [m/s], added to that of its particles; 0 at first.
+  Status set_inherited_velocity(EmitterId id, const Vec3& velocity);
+  /// Removes an emitter; its particles stay. Returns whether there was one.
+  bool remove_emitter(EmitterId id);
+  /// What an emitter does; none for an unknown handle.
+  std::optional<EmitterState> emitter(EmitterId id) const;
+
   /// Adds particles. Those closer than 2 δ to a surface, outside the kill box or beyond
   /// WorldSettings::max_particles are left out one by one and counted in `blocked`.
   Status add_particles(Span<const Vec3> positions, Span<const Vec3> velocities,

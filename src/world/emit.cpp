@@ -10,15 +10,17 @@ using world::StepContext;
 
 namespace {
 
-std::vector<std::uint8_t> find_blocked_starts(const std::vector<fluid::Start>& starts, const Box& kill_box,
-                                              const world::ActiveSurfaces& surfaces, const Workers& workers) {
+std::vector<fluid::Outcome> find_blocked_starts(const std::vector<fluid::Start>& starts, const Box& kill_box,
+                                                const world::ActiveSurfaces& surfaces,
+                                                const Workers& workers) {
   std::vector<Vec3> points;
   points.reserve(starts.size());
   for (const fluid::Start& s : starts) points.push_back(s.position);
-  std::vector<std::uint8_t> blocked = world::find_blocked_points(surfaces.at_start(), points, workers);
+  const std::vector<std::uint8_t> blocked = world::find_blocked_points(surfaces.at_start(), points, workers);
+  std::vector<fluid::Outcome> outcomes(points.size(), fluid::Outcome::emitted);
   for (std::size_t k = 0; k < points.size(); ++k)
-    if (!kill_box.contains(points[k])) blocked[k] = 1;
-  return blocked;
+    if (blocked[k] || !kill_box.contains(points[k])) outcomes[k] = fluid::Outcome::blocked;
+  return outcomes;
 }
 
 }  // namespace
@@ -35,14 +37,15 @@ void World::Impl::emit(IntervalContext& interval) {
   }
   const double live_mass = particles.sum_of_relative_masses();
   const std::vector<fluid::Start>& starts = emission->due(interval.begin, interval.dt);
-  const std::vector<std::uint8_t> blocked =
+  std::vector<fluid::Outcome> outcomes =
       find_blocked_starts(starts, settings.kill_box, step.surfaces, *workers);
   const std::uint64_t limit = world::particle_limit(settings);
   for (std::size_t k = 0; k < starts.size(); ++k) {
     const fluid::Start& start = starts[k];
-    if (blocked[k]) continue;
+    if (outcomes[k] == fluid::Outcome::blocked) continue;
     if (particles.size() >= limit) {
-      ++step.report.limited_starts;  // lost: it does not wait
+      ++step.report.limited_starts;
+      outcomes[k] = fluid::Outcome::lost;  // it does not wait
       continue;
     }
     OILSKIN_ASSERT(start.remaining >= 0 && start.remaining <= interval.dt);
@@ -55,7 +58,7 @@ void World::Impl::emit(IntervalContext& interval) {
   }
   step.ledger.emitted_mass(particles.size() - interval.live);
   step.ledger.gravity(live_mass, interval.dt, settings.gravity);
-  step.report.blocked_starts += emission->settle(blocked);
+  step.report.blocked_starts += emission->settle(outcomes);
 }
 
 }  // namespace oilskin

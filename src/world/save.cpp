@@ -119,7 +119,7 @@ namespace {
 
 constexpr char magic[8] = {'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'};
 constexpr std::uint32_t byte_order = 0x01020304, swapped_byte_order = 0x04030201;
-constexpr std::uint32_t version = 5;
+constexpr std::uint32_t version = 6;
 constexpr std::size_t frame_bytes = 32;
 
 std::uint64_t check_sum(Span<const std::uint8_t> bytes) {

@@ -61,6 +61,7 @@ void World::Impl::run_step(StepContext& step) {
   gather(step);  // surfaces: x_t0 → proposed x_t1
   remove_invalid_particles(step);
   choose_substeps(step);
+  emission->begin_step(state.time, step.dt);
   const double part = step.dt / step.report.substeps;
   for (int k = 0; k < step.report.substeps; ++k) {
     IntervalContext interval(step, state.time + k * part, part, k);
@@ -69,7 +70,7 @@ void World::Impl::run_step(StepContext& step) {
   scatter(step);
   finish(step);
   roll_back_on_exception.dismiss();
-  emission->commit();
+  emission->commit(state.time);
 }
 
 /// What is certified at once: a step, or one of its sub-steps.

@@ -138,58 +138,6 @@ Status World::set_slip(SurfaceId id, const SlipSettings& front, const SlipSettin
   return s;
 }
 
-namespace {
-
-Status check_inside(const Box& kill_box, const Box& emitter) {
-  // Positions that are not finite are refused by Emission, with a better message.
-  if (!emitter.min.allFinite() || !emitter.max.allFinite() || kill_box.overlaps(emitter)) return {};
-  std::ostringstream s;
-  s << "the emitter, at (" << emitter.min.transpose() << ") m, lies outside the kill box ("
-    << kill_box.min.transpose() << ") … (" << kill_box.max.transpose() << ") m, where nothing lives";
-  return Status::refused(s.str());
-}
-
-Box extent(const DiscEmitter& e) {
-  return Box{e.center, e.center};
-}
-Box extent(const BoxEmitter& e) {
-  return e.box;
-}
-Box extent(const MeshEmitter& e) {
-  Box box;
-  for (const Vec3& x : e.vertices) box.add(x);
-  return box;
-}
-Box extent(const RainEmitter& e) {
-  Box box;
-  for (const Vec3& x :
-       {e.corner, Vec3(e.corner + e.edge_u), Vec3(e.corner + e.edge_v), Vec3(e.corner + e.edge_u + e.edge_v)})
-    box.add(x);
-  return box;
-}
-
-}  // namespace
-
-template <class Emitter>
-Status World::Impl::add(const Emitter& e) {
-  if (!status.ok()) return status;
-  if (Status inside = check_inside(settings.kill_box, extent(e)); !inside.ok()) return inside;
-  return emission->add(e);
-}
-
-Status World::add_emitter(const DiscEmitter& e) {
-  return impl_->add(e);
-}
-Status World::add_emitter(const BoxEmitter& e) {
-  return impl_->add(e);
-}
-Status World::add_emitter(const MeshEmitter& e) {
-  return impl_->add(e);
-}
-Status World::add_emitter(const RainEmitter& e) {
-  return impl_->add(e);
-}
-
 Status World::add_particles(Span<const Vec3> positions, Span<const Vec3> velocities, std::uint64_t* blocked) {
   if (!impl_->status.ok()) return impl_->status;
   if (positions.size() != velocities.size())

@@ -76,7 +76,7 @@ struct World::Impl {
   std::vector<SurfaceId> contact_surfaces;
 
   template <class Emitter>
-  Status add(const Emitter& emitter);
+  Status add(const Emitter& emitter, EmitterId* id, const EmitterPose* pose);  // emitters.cpp
 
   Impl(const WorldSettings& world, const FluidSettings& fluid, const ContactSettings& contact);
 

@@ -17,6 +17,12 @@ Emission make() {
   return Emission(dx, rho, mass);
 }
 
+constexpr Outcome go = Outcome::emitted, no = Outcome::blocked;
+
+std::vector<Outcome> all(std::size_t count, Outcome outcome) {
+  return std::vector<Outcome>(count, outcome);
+}
+
 DiscEmitter jet(double radius = 5 * dx, double speed = 2) {
   DiscEmitter e;
   e.center = Vec3(0.1, 0.2, 0.3);
@@ -28,16 +34,16 @@ DiscEmitter jet(double radius = 5 * dx, double speed = 2) {
 
 /// Starts over [0, duration) in steps of dt.
 std::vector<Start> run(Emission& emission, double duration, double dt, std::vector<double>* times = nullptr) {
-  std::vector<Start> all;
+  std::vector<Start> found;
   for (int step = 0; step * dt < duration - 1e-9 * dt; ++step) {
     const std::vector<Start>& starts = emission.due(step * dt, dt);
     for (const Start& s : starts) {
-      all.push_back(s);
+      found.push_back(s);
       if (times) times->push_back((step + 1) * dt - s.remaining);
     }
-    EXPECT_EQ(emission.settle(std::vector<std::uint8_t>(starts.size(), 0)), 0u);
+    EXPECT_EQ(emission.settle(all(starts.size(), go)), 0u);
   }
-  return all;
+  return found;
 }
 
 /// (F.37): the distance of layers [m] of a nozzle with the sites of `layer`.
@@ -129,19 +135,19 @@ TEST(Emission, blocked_sites_wait_once_each) {
   Emission emission = make();
   ASSERT_TRUE(emission.add(jet(dx, 1)).ok());  // 4 sites, a layer every 6.4 ms
   ASSERT_EQ(emission.due(0, 1e-3).size(), 4u);
-  std::vector<std::uint8_t> blocked = {0, 1, 1, 1};
+  const std::vector<Outcome> blocked = {go, no, no, no};
   EXPECT_EQ(emission.settle(blocked), 3u);
   std::vector<Start> again = emission.due(1e-3, 1e-3);
   ASSERT_EQ(again.size(), 3u);
   for (const Start& s : again) EXPECT_EQ(s.remaining, 1e-3);
-  EXPECT_EQ(emission.settle(std::vector<std::uint8_t>{0, 1, 1}), 2u);
+  EXPECT_EQ(emission.settle(std::vector<Outcome>{go, no, no}), 2u);
   // A long step with many layers: the two that waited come first, and only one start of a site waits at its
   // end.
   again = emission.due(2e-3, 0.1);
   ASSERT_GT(again.size(), 2u + 4 * 14);
   EXPECT_EQ(again[0].remaining, 0.1);
   EXPECT_EQ(again[1].remaining, 0.1);
-  EXPECT_EQ(emission.settle(std::vector<std::uint8_t>(again.size(), 1)), again.size());
+  EXPECT_EQ(emission.settle(all(again.size(), no)), again.size());
   EXPECT_EQ(emission.due(0.102, 1e-9).size(), 4u);
 }
 
@@ -149,7 +155,7 @@ TEST(Emission, start_right_behind_one_that_waited_is_lost) {
   Emission emission = make();
   ASSERT_TRUE(emission.add(jet(dx, 1)).ok());
   ASSERT_EQ(emission.due(0, 6.3e-3).size(), 4u);
-  EXPECT_EQ(emission.settle(std::vector<std::uint8_t>{0, 0, 1, 0}), 1u);
+  EXPECT_EQ(emission.settle(std::vector<Outcome>{go, go, no, go}), 1u);
   // The next layer falls due within 0.1 ms; the site that waited sends one start, not two on top of each
   // other.
   EXPECT_EQ(emission.due(6.3e-3, 1e-3).size(), 4u);
@@ -171,7 +177,7 @@ TEST(Emission, boxes_fill_once_and_lose_what_is_blocked) {
     EXPECT_EQ(s.velocity, e.velocity);
     EXPECT_NEAR(s.remaining, 5e-4, 1e-12);
   }
-  EXPECT_EQ(emission.settle(std::vector<std::uint8_t>(120, 1)), 120u);
+  EXPECT_EQ(emission.settle(all(120, no)), 120u);
   EXPECT_TRUE(emission.due(0.011, 1).empty());
 }
 
@@ -182,10 +188,10 @@ TEST(Emission, roll_back_repeats_the_starts) {
   box.box = {Vec3::Zero(), Vec3(4, 4, 4) * dx};
   box.start = 0.0105;
   ASSERT_TRUE(emission.add(box).ok());
-  emission.settle(std::vector<std::uint8_t>(emission.due(0, 0.01).size(), 1));
+  emission.settle(all(emission.due(0, 0.01).size(), no));
   emission.checkpoint();
   const std::vector<Start> first = emission.due(0.01, 0.01);
-  emission.settle(std::vector<std::uint8_t>(first.size(), 0));
+  emission.settle(all(first.size(), go));
   emission.roll_back();
   const std::vector<Start> again = emission.due(0.01, 0.01);
   ASSERT_EQ(again.size(), first.size());
@@ -194,8 +200,8 @@ TEST(Emission, roll_back_repeats_the_starts) {
     EXPECT_EQ(again[k].position, first[k].position);
     EXPECT_EQ(again[k].remaining, first[k].remaining);
   }
-  emission.settle(std::vector<std::uint8_t>(again.size(), 0));
-  emission.commit();
+  emission.settle(all(again.size(), go));
+  emission.commit(0.02);
   for (const Start& s : emission.due(0.02, 0.01)) EXPECT_GT(s.velocity.norm(), 0) << "no second box";
 }
 

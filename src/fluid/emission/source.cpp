@@ -32,6 +32,20 @@ Vec3 carried(const VectorField& u, Vec3 x) {
   return x;
 }
 
+void visit(Archive& archive, EmitterPose& pose) {
+  auto& [position, rotation] = pose;
+  archive.values(position, rotation.x(), rotation.y(), rotation.z(), rotation.w());
+}
+
+bool is_in_range(const EmitterPose& pose) {
+  return pose.position.allFinite() && std::abs(pose.rotation.norm() - 1) < 1e-9;
+}
+
+void visit(Archive& archive, Schedule& schedule) {
+  auto& [start, stop, period, runs, origin, phase] = schedule;
+  archive.values(start, stop, period, runs, origin, phase);
+}
+
 void visit(Archive& archive, RainEmitter& emitter) {
   auto& [corner, edge_u, edge_v, drops_per_second, drop_radius, velocity, start, stop, seed] = emitter;
   archive.values(corner, edge_u, edge_v, drops_per_second, drop_radius, velocity, start, stop, seed);
@@ -43,18 +57,46 @@ bool all_finite(const std::vector<Vec3>& values) {
 
 }  // namespace
 
-double Source::time_of(std::uint64_t k) const {
+void Schedule::begin_at(double from, double to) {
+  start = origin = from;
+  stop = to;
+}
+
+double Schedule::phase_at(double time) const {
+  const double passed = std::min(time, stop) - origin;
+  return runs && passed > 0 ? phase + passed / period : phase;
+}
+
+void Schedule::rebase(double time) {
+  phase = phase_at(time);
+  origin = std::max(origin, time);
+}
+
+double Schedule::time_of(double x) const {
+  return runs ? origin + (x - phase) * period : std::numeric_limits<double>::infinity();
+}
+
+void Source::begin(double time) {
+  begun = true;
+  next = static_cast<std::uint64_t>(schedule.phase_at(time));
+  while (schedule.runs ? time_of(next) < time : phase_of(next) < schedule.phase) ++next;
+}
+
+double Source::phase_of(std::uint64_t k) const {
   // A drop starts at a random time within its period, so that several emitters are not synchronous.
-  const double phase = kind == Kind::rain ? random_unit(rain.seed, 3 * k + 2) : 0;
-  return start + (static_cast<double>(k) + phase) * period;
+  return static_cast<double>(k) + (kind == Kind::rain ? random_unit(rain.seed, 3 * k + 2) : 0);
+}
+
+double Source::time_of(std::uint64_t k) const {
+  return schedule.time_of(phase_of(k));
 }
 
 Vec3 Source::place_of(std::size_t site) const {
   OILSKIN_ASSERT(site < sites.size());
   if (kind == Kind::rain) {
-    const Vec3 center = rain.corner + random_unit(rain.seed, 3 * next) * rain.edge_u +
+    const Vec3 middle = rain.corner + random_unit(rain.seed, 3 * next) * rain.edge_u +
                         random_unit(rain.seed, 3 * next + 1) * rain.edge_v;
-    return center + sites[site];
+    return middle + sites[site];
   }
   if (shake == 0) return sites[site];
   return sites[site] + random_vector(seed, next * sites.size() + site, shake);
@@ -63,6 +105,65 @@ Vec3 Source::place_of(std::size_t site) const {
 void Source::set_velocity(const Vec3& v) {
   velocity = v;
   fastest = v.norm();
+  direction = v.stableNormalized();
+}
+
+void Source::set_speed(double speed, double time) {
+  schedule.rebase(time);
+  const Vec3 old = velocity;
+  velocity = speed * direction;
+  fastest = speed;
+  for (Vec3& v : velocities) {
+    v += velocity - old;
+    fastest = std::max(fastest, v.norm());
+  }
+  if (kind == Kind::nozzle && speed > 0) schedule.period = layer / speed;
+  update_running();
+}
+
+void Source::update_running() {
+  schedule.runs = enabled && (kind != Kind::nozzle || !velocity.isZero(0));
+}
+
+bool Source::is_over(double time) const {
+  if (kind == Kind::volume) return begun;
+  return time >= schedule.stop && std::find(waiting.begin(), waiting.end(), 1) == waiting.end();
+}
+
+EmitterPose pose_of(const Source& source, double part) {
+  const EmitterPose &a = source.from, &b = source.to;
+  return {(1 - part) * a.position + part * b.position, a.rotation.slerp(part, b.rotation).normalized()};
+}
+
+PlacedSource::PlacedSource(const Source& source, double part, double length)
+    : source_(source), added_velocity_(source.inherited_velocity) {
+  if (!source.placed) return;
+  const EmitterPose pose = pose_of(source, part);
+  position_ = pose.position;
+  turn_ = pose.rotation.toRotationMatrix();
+  if (source.kind != Source::Kind::nozzle || part >= 1) return;
+  // The layers of a nozzle that moves forward faster than its water would lie on top of each other (F.81).
+  const Vec3 axis = turn_ * source.direction;
+  const Vec3 motion = (source.to.position - source.from.position) / length - source.inherited_velocity;
+  added_velocity_ += std::max(0.0, motion.dot(axis)) * axis;
+}
+
+Vec3 PlacedSource::place_of(std::size_t site) const {
+  const Vec3 x = source_.place_of(site);
+  return source_.placed ? Vec3(position_ + turn_ * (x - source_.center)) : x;
+}
+
+Vec3 PlacedSource::velocity_of(std::size_t site) const {
+  const Vec3 v = source_.velocity_of(site);
+  if (!source_.placed && added_velocity_.isZero(0)) return v;
+  return (source_.placed ? Vec3(turn_ * v) : v) + added_velocity_;
+}
+
+double speed_by_motion(const Source& source, double dt) {
+  const double inherited = source.inherited_velocity.norm();
+  if (!source.placed || source.kind != Source::Kind::nozzle) return inherited;
+  const double length = source.move_length > 0 ? source.move_length : dt;
+  return 2 * inherited + (source.to.position - source.from.position).norm() / length;
 }
 
 Status check_shake(const char* field, double shake) {
@@ -91,25 +192,48 @@ Status place(const char* emitter, const Vec3& velocity, const InitialState& init
 }
 
 void visit(Archive& archive, Source& source) {
-  auto& [kind, sites, velocities, velocity, fastest, start, stop, period, shake, seed, rain, begun, next,
-         waiting] = source;
-  archive.values(kind, sites, velocities, velocity, fastest, start, stop, period, shake, seed);
+  auto& [kind, sites, velocities, velocity, fastest, direction, layer, shake, seed, rain, schedule, enabled,
+         begun, next, waiting, placed, center, from, to, move_begin, move_length, inherited_velocity, id,
+         is_held, emitted] = source;
+  archive.values(kind, sites, velocities, velocity, fastest, direction, layer, shake, seed);
   visit(archive, rain);
-  archive.values(begun, next, waiting);
+  visit(archive, schedule);
+  archive.values(enabled, begun, next, waiting, placed, center);
+  visit(archive, from);
+  visit(archive, to);
+  archive.values(move_begin, move_length, inherited_velocity, id, is_held, emitted);
 }
 
-bool is_in_range(const Source& s, double time) {
-  if (!s.velocity.allFinite() || !std::isfinite(s.start) || std::isnan(s.stop)) return false;
-  if (!(s.fastest >= 0) || !std::isfinite(s.shake)) return false;
-  if (!all_finite(s.sites) || !all_finite(s.velocities)) return false;
-  if (!s.velocities.empty() && s.velocities.size() != s.sites.size()) return false;
-  if (s.kind == Source::Kind::volume) return s.waiting.empty();
+namespace {
+
+bool is_in_range(const Schedule& s) {
+  if (!std::isfinite(s.start) || std::isnan(s.stop) || !std::isfinite(s.origin)) return false;
+  return s.origin >= s.start && s.phase >= 0 && s.phase < 0x1p53;
+}
+
+/// Nozzles and rain.
+bool is_series_in_range(const Source& s, double time) {
+  const Schedule& schedule = s.schedule;
   if (s.kind != Source::Kind::nozzle && s.kind != Source::Kind::rain) return false;
   if (s.waiting.size() != (s.kind == Source::Kind::nozzle ? s.sites.size() : 0)) return false;
+  if (s.kind == Source::Kind::nozzle && !(s.layer > 0 && std::isfinite(s.layer))) return false;
   if (!s.rain.corner.allFinite() || !s.rain.edge_u.allFinite() || !s.rain.edge_v.allFinite()) return false;
-  if (!(s.start >= 0 && s.stop > s.start && s.period >= min_period && std::isfinite(s.period))) return false;
-  const double due = (std::min(time, s.stop) - s.start) / s.period;
+  if (!(schedule.start >= 0 && schedule.stop > schedule.start)) return false;
+  if (!(schedule.period >= min_period && std::isfinite(schedule.period))) return false;
+  const double due = schedule.phase_at(time);
   return due < 0x1p53 && (!s.begun || static_cast<double>(s.next) >= due - 2);
+}
+
+}  // namespace
+
+bool is_in_range(const Source& s, double time) {
+  if (!s.velocity.allFinite() || !s.direction.allFinite() || !s.center.allFinite()) return false;
+  if (!(s.fastest >= 0) || !std::isfinite(s.shake) || !s.inherited_velocity.allFinite()) return false;
+  if (!all_finite(s.sites) || !all_finite(s.velocities)) return false;
+  if (!s.velocities.empty() && s.velocities.size() != s.sites.size()) return false;
+  if (!is_in_range(s.schedule) || !is_in_range(s.from) || !is_in_range(s.to)) return false;
+  if (!std::isfinite(s.move_begin) || !within(s.move_length, 0, max_move)) return false;
+  return s.kind == Source::Kind::volume ? s.waiting.empty() : is_series_in_range(s, time);
 }
 
 }  // namespace oilskin::fluid

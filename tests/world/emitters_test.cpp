@@ -1,0 +1,178 @@
+// Emitters that are changed while a world runs: ledgers, failed steps, saved worlds.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "support/random.h"
+#include "support/world_helpers.h"
+#include "world/saved_bytes.h"
+
+namespace oilskin::test {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+WorldSettings weightless(int threads = 1) {
+  WorldSettings s;
+  s.gravity.setZero();
+  s.kill_box = {Vec3::Constant(-3), Vec3::Constant(3)};
+  s.threads = threads;
+  return s;
+}
+
+DiscEmitter nozzle(double speed = 2) {
+  DiscEmitter e;
+  e.radius = 0.0173;
+  e.speed = speed;
+  return e;
+}
+
+/// Throws in the steps that it is told to.
+class Thrower : public Effect {
+ public:
+  bool throws = false;
+  std::string name() const override { return "thrower"; }
+  void act(EffectForces&) override {
+    if (throws) throw std::runtime_error("thrown by a test");
+  }
+};
+
+struct Hose {
+  explicit Hose(int threads = 1) : world(weightless(threads)) {
+    EXPECT_TRUE(world.add_effect(thrower).ok());
+    EXPECT_TRUE(world.add_emitter(nozzle(), &id).ok());
+  }
+  /// What its owner does before step k.
+  void steer(int k) {
+    Random random(static_cast<std::uint64_t>(k));
+    ok = ok && world.move_emitter(id, random.in_cube(0.05), random.direction(), k % 3 == 0 ? 0.007 : 0).ok();
+    ok = ok && world.set_emitter_speed(id, random.uniform(1, 3)).ok();
+    ok = ok && world.set_emitter_enabled(id, k % 7 != 3).ok();
+    ok = ok && world.set_inherited_velocity(id, random.in_cube(1)).ok();
+    EXPECT_TRUE(ok);
+  }
+
+  Thrower thrower;
+  World world;
+  EmitterId id;
+  bool ok = true;
+};
+
+TEST(Emitters, the_volume_is_that_of_the_ledger_and_the_flow_what_is_asked) {
+  Hose hose;
+  double asked = 0, booked = 0;
+  for (int k = 0; k < 250; ++k) {
+    hose.steer(k);
+    const EmitterState state = *hose.world.emitter(hose.id);
+    asked += state.enabled ? 0.004 * state.speed * pi * 0.0173 * 0.0173 : 0;
+    const StepReport& r = hose.world.step(0.004);
+    booked += r.mass_emitted / 1000;
+    const Vec3 residual = r.momentum_after + r.momentum_removed - r.momentum_before - r.momentum_emitted;
+    ASSERT_LT(residual.norm(), 1e-10);
+    if (k % 25 == 24) hose.world.clear();  // the volume does not depend on what becomes of it
+  }
+  const double volume = hose.world.emitter(hose.id)->volume;
+  EXPECT_NEAR(volume, booked, 1e-12);
+  EXPECT_NEAR(volume / asked, 1, 0.005);
+}
+
+TEST(Emitters, what_does_not_enter_the_fluid_is_not_counted) {
+  World w(weightless());
+  w.set_max_particles(100);
+  EmitterId id;
+  ASSERT_TRUE(w.add_emitter(nozzle(), &id).ok());
+  ASSERT_TRUE(w.move_emitter(id, Vec3(0, 4, 0), Vec3(1, 0, 0), 0.1).ok());  // leaves the kill box
+  for (int k = 0; k < 50; ++k) w.step(0.004);
+  EXPECT_EQ(w.emitter(id)->particles, 100u);
+  EXPECT_NEAR(w.emitter(id)->volume, 100 * w.particle_mass() / 1000, 1e-15);
+}
+
+TEST(Emitters, a_jet_from_a_nozzle_that_is_pushed_forward_does_not_burst) {
+  World w(weightless());
+  EmitterId id;
+  ASSERT_TRUE(w.add_emitter(nozzle(1), &id).ok());
+  double fastest_across = 0;
+  for (int k = 1; k <= 100; ++k) {
+    ASSERT_TRUE(w.move_emitter(id, Vec3(0, -0.8 * 0.002 * k, 0), Vec3(0, -1, 0)).ok());
+    w.step(0.002);
+  }
+  for (const Vec3& v : w.velocities()) fastest_across = std::max(fastest_across, std::hypot(v.x(), v.z()));
+  EXPECT_GT(w.particle_count(), 1000u);
+  EXPECT_LT(fastest_across, 0.01);
+}
+
+TEST(Emitters, a_step_that_throws_leaves_the_motion_as_it_was) {
+  Hose hose, other;
+  for (int k = 0; k < 20; ++k) {
+    hose.steer(k);
+    other.steer(k);
+    const Bytes before = save(hose.world);
+    hose.thrower.throws = true;
+    EXPECT_THROW(hose.world.step(0.003), std::runtime_error);
+    hose.thrower.throws = false;
+    EXPECT_EQ(save(hose.world), before);
+    hose.world.step(0.004);
+    other.world.step(0.004);
+    ASSERT_EQ(hose.world.state_hash(), other.world.state_hash());
+  }
+  EXPECT_GT(hose.world.particle_count(), 100u);
+}
+
+TEST(Emitters, a_restored_world_has_the_handles_and_goes_on_bit_for_bit) {
+  Hose hose, again(2);
+  for (int k = 0; k < 10; ++k) {
+    hose.steer(k);
+    hose.world.step(0.004);
+  }
+  hose.steer(12);  // a motion of several steps is under way
+  hose.world.step(0.002);
+  const Bytes bytes = save(hose.world);
+  ASSERT_TRUE(again.world.restore(bytes).ok());
+  EXPECT_EQ(save(again.world), bytes);
+  for (int k = 10; k < 30; ++k) {
+    hose.world.step(0.004);
+    again.world.step(0.004);
+    ASSERT_EQ(again.world.state_hash(), hose.world.state_hash());
+    hose.steer(k);
+    again.steer(k);
+  }
+  EXPECT_EQ(again.world.emitter(again.id)->particles, hose.world.emitter(hose.id)->particles);
+}
+
+TEST(Emitters, one_short_emitter_per_frame_does_not_make_a_world_grow) {
+  World w(weightless());
+  std::size_t first = 0;
+  for (int k = 0; k < 20; ++k) {
+    DiscEmitter shot = nozzle();
+    shot.start = w.time();
+    shot.stop = w.time() + 0.001;
+    ASSERT_TRUE(w.add_emitter(shot).ok());
+    w.step(0.004);
+    EXPECT_GT(w.particle_count(), 0u);
+    w.clear();
+    w.step(0.004);  // books what was removed
+    if (k == 0) first = save(w).size();
+  }
+  EXPECT_EQ(save(w).size(), first);
+}
+
+TEST(Emitters, what_makes_no_sense_is_refused) {
+  World w(weightless());
+  EmitterId id;
+  ASSERT_TRUE(w.add_emitter(nozzle(), &id).ok());
+  const Bytes before = save(w);
+  const EmitterId unknown{77};
+  EXPECT_NE(w.set_emitter_speed(unknown, 1).message.find("no emitter 77"), std::string::npos);
+  EXPECT_FALSE(w.move_emitter(id, Vec3::Constant(std::nan("")), Vec3(1, 0, 0)).ok());
+  EXPECT_FALSE(w.place_emitter(id, Vec3::Zero(), Vec3::Zero()).ok());
+  EXPECT_FALSE(w.emitter(unknown));
+  EXPECT_FALSE(w.remove_emitter(unknown));
+  EmitterPose outside;
+  outside.position = Vec3(20, 0, 0);
+  EXPECT_NE(w.add_emitter(nozzle(), nullptr, &outside).message.find("kill box"), std::string::npos);
+  EXPECT_EQ(save(w), before);
+}
+
+}  // namespace
+}  // namespace oilskin::test
