@@ -117,6 +117,7 @@ btFluid::btFluid(const FluidSettings& fluid, const WorldSettings& world, const C
     : m_world(std::make_unique<World>(world, fluid, contact)) {}
 
 btFluid::~btFluid() {
+  releaseEmitters();
   if (m_coupling) m_coupling->removeFluid(this);
 }
 

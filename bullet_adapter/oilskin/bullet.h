@@ -41,6 +41,7 @@ __attribute__((used)) static const char* const link_guard = &OILSKIN_BULLET_GUAR
 namespace oilskin::bullet {
 
 class btFluidCoupling;
+class btFluidEmitter;
 class btFluidListener;
 
 /// A fluid: settings, particles and emitters. It belongs to at most one coupling, and may be deleted before
@@ -63,6 +64,12 @@ class btFluid {
   /// Fills a box with fluid at the next step.
   Status addBox(const btVector3& boxMin, const btVector3& boxMax,
                 const btVector3& velocity = btVector3(0, 0, 0));
+
+  /// Adds an emitter that the caller owns and may move, stop and delete (oilskin/bullet_emitter.h). It starts
+  /// with the next step. Refuses null, an emitter that is in a fluid, and one that lies outside the kill box.
+  Status addEmitter(btFluidEmitter* emitter);
+  /// Removes an emitter; its water stays. One that is not here is ignored.
+  void removeEmitter(btFluidEmitter* emitter);
 
   /// Removes the particles in the closed box [m] and returns their number; −1, and nothing is removed, where
   /// the box is not finite or has min > max on an axis. Call it between steps. The report of the next step
@@ -118,8 +125,11 @@ class btFluid {
 
  private:
   friend class btFluidCoupling;
+  void releaseEmitters();
+
   std::unique_ptr<World> m_world;
   btFluidCoupling* m_coupling = nullptr;
+  std::vector<btFluidEmitter*> m_emitters;
 };
 
 /// Couples one fluid with soft bodies and collision objects. Add it to a world with addAction() for debug

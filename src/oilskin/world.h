@@ -100,11 +100,11 @@ class World {
 
   // Between steps, an emitter can be changed. All calls refuse an unknown handle and numbers that are not
   // finite; an emitter that has ended stays as it is. The phase of a nozzle and of rain, the number of layers
-  // or drops so far, is kept, so that the flow is what is asked at each time (F.80).
+  // or drops so far, is kept, so that the flow is what is asked at each time (F.74).
   /// The emitter moves to the pose within `duration` [s], 0 … 1e6, on a straight line and by the shortest
   /// turn; 0: within the next step. What starts meanwhile starts where the emitter is then. A nozzle that
   /// moves forward along its axis faster than its inherited velocity gives the water the difference, for
-  /// layers that are closer than a spacing would burst (F.81).
+  /// layers that are closer than a spacing would burst (F.75).
   Status move_emitter(EmitterId id, const EmitterPose& pose, double duration = 0);
   /// The same for a nozzle: its axis turns from its present direction to `direction`, of any length > 0.
   Status move_emitter(EmitterId id, const Vec3& center, const Vec3& direction, double duration = 0);

@@ -231,6 +231,13 @@ TEST(MovingEmitter, rain_follows_its_rate_and_its_place) {
   EXPECT_NEAR(static_cast<double>(drops), asked, 2);
 }
 
+std::vector<std::uint8_t> bytes_of(Emission& emission, double time) {
+  std::vector<std::uint8_t> bytes;
+  Archive archive(bytes);
+  emission.visit(archive, time);
+  return bytes;
+}
+
 TEST(MovingEmitter, a_volume_is_filled_where_it_is_when_it_is_enabled) {
   BoxEmitter box;
   box.box = {Vec3::Zero(), Vec3(8, 4, 2) * dx};
@@ -245,6 +252,11 @@ TEST(MovingEmitter, a_volume_is_filled_where_it_is_when_it_is_enabled) {
   ASSERT_TRUE(run.emission.set_speed(run.id, 3, run.time).ok());
   ASSERT_TRUE(run.emission.set_inherited_velocity(run.id, Vec3(0, 0, 0.5)).ok());
   ASSERT_TRUE(run.emission.set_enabled(run.id, true, run.time).ok());
+  const std::vector<std::uint8_t> bytes = bytes_of(run.emission, run.time);
+  Steps other(box);
+  Archive archive(Span<const std::uint8_t>{bytes});
+  other.emission.visit(archive, run.time);
+  EXPECT_TRUE(archive.ok()) << archive.status().message;
   const std::vector<Start> starts = run.step(0.1);
   ASSERT_EQ(starts.size(), 64u);
   const Box turned = {pose.position - Vec3(2, 4, 1) * dx, pose.position + Vec3(2, 4, 1) * dx};
@@ -259,13 +271,6 @@ TEST(MovingEmitter, a_volume_is_filled_where_it_is_when_it_is_enabled) {
   EXPECT_TRUE(run.emission.remove(run.id));
   EXPECT_FALSE(run.emission.remove(run.id));
   EXPECT_FALSE(run.emission.state(run.id));
-}
-
-std::vector<std::uint8_t> bytes_of(Emission& emission, double time) {
-  std::vector<std::uint8_t> bytes;
-  Archive archive(bytes);
-  emission.visit(archive, time);
-  return bytes;
 }
 
 TEST(MovingEmitter, ended_emitters_are_forgotten) {

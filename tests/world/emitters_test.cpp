@@ -28,7 +28,7 @@ DiscEmitter nozzle(double speed = 2) {
   return e;
 }
 
-/// Throws in the steps that it is told to.
+/// Throws while `throws` is set.
 class Thrower : public Effect {
  public:
   bool throws = false;

@@ -64,7 +64,7 @@ void Schedule::begin_at(double from, double to) {
 
 double Schedule::phase_at(double time) const {
   const double passed = std::min(time, stop) - origin;
-  return runs && passed > 0 ? phase + passed / period : phase;
+  return runs && passed > 0 && period > 0 ? phase + passed / period : phase;
 }
 
 void Schedule::rebase(double time) {
@@ -142,7 +142,7 @@ PlacedSource::PlacedSource(const Source& source, double part, double length)
   position_ = pose.position;
   turn_ = pose.rotation.toRotationMatrix();
   if (source.kind != Source::Kind::nozzle || part >= 1) return;
-  // The layers of a nozzle that moves forward faster than its water would lie on top of each other (F.81).
+  // The layers of a nozzle that moves forward faster than its water would lie on top of each other (F.75).
   const Vec3 axis = turn_ * source.direction;
   const Vec3 motion = (source.to.position - source.from.position) / length - source.inherited_velocity;
   added_velocity_ += std::max(0.0, motion.dot(axis)) * axis;
@@ -154,7 +154,7 @@ Vec3 PlacedSource::place_of(std::size_t site) const {
 }
 
 Vec3 PlacedSource::velocity_of(std::size_t site) const {
-  const Vec3 v = source_.velocity_of(site);
+  Vec3 v = source_.velocity_of(site);
   if (!source_.placed && added_velocity_.isZero(0)) return v;
   return (source_.placed ? Vec3(turn_ * v) : v) + added_velocity_;
 }

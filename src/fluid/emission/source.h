@@ -12,10 +12,10 @@ constexpr double min_period = 1e-9;
 constexpr double max_move = 1e6;
 
 /// When an emitter starts its layers or drops. Its phase, their number so far, grows by 1 in each period
-/// while it runs. A change of the period, and a pause, keep the phase (F.80).
+/// while it runs. A change of the period, and a pause, keep the phase (F.74).
 struct Schedule {
   double start = 0, stop = 0;  // [s]
-  double period = 0;           // [s]
+  double period = 0;           // [s]; 0: a volume, which has no phase
   bool runs = true;            // false: the phase rests
   double origin = 0;           // when the phase was `phase`, from `start` on [s]
   double phase = 0;
