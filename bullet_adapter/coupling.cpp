@@ -32,6 +32,7 @@ Attachment* btFluidCoupling::Impl::find(const btCollisionObject* object) {
 }
 
 Status btFluidCoupling::Impl::attach(Attachment& a) {
+  if (a.sensor) return Status::accepted();
   if (a.rigid) a.rigid->set_kill_box(world()->settings().kill_box);
   return world()->attach(a.host(), a.settings, &a.id);
 }
@@ -39,6 +40,7 @@ Status btFluidCoupling::Impl::attach(Attachment& a) {
 void btFluidCoupling::Impl::detach(Attachment& a) {
   if (a.id) world()->detach(a.id);
   a.id = SurfaceId();
+  if (a.sensor) a.sensor = std::make_unique<Sensor>(a.object);  // another fluid has other particles
 }
 
 Status btFluidCoupling::Impl::add(Attachment a) {
@@ -76,6 +78,7 @@ void btFluidCoupling::Impl::forget_motion(const btCollisionObject* object) {
   if (!a) return;
   if (a->soft) a->soft->forget_motion();
   if (a->rigid) a->rigid->forget_motion();
+  if (a->sensor) a->sensor->forget_motion();
   if (a->id) world()->reset_motion(a->id);
 }
 
@@ -186,7 +189,8 @@ Status btFluidCoupling::addCollisionObject(btCollisionObject* object, const Surf
   if (!object) return Status::refused("collision object is null");
   if (object->getInternalType() == btCollisionObject::CO_SOFT_BODY)
     return Status::refused("a soft body is a cloth: use addCloth()");
-  if (!object->isStaticOrKinematicObject())
+  const bool is_sensor = Sensor::is_sensor(*object);
+  if (!object->isStaticOrKinematicObject() && !is_sensor)
     return Status::refused(
         "dynamic rigid bodies do not feel the fluid yet and are refused: give the body mass 0, or set "
         "btCollisionObject::CF_KINEMATIC_OBJECT and move it yourself");
@@ -194,6 +198,10 @@ Status btFluidCoupling::addCollisionObject(btCollisionObject* object, const Surf
   a.object = object;
   a.settings = settings;
   a.rigid = std::make_unique<CollisionObjectHost>(object, WorldSettings().kill_box);
+  if (is_sensor) {
+    a.sensor = std::make_unique<Sensor>(object);
+    if (Status status = a.sensor->read(); !status.ok()) return status;
+  }
   return m_impl->add(std::move(a));
 }
 
@@ -236,6 +244,7 @@ const StepReport& btFluidCoupling::couple(double dt, bool updateNormals) {
   const Status gravity = m_impl->follow_gravity();
   if (!gravity.ok()) return m_impl->refuse(gravity.message);
   m_impl->refused = StepReport();
+  m_impl->prepare_sensors();
   for (Attachment& a : m_impl->attachments) {
     if (!a.soft) continue;
     a.soft->set_update_normals(updateNormals);

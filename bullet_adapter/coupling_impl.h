@@ -7,6 +7,7 @@
 #include "listening.h"
 #include "object_mark.h"
 #include "oilskin/bullet.h"
+#include "sensor.h"
 #include "soft_body_host.h"
 
 namespace oilskin::bullet {
@@ -19,8 +20,10 @@ struct Attachment {
   std::unique_ptr<CollisionObjectHost> rigid;
   std::unique_ptr<ObjectMark> mark;
   SurfaceSettings settings;
-  SurfaceId id;              ///< 0 without a fluid
-  std::uint64_t number = 0;  ///< no other attachment of its coupling has it
+  std::unique_ptr<Sensor> sensor;  ///< null = a wall
+  bool measures = false;           ///< a sensor that takes part in the present step
+  SurfaceId id;                    ///< 0 without a fluid, and for a sensor
+  std::uint64_t number = 0;        ///< no other attachment of its coupling has it
   Touched touched;
 
   SurfaceHost& host() { return soft ? static_cast<SurfaceHost&>(*soft) : *rigid; }
@@ -37,6 +40,7 @@ struct btFluidCoupling::Impl {
   std::vector<std::string> messages;     // since they were last taken
   StepReport refused;                    // returned by step() if World::step was not called
   Listening listening;
+  std::optional<ParticlesBefore> particles_before;  // with sensors, during a step
   std::uint64_t next_number = 1;
 
   World* world() const { return fluid ? &fluid->getWorld() : nullptr; }
@@ -60,6 +64,8 @@ struct btFluidCoupling::Impl {
 
   // coupling_listen.cpp
   const btCollisionObject* object_of(std::uint64_t number) const;
+  void prepare_sensors();
+  void become_wall(Attachment& attachment);
   void hear(const StepReport& report);
   void hear_surfaces(double dt);
   void tell(const FluidEvent& event, btFluidListener& listener);

@@ -1,5 +1,6 @@
 // Listeners, and what a coupling sums for its owner.
 #include <algorithm>
+#include <utility>
 
 #include "convert.h"
 #include "coupling_impl.h"
@@ -55,7 +56,12 @@ void btFluidCoupling::Impl::hear_surfaces(double dt) {
   if (!listening.listeners.empty()) particles = count_touching_particles(*world());
   const double spacing = world()->fluid_settings().spacing;
   const auto by_value = [](SurfaceId a, SurfaceId b) { return a.value < b.value; };
+  std::optional<ParticlesBefore> before = std::exchange(particles_before, std::nullopt);
   for (Attachment& a : attachments) {
+    if (a.sensor) {
+      if (before && a.measures) listening.add_flow(a.sensor->end(*world(), *before), a.number);
+      continue;
+    }
     const auto it = std::lower_bound(active.begin(), active.end(), a.id, by_value);
     if (it == active.end() || !(*it == a.id)) {
       listening.add_no_load(dt, a.number, a.touched);
@@ -67,13 +73,44 @@ void btFluidCoupling::Impl::hear_surfaces(double dt) {
   }
 }
 
+/// Objects become sensors, and walls again, by their flag.
+void btFluidCoupling::Impl::prepare_sensors() {
+  particles_before.reset();
+  for (Attachment& a : attachments) {
+    if (!a.rigid) continue;
+    const bool is_sensor = Sensor::is_sensor(*a.object);
+    if (is_sensor && !a.sensor) {
+      detach(a);
+      a.sensor = std::make_unique<Sensor>(a.object);
+    }
+    if (!is_sensor) become_wall(a);
+    if (!a.sensor) continue;
+    const Status status = a.sensor->read();
+    a.measures = status.ok();
+    if (!status.ok()) note(status.message);
+    if (!a.measures) continue;
+    a.sensor->begin(*world());
+    if (!particles_before) particles_before.emplace(*world());
+  }
+}
+
+void btFluidCoupling::Impl::become_wall(Attachment& a) {
+  a.sensor.reset();
+  if (a.id) return;
+  if (!a.object->isStaticOrKinematicObject())
+    return note("a dynamic body is a sensor no longer, and no wall: remove it from the coupling");
+  a.rigid->forget_motion();
+  const Status status = attach(a);
+  if (!status.ok()) note("a sensor that became a wall was left out: " + status.message);
+}
+
 void btFluidCoupling::Impl::hear(const StepReport& report) {
   listening.due.clear();
   listening.sum.add(report);
   if (report.status.ok()) hear_surfaces(report.dt);
   if (listening.listeners.empty()) return;
   listening.report = report;
-  listening.due.push_back({});
+  listening.due.emplace_back();
 }
 
 const StepReport& btFluidCoupling::Impl::refuse_within_call() {
@@ -90,6 +127,8 @@ void btFluidCoupling::Impl::tell(const FluidEvent& event, btFluidListener& liste
   if (!object) return;
   if (event.kind == FluidEvent::Kind::touch_began) return listener.touchBegan(object, event.touch);
   if (event.kind == FluidEvent::Kind::touch_ended) return listener.touchEnded(object);
+  if (event.kind == FluidEvent::Kind::water_entered) return listener.waterEntered(object, event.flow);
+  if (event.kind == FluidEvent::Kind::water_left) return listener.waterLeft(object, event.flow);
   if (event.touch.m_impulse.length() > listener.getSplashThreshold()) listener.splash(object, event.touch);
 }
 
@@ -151,6 +190,11 @@ bool btFluidCoupling::takeImpulse(const btCollisionObject* object, btVector3& li
   angular = to_bt(a->touched.total.angular_impulse);
   a->touched.total = {};
   return true;
+}
+
+const btFluidReading* btFluidCoupling::getReading(const btCollisionObject* object) const {
+  const Attachment* a = m_impl->find(object);
+  return a && a->sensor ? &a->sensor->reading() : nullptr;
 }
 
 const btCollisionObject* btFluidCoupling::getObject(SurfaceId surface) const {

@@ -2,11 +2,10 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <optional>
 
 #include "convert.h"
 #include "oilskin/bullet.h"
-#include "shape_mesh.h"
+#include "shape_region.h"
 
 namespace oilskin::bullet {
 
@@ -32,76 +31,6 @@ void copy_strided(Span<const Vec3> values, float* out, int stride_bytes) {
     std::memcpy(to, xyz, sizeof xyz);
     to += stride_bytes;
   }
-}
-
-/// The points of a convex shape, in the frame of its body.
-class ConvexRegion {
- public:
-  /// None for a shape without a volume.
-  static std::optional<ConvexRegion> of(const btConvexShape& shape) {
-    ConvexRegion region;
-    const int type = shape.getShapeType();
-    if (type == SPHERE_SHAPE_PROXYTYPE)
-      region.set_round(static_cast<const btSphereShape&>(shape));
-    else if (type == CAPSULE_SHAPE_PROXYTYPE)
-      region.set_round(static_cast<const btCapsuleShape&>(shape));
-    else if (!region.set_planes(shape))
-      return {};
-    return std::isfinite(region.radius_ + region.half_length_) ? std::optional(region) : std::nullopt;
-  }
-
-  bool contains(const Vec3& x) const {
-    if (is_round_)
-      return (x - std::clamp(x.dot(axis_), -half_length_, half_length_) * axis_).norm() <= radius_;
-    return box_.contains(x) && std::all_of(planes_.begin(), planes_.end(),
-                                           [&x](const Plane& p) { return p.normal.dot(x - p.point) <= 0; });
-  }
-
- private:
-  struct Plane {
-    Vec3 point, normal;  // outwards
-  };
-
-  void set_round(const btSphereShape& sphere) {
-    is_round_ = true;
-    radius_ = static_cast<double>(sphere.getRadius());
-  }
-  void set_round(const btCapsuleShape& capsule) {
-    is_round_ = true;
-    radius_ = static_cast<double>(capsule.getRadius());
-    half_length_ = static_cast<double>(capsule.getHalfHeight());
-    axis_ = Vec3::Unit(capsule.getUpAxis());
-  }
-  bool set_planes(const btConvexShape& shape) {
-    ShapeMesh mesh;
-    if (!read_shape(shape, &mesh).ok()) return false;
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) box_.add(to_vec3(mesh.vertices[i]));
-    for (const Triangle& t : mesh.triangles) {
-      const Vec3 a = to_vec3(mesh.vertices[t[0]]), b = to_vec3(mesh.vertices[t[1]]),
-                 c = to_vec3(mesh.vertices[t[2]]);
-      planes_.push_back({a, (b - a).cross(c - a)});
-    }
-    return true;
-  }
-
-  bool is_round_ = false;
-  Vec3 axis_ = Vec3::UnitY();
-  double half_length_ = 0, radius_ = 0;
-  std::vector<Plane> planes_;
-  Box box_;  // of the vertices
-};
-
-/// From the world to the frame of `transform`, in double precision; none if there is no finite one.
-std::optional<Eigen::Affine3d> inverse_of(const btTransform& transform) {
-  Eigen::Matrix3d basis;
-  for (int row = 0; row < 3; ++row) basis.row(row) = to_vec3(transform.getBasis().getRow(row));
-  const Eigen::Matrix3d inverse = basis.inverse();
-  const Vec3 origin = inverse * to_vec3(transform.getOrigin());
-  if (!basis.allFinite() || !inverse.allFinite() || !origin.allFinite()) return {};
-  Eigen::Affine3d to_local;
-  to_local.linear() = inverse;
-  to_local.translation() = -origin;
-  return to_local;
 }
 
 int count_of(std::uint64_t n) {

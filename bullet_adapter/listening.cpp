@@ -52,10 +52,16 @@ void Listening::add_load(const SurfaceMotion& surface, double area, double dt, s
   touched.is_touched = true;
   touched.since_touch = 0;
   if (listeners.empty()) return;
-  FluidEvent event = {FluidEvent::Kind::touch_began, attachment, touch_of(surface, load, area, dt)};
+  FluidEvent event = {FluidEvent::Kind::touch_began, attachment, touch_of(surface, load, area, dt), {}};
   if (begins) due.push_back(event);
   event.kind = FluidEvent::Kind::splash;
   due.push_back(event);
+}
+
+void Listening::add_flow(const btFluidFlow& flow, std::uint64_t attachment) {
+  if (listeners.empty()) return;
+  if (flow.m_entered > 0) due.push_back({FluidEvent::Kind::water_entered, attachment, {}, flow});
+  if (flow.m_left > 0) due.push_back({FluidEvent::Kind::water_left, attachment, {}, flow});
 }
 
 void Listening::add_no_load(double dt, std::uint64_t attachment, Touched& touched) {
@@ -63,7 +69,7 @@ void Listening::add_no_load(double dt, std::uint64_t attachment, Touched& touche
   touched.since_touch += dt;
   if (touched.since_touch < touch_hold) return;
   touched.is_touched = false;
-  if (!listeners.empty()) due.push_back({FluidEvent::Kind::touch_ended, attachment, {}});
+  if (!listeners.empty()) due.push_back({FluidEvent::Kind::touch_ended, attachment, {}, {}});
 }
 
 }  // namespace oilskin::bullet

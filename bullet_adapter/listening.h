@@ -3,6 +3,7 @@
 
 #include "oilskin/bullet.h"
 #include "oilskin/bullet_listener.h"
+#include "oilskin/bullet_sensor.h"
 
 namespace oilskin::bullet {
 
@@ -17,10 +18,11 @@ struct Touched {
 
 /// A call that is due.
 struct FluidEvent {
-  enum class Kind { touch_began, splash, touch_ended, stepped };
+  enum class Kind { touch_began, splash, touch_ended, water_entered, water_left, stepped };
   Kind kind = Kind::stepped;
   std::uint64_t attachment = 0;  ///< its number; 0 = of no object
   btFluidTouch touch;
+  btFluidFlow flow;
 };
 
 /// The listeners of a coupling and the calls that are due.
@@ -40,6 +42,8 @@ struct Listening {
                 Touched& touched);
   /// The same for an object that took no part in the step.
   void add_no_load(double dt, std::uint64_t attachment, Touched& touched);
+  /// Puts the calls of a sensor into `due`.
+  void add_flow(const btFluidFlow& flow, std::uint64_t attachment);
 };
 
 }  // namespace oilskin::bullet

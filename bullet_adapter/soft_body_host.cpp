@@ -224,6 +224,13 @@ void SoftBodyHost::weigh_nodes(const std::vector<double>& absorbed) {
   if (any) body_->updateLinkConstants();
 }
 
+std::vector<bool> SoftBodyHost::wet_nodes(Span<const double> absorbed) const {
+  std::vector<bool> wet;
+  if (absorbed.size() != contact_nodes_) return wet;
+  for (std::uint32_t c : contact_node_) wet.push_back(absorbed[c] > 0);
+  return wet;
+}
+
 void SoftBodyHost::give_back_absorbed_mass() {
   if (static_cast<std::size_t>(body_->m_nodes.size()) == contact_node_.size()) weigh_nodes({});
   weighed_.clear();

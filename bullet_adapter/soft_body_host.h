@@ -39,6 +39,9 @@ class SoftBodyHost : public SurfaceHost {
   void set_carries_water(bool on) { carries_water_ = on; }
   /// Takes what nodes have absorbed out of their masses, as when the body is removed from the coupling.
   void give_back_absorbed_mass();
+  /// Which nodes, in Bullet's order, have liquid; empty = none. `absorbed` has one value per contact node
+  /// [kg].
+  std::vector<bool> wet_nodes(Span<const double> absorbed) const;
   /// Impulse of the last scatter on each node in Bullet's order [N s].
   const std::vector<Vec3>& node_impulses() const { return node_impulse_; }
 

@@ -43,6 +43,7 @@ namespace oilskin::bullet {
 class btFluidCoupling;
 class btFluidEmitter;
 class btFluidListener;
+struct btFluidReading;
 
 /// A fluid: settings, particles and emitters. It belongs to at most one coupling, and may be deleted before
 /// it.
@@ -125,6 +126,7 @@ class btFluid {
 
  private:
   friend class btFluidCoupling;
+  friend class btFluidQuery;
   void releaseEmitters();
 
   std::unique_ptr<World> m_world;
@@ -174,6 +176,11 @@ class btFluidCoupling : public btActionInterface {
   /// outside of hulls. Spheres are 1280 triangles around them, other convex shapes the hull of 642 of their
   /// points, static planes their part inside the kill box; compounds consist of these. Transform and scaling
   /// are read at every step.
+  ///
+  /// An object with btCollisionObject::CF_NO_CONTACT_RESPONSE, a dynamic one or btGhostObject included, is a
+  /// sensor: no wall, but getReading() has the water that enters, leaves and is inside. Its shape must have a
+  /// volume: convex, or a compound of convex shapes. The flag may change while it is attached, and acts from
+  /// the next step on.
   Status addCollisionObject(btCollisionObject* object, btScalar thickness, const SlipSettings& slip = {});
   /// The same with all settings.
   Status addCollisionObject(btCollisionObject* object, const SurfaceSettings& settings = {});
@@ -246,6 +253,9 @@ class btFluidCoupling : public btActionInterface {
   /// The impulses of the water on an object since the last call: their sum [N s] and their moment about the
   /// origin [N m s]. False, and nothing is written, for one that is not attached.
   bool takeImpulse(const btCollisionObject* object, btVector3& linear, btVector3& angular);
+  /// What a sensor has measured up to the last step (oilskin/bullet_sensor.h); null for an object that is not
+  /// attached or is a wall. The reading changes with each step.
+  const btFluidReading* getReading(const btCollisionObject* object) const;
   /// The object with this handle; null for one that is not attached.
   const btCollisionObject* getObject(SurfaceId surface) const;
   /// The object of a Contact::surface of the last step; null where it was removed since.
@@ -259,6 +269,7 @@ class btFluidCoupling : public btActionInterface {
 
  private:
   friend class btFluidSoftBodySolver;
+  friend class btFluidQuery;
   const StepReport& couple(double dt, bool updateNormals);
   void detachAbsent(const btAlignedObjectArray<btSoftBody*>& bodies);
   void tellListeners();

@@ -5,6 +5,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <LinearMath/btVector3.h>
 
+#include "oilskin/bullet_sensor.h"
 #include "oilskin/report.h"
 
 namespace oilskin::bullet {
@@ -30,9 +31,9 @@ struct btFluidTouch {
 /// sub-step with btFluidSoftBodySolver, at the end of btFluidCoupling::step() without. Each sub-step has its
 /// own calls, so that none is lost.
 ///
-/// *Order.* By object, in the order in which they were attached: touchBegan, splash, touchEnded; then
-/// stepped. Every call goes to all listeners, in the order in which they were added, before the next call.
-/// The order and all numbers are the same for any number of threads.
+/// *Order.* By object, in the order in which they were attached: touchBegan, splash, touchEnded, of
+/// sensors waterEntered, waterLeft; then stepped. Every call goes to all listeners, in the order in which
+/// they were added, before the next call. The order and all numbers are the same for any number of threads.
 ///
 /// *What a listener may do.* Everything but to step (btFluidCoupling::step() and stepSimulation() within a
 /// call couple nothing, and leave a message) and to delete the coupling, its solver or Bullet's world. It may
@@ -55,6 +56,10 @@ class btFluidListener {
   /// In this step the impulse was above getSplashThreshold(). Water of weight W at rest gives W dt in each
   /// step: choose a threshold above it.
   virtual void splash(const btCollisionObject* /*object*/, const btFluidTouch& /*touch*/) {}
+  /// Water entered a sensor in this step: `flow` is that of the step.
+  virtual void waterEntered(const btCollisionObject* /*sensor*/, const btFluidFlow& /*flow*/) {}
+  /// Water left a sensor in this step.
+  virtual void waterLeft(const btCollisionObject* /*sensor*/, const btFluidFlow& /*flow*/) {}
   /// The world made a step, or refused it: then `report.status` says why. The report is a copy.
   virtual void stepped(const StepReport& /*report*/) {}
 

@@ -47,10 +47,36 @@ class WaterQuery {
   /// The first ball of radius dx/2 around a particle that the way from → to [m] enters. A ball in which the
   /// way starts is not hit. Refuses points that are not finite, or equal.
   Status ray(const Vec3& from, const Vec3& to, WaterHit* hit) const;
+  /// The level of the water on the line through `point` [m] along `up`: the largest s [m] for which the
+  /// density of sample() at point + s·up/|up| is half of the rest density or more; negative below the point.
+  /// At the surface of settled water it is half. Single particles do not count. `found` is false, and s zero,
+  /// where the line has no such place. Refuses numbers that are not finite, and up = 0. Visits all particles.
+  Status level(const Vec3& point, const Vec3& up, double* s, bool* found) const;
+  /// Whether the centre of a particle is within `distance` ≥ 0 of a finite point [m]. Up to H it reads the
+  /// cells around the point.
+  Status is_near(const Vec3& point, double distance, bool* is) const;
+
+  /// The positions that were copied [m].
+  Span<const Vec3> positions() const { return position_; }
+  /// The masses that were copied [kg].
+  Span<const double> masses() const { return mass_; }
+  /// ρ0 [kg/m³].
+  double rest_density() const { return rest_density_; }
+  /// dx [m].
+  double spacing() const { return spacing_; }
 
  private:
   using Cell = std::array<double, 3>;
   Cell cell_of(const Vec3& x) const;
+  template <class F>
+  void visit_cells(const Vec3& point, double radius, const F& f) const;
+  double kernel(double distance) const;
+  /// A particle beside a line.
+  struct Beside {
+    double along, squared_distance, mass;
+  };
+  std::vector<Beside> beside_line(const Vec3& point, const Vec3& up) const;
+  double density_on_line(const std::vector<Beside>& beside, double at) const;
   template <class Inside>
   double volume_where(const Inside& inside) const;
 

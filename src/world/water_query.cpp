@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/refuse.h"
 #include "fluid/kernels.h"
@@ -65,29 +66,51 @@ Status WaterQuery::volume(const Vec3& center, double radius, double* cubic_metre
   return {};
 }
 
-Status WaterQuery::sample(const Vec3& point, WaterSample* water) const {
-  if (Status s = check_point("point", point); !s.ok()) return s;
-  if (!water) return Status::refused("the result is null");
-  const double h = support_radius_;
-  const Cell low = cell_of(point - Vec3::Constant(h)), high = cell_of(point + Vec3::Constant(h));
-  WaterSample sum;
-  const auto add = [&](std::size_t i) {
-    const double q = (position_[i] - point).norm() / h;
-    if (!(q < 1)) return;
-    const double part = mass_[i] * fluid::Poly6::norm / (h * h * h) * fluid::Poly6::w(q);
-    sum.density += part;
-    sum.velocity += part * motion_[i];
-  };
+/// f(i) for the particles in the cells around a ball of radius up to H.
+template <class F>
+void WaterQuery::visit_cells(const Vec3& point, double radius, const F& f) const {
+  const Cell low = cell_of(point - Vec3::Constant(radius)), high = cell_of(point + Vec3::Constant(radius));
   for_cells(low[0], high[0], [&](double x) {
     for_cells(low[1], high[1], [&](double y) {
       const Cell last = {x, y, high[2]};
       auto it =
           std::lower_bound(cells_.begin(), cells_.end(), std::make_pair(Cell{x, y, low[2]}, std::size_t{0}));
-      for (; it != cells_.end() && it->first <= last; ++it) add(it->second);
+      for (; it != cells_.end() && it->first <= last; ++it) f(it->second);
     });
+  });
+}
+
+/// poly6 [1/m³].
+double WaterQuery::kernel(double distance) const {
+  const double h = support_radius_, q = distance / h;
+  return q < 1 ? fluid::Poly6::norm / (h * h * h) * fluid::Poly6::w(q) : 0;
+}
+
+Status WaterQuery::sample(const Vec3& point, WaterSample* water) const {
+  if (Status s = check_point("point", point); !s.ok()) return s;
+  if (!water) return Status::refused("the result is null");
+  WaterSample sum;
+  visit_cells(point, support_radius_, [&](std::size_t i) {
+    const double part = mass_[i] * kernel((position_[i] - point).norm());
+    if (part == 0) return;
+    sum.density += part;
+    sum.velocity += part * motion_[i];
   });
   if (sum.density > 0) sum.velocity /= sum.density;
   *water = sum;
+  return {};
+}
+
+Status WaterQuery::is_near(const Vec3& point, double distance, bool* is) const {
+  if (Status s = check_ball(point, distance); !s.ok()) return s;
+  if (!is) return Status::refused("the result is null");
+  bool found = false;
+  const auto look = [&](std::size_t i) { found |= (position_[i] - point).norm() <= distance; };
+  if (distance <= support_radius_)
+    visit_cells(point, distance, look);
+  else
+    for (std::size_t i = 0; i < position_.size() && !found; ++i) look(i);
+  *is = found;
   return {};
 }
 
@@ -102,6 +125,74 @@ Status WaterQuery::nearest(const Vec3& point, WaterHit* hit) const {
     least = distance;
     *hit = {true, i, position_[i], Vec3::Zero()};
   }
+  return {};
+}
+
+namespace {
+
+constexpr double search_step = 0.125;  // of the spacing; the density varies over twice the spacing
+constexpr int bisections = 40;
+
+/// The highest place with is_water(place). There is none above `start`.
+template <class IsWater>
+std::optional<double> find_highest(double start, double end, double step, const IsWater& is_water) {
+  const auto steps = static_cast<int>(std::ceil((start - end) / step));
+  for (int i = 0; i < steps; ++i) {
+    double at = start - i * step;
+    if (!is_water(at)) continue;
+    double above = at + step;
+    for (int k = 0; k < bisections; ++k) {
+      const double middle = 0.5 * (at + above);
+      (is_water(middle) ? at : above) = middle;
+    }
+    return at;
+  }
+  return {};
+}
+
+}  // namespace
+
+/// Particles within H of the line through `point` along the unit vector `up`, highest first.
+std::vector<WaterQuery::Beside> WaterQuery::beside_line(const Vec3& point, const Vec3& up) const {
+  std::vector<Beside> beside;
+  for (std::size_t i = 0; i < position_.size(); ++i) {
+    const Vec3 d = position_[i] - point;
+    const double along = d.dot(up), squared = (d - along * up).squaredNorm();
+    if (squared < support_radius_ * support_radius_) beside.push_back({along, squared, mass_[i]});
+  }
+  std::sort(beside.begin(), beside.end(), [](const Beside& a, const Beside& b) { return a.along > b.along; });
+  return beside;
+}
+
+double WaterQuery::density_on_line(const std::vector<Beside>& beside, double at) const {
+  const double top = at + support_radius_, bottom = at - support_radius_;
+  double density = 0;
+  auto it =
+      std::partition_point(beside.begin(), beside.end(), [top](const Beside& b) { return b.along > top; });
+  for (; it != beside.end() && it->along > bottom; ++it)
+    density += it->mass * kernel(std::sqrt(it->squared_distance + (it->along - at) * (it->along - at)));
+  return density;
+}
+
+Status WaterQuery::level(const Vec3& point, const Vec3& up, double* s, bool* found) const {
+  if (Status status = check_point("point", point); !status.ok()) return status;
+  const double length = up.stableNorm();
+  if (!(length > 0 && std::isfinite(length)))
+    return refuse_value("up", up.transpose(), "a vector of finite length > 0");
+  if (!s || !found) return Status::refused("the result is null");
+  const std::vector<Beside> beside = beside_line(point, up / length);
+  const auto is_water = [&](double at) { return density_on_line(beside, at) >= 0.5 * rest_density_; };
+  std::optional<double> highest;
+  double start = std::numeric_limits<double>::infinity();
+  for (const Beside& b : beside) {  // between particles farther apart than 2 H there is no water
+    start = std::min(start, b.along + support_radius_);
+    const double end = b.along - support_radius_;
+    highest = find_highest(start, end, search_step * spacing_, is_water);
+    if (highest) break;
+    start = std::min(start, end + search_step * spacing_);
+  }
+  *found = highest.has_value();
+  *s = highest.value_or(0);
   return {};
 }
 

@@ -19,7 +19,8 @@ struct Game {
   SoftWorld bullet{btVector3(0, bt(-9.81), 0), &solver};
   btFluid water;
 
-  explicit Game(int threads = 1) : water(coarse_fluid(), with_threads(threads), ContactSettings{}) {
+  explicit Game(int threads = 1, const FluidSettings& fluid = coarse_fluid())
+      : water(fluid, with_threads(threads), ContactSettings{}) {
     EXPECT_TRUE(solver.addFluid(&water).ok());
   }
 

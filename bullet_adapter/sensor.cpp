@@ -1,0 +1,113 @@
+#include "sensor.h"
+
+#include <algorithm>
+
+#include "shape_mesh.h"
+
+namespace oilskin::bullet {
+
+namespace {
+
+double volume_of(const World& world, std::size_t particle) {
+  const Span<const float> ratios = world.mass_ratios();
+  const double ratio = ratios.empty() ? 1 : static_cast<double>(ratios[particle]);
+  return ratio * world.particle_mass() / world.fluid_settings().rest_density;
+}
+
+}  // namespace
+
+btFluidFlow& btFluidFlow::operator+=(const btFluidFlow& o) {
+  m_entered += o.m_entered;
+  m_left += o.m_left;
+  m_passed += o.m_passed;
+  m_appeared += o.m_appeared;
+  m_vanished += o.m_vanished;
+  m_enteredVolume += o.m_enteredVolume;
+  m_leftVolume += o.m_leftVolume;
+  return *this;
+}
+
+ParticlesBefore::ParticlesBefore(const World& world) {
+  const Span<const std::uint64_t> ids = world.ids();
+  sorted_.reserve(ids.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) sorted_.emplace_back(ids[i], world.positions()[i]);
+  std::sort(sorted_.begin(), sorted_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+}
+
+const Vec3* ParticlesBefore::position_of(std::uint64_t id) const {
+  const auto it =
+      std::lower_bound(sorted_.begin(), sorted_.end(), id,
+                       [](const auto& entry, std::uint64_t value) { return entry.first < value; });
+  return it != sorted_.end() && it->first == id ? &it->second : nullptr;
+}
+
+bool Sensor::is_sensor(const btCollisionObject& object) {
+  return object.getInternalType() != btCollisionObject::CO_SOFT_BODY && !object.hasContactResponse();
+}
+
+Status Sensor::read() {
+  const btCollisionShape* shape = object_->getCollisionShape();
+  if (!shape) return Status::refused("a sensor has no collision shape: call setCollisionShape() first");
+  std::vector<double> signature = shape_signature(*shape);
+  if (!region_ || signature != signature_) {
+    region_ = ShapeRegion::of(*shape);
+    signature_ = std::move(signature);
+  }
+  if (!region_)
+    return Status::refused(
+        "a sensor (CF_NO_CONTACT_RESPONSE) needs a shape with a volume: convex, or a compound of convex "
+        "shapes");
+  if (!inverse_of(object_->getWorldTransform()))
+    return Status::refused("a sensor has a transform that is not finite, or that has no inverse");
+  return Status::accepted();
+}
+
+void Sensor::begin(const World& world) {
+  if (to_local_) return;
+  to_local_ = inverse_of(object_->getWorldTransform());
+  for (std::size_t i = 0; i < world.particle_count(); ++i)
+    if (region_->contains(*to_local_ * world.positions()[i])) inside_.push_back(world.ids()[i]);
+  std::sort(inside_.begin(), inside_.end());
+}
+
+btFluidFlow Sensor::end(const World& world, const ParticlesBefore& before) {
+  const Eigen::Affine3d now = *inverse_of(object_->getWorldTransform());
+  const Eigen::Affine3d then = teleported_ ? now : *to_local_;
+  teleported_ = false;
+  btFluidFlow flow;
+  Inside inside;
+  std::size_t still_here = 0;  // of those inside before
+  reading_.m_volume = 0;
+  for (std::size_t i = 0; i < world.particle_count(); ++i) {
+    const std::uint64_t id = world.ids()[i];
+    const Vec3 x_t1 = now * world.positions()[i];
+    const double volume = volume_of(world, i);
+    const bool was_remembered = std::binary_search(inside_.begin(), inside_.end(), id);
+    const Vec3* start = before.position_of(id);
+    const Vec3 x_t0 = start ? Vec3(then * *start) : x_t1;
+    const bool was_inside = start && region_->contains(x_t0), is_inside = region_->contains(x_t1);
+    still_here += was_remembered;
+    flow.m_vanished += was_remembered && !was_inside;
+    flow.m_appeared += start ? was_inside && !was_remembered : is_inside;
+    const bool passed = start && !was_inside && !is_inside && region_->meets(x_t0, x_t1);
+    const bool entered = start && ((!was_inside && is_inside) || passed);
+    const bool left = (was_inside && !is_inside) || passed;
+    flow.m_passed += passed;
+    flow.m_entered += entered;
+    flow.m_left += left;
+    if (entered) flow.m_enteredVolume += volume;
+    if (left) flow.m_leftVolume += volume;
+    if (!is_inside) continue;
+    inside.push_back(id);
+    reading_.m_volume += volume;
+  }
+  flow.m_vanished += inside_.size() - still_here;
+  std::sort(inside.begin(), inside.end());
+  inside_ = std::move(inside);
+  to_local_ = now;
+  reading_.m_particles = inside_.size();
+  reading_.m_flow += flow;
+  return flow;
+}
+
+}  // namespace oilskin::bullet

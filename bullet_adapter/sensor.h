@@ -1,0 +1,52 @@
+/// An attached object that is no wall but measures.
+#pragma once
+
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+
+#include "oilskin/bullet_sensor.h"
+#include "oilskin/world.h"
+#include "shape_region.h"
+
+namespace oilskin::bullet {
+
+/// Where the particles were before a step, by id.
+class ParticlesBefore {
+ public:
+  explicit ParticlesBefore(const World& world);
+  /// Null for a particle that did not exist.
+  const Vec3* position_of(std::uint64_t id) const;
+
+ private:
+  std::vector<std::pair<std::uint64_t, Vec3>> sorted_;
+};
+
+class Sensor {
+ public:
+  explicit Sensor(const btCollisionObject* object) : object_(object) {}
+
+  /// Is the object one that measures?
+  static bool is_sensor(const btCollisionObject& object);
+  /// Reads the shape. Refuses shapes without a volume.
+  Status read();
+  /// Before a step: the first time, counts what is inside.
+  void begin(const World& world);
+  /// After the step; the flow within it.
+  btFluidFlow end(const World& world, const ParticlesBefore& before);
+  /// The motion up to the next step is a teleport.
+  void forget_motion() { teleported_ = true; }
+
+  const btFluidReading& reading() const { return reading_; }
+
+ private:
+  using Inside = std::vector<std::uint64_t>;  // ids, sorted
+
+  const btCollisionObject* object_;
+  std::vector<double> signature_;
+  std::optional<ShapeRegion> region_;
+  std::optional<Eigen::Affine3d> to_local_;  // after the last step
+  bool teleported_ = false;
+  Inside inside_;
+  btFluidReading reading_;
+};
+
+}  // namespace oilskin::bullet

@@ -1,0 +1,60 @@
+/// The points inside a Bullet collision shape.
+#pragma once
+
+#include <BulletCollision/CollisionShapes/btConvexShape.h>
+
+#include <optional>
+
+#include "oilskin/types.h"
+
+namespace oilskin::bullet {
+
+/// From the world to the frame of `transform`, in double precision; none if there is no finite one.
+std::optional<Eigen::Affine3d> inverse_of(const btTransform& transform);
+
+/// The points of a convex shape, surface included, in the frame of its body.
+class ConvexRegion {
+ public:
+  /// None for a shape without a volume.
+  static std::optional<ConvexRegion> of(const btConvexShape& shape);
+
+  bool contains(const Vec3& x) const;
+  /// Whether the segment between two points has a point of the shape.
+  bool meets(const Vec3& a, const Vec3& b) const;
+
+ private:
+  struct Plane {
+    Vec3 point, normal;  // outwards, of any length
+  };
+
+  void set_round(double radius, double half_length, const Vec3& axis);
+  bool set_planes(const btConvexShape& shape);
+
+  bool is_round_ = false;
+  Vec3 axis_ = Vec3::UnitY();
+  double half_length_ = 0, radius_ = 0;
+  std::vector<Plane> planes_;
+  Box box_;  // of the vertices
+};
+
+/// The points of a shape: convex, or a compound of such shapes.
+class ShapeRegion {
+ public:
+  /// None for shapes without a volume: triangle meshes, planes, and compounds that have one.
+  static std::optional<ShapeRegion> of(const btCollisionShape& shape);
+
+  bool contains(const Vec3& x) const;
+  /// Whether the segment between two points has a point of the shape.
+  bool meets(const Vec3& a, const Vec3& b) const;
+
+ private:
+  struct Part {
+    Eigen::Affine3d to_local;
+    ConvexRegion region;
+  };
+  bool add(const btCollisionShape& shape, const Eigen::Affine3d& to_local);
+
+  std::vector<Part> parts_;
+};
+
+}  // namespace oilskin::bullet
