@@ -26,6 +26,10 @@ class CollisionObjectHost : public SurfaceHost {
   /// The motion up to the next gather is a teleport, and the shape is read again.
   void forget_motion() { forget_motion_ = true; }
 
+ protected:
+  /// The next gather computes them again.
+  void forget_positions() { world_.clear(); }
+
  private:
   Status read_if_changed();
   Status update_positions(const btTransform& transform);

@@ -48,9 +48,10 @@ Status btFluidCoupling::Impl::add(Attachment a) {
   if (same && same->mark->is_on(*a.object))
     return Status::refused("this body is attached already: remove it first");
   if (same) detach_deleted(static_cast<std::size_t>(same - attachments.data()));
-  // Two couplings would both move a cloth. They may share a wall.
-  if (a.cloth && ObjectMark::is_used(*a.object))
-    return Status::refused("this cloth is in another coupling: remove it there first");
+  // Two couplings would both move a cloth or a body. They may share a wall.
+  if ((a.cloth || a.takes_impulses) && ObjectMark::is_used(*a.object))
+    return Status::refused(std::string("this ") + (a.cloth ? "cloth" : "body") +
+                           " is in another coupling: remove it there first");
   Status status = a.settings.validate();
   SurfaceMotion trial;
   if (status.ok()) status = a.host().gather(0, trial).status;
@@ -192,7 +193,7 @@ Status btFluidCoupling::addCollisionObject(btCollisionObject* object, const Surf
   const bool is_sensor = Sensor::is_sensor(*object);
   if (!object->isStaticOrKinematicObject() && !is_sensor)
     return Status::refused(
-        "dynamic rigid bodies do not feel the fluid yet and are refused: give the body mass 0, or set "
+        "this rigid body is dynamic: use addRigidBody(), or give it mass 0, or set "
         "btCollisionObject::CF_KINEMATIC_OBJECT and move it yourself");
   Attachment a;
   a.object = object;
@@ -203,6 +204,27 @@ Status btFluidCoupling::addCollisionObject(btCollisionObject* object, const Surf
     if (Status status = a.sensor->read(); !status.ok()) return status;
   }
   return m_impl->add(std::move(a));
+}
+
+Status btFluidCoupling::addRigidBody(btRigidBody* body, btScalar thickness, const SlipSettings& slip) {
+  SurfaceSettings settings;
+  settings.thickness = static_cast<double>(thickness);
+  settings.slip = slip;
+  return addRigidBody(body, settings);
+}
+
+Status btFluidCoupling::addRigidBody(btRigidBody* body, const SurfaceSettings& settings) {
+  if (!body) return Status::refused("rigid body is null");
+  Attachment a;
+  a.object = body;
+  a.settings = settings;
+  a.rigid = std::make_unique<RigidBodyHost>(body, WorldSettings().kill_box);
+  a.takes_impulses = !body->isStaticOrKinematicObject();
+  return m_impl->add(std::move(a));
+}
+
+void btFluidCoupling::removeRigidBody(btRigidBody* body) {
+  m_impl->remove(body);
 }
 
 void btFluidCoupling::removeCollisionObject(btCollisionObject* object) {

@@ -7,6 +7,7 @@
 #include "listening.h"
 #include "object_mark.h"
 #include "oilskin/bullet.h"
+#include "rigid_body_host.h"
 #include "sensor.h"
 #include "soft_body_host.h"
 
@@ -19,6 +20,7 @@ struct Attachment {
   std::unique_ptr<SoftBodyHost> soft;
   std::unique_ptr<CollisionObjectHost> rigid;
   std::unique_ptr<ObjectMark> mark;
+  bool takes_impulses = false;  ///< a rigid body
   SurfaceSettings settings;
   std::unique_ptr<Sensor> sensor;  ///< null = a wall
   bool measures = false;           ///< a sensor that takes part in the present step

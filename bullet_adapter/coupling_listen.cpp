@@ -97,7 +97,7 @@ void btFluidCoupling::Impl::prepare_sensors() {
 void btFluidCoupling::Impl::become_wall(Attachment& a) {
   a.sensor.reset();
   if (a.id) return;
-  if (!a.object->isStaticOrKinematicObject())
+  if (!a.takes_impulses && !a.object->isStaticOrKinematicObject())
     return note("a dynamic body is a sensor no longer, and no wall: remove it from the coupling");
   a.rigid->forget_motion();
   const Status status = attach(a);

@@ -171,11 +171,11 @@ class btFluidCoupling : public btActionInterface {
                   bool weldNodes = true);
   /// Detaches a cloth. One that is not attached is ignored.
   void removeCloth(btSoftBody* cloth);
-  /// Attaches a static or kinematic object; dynamic rigid bodies are refused. Triangle meshes (all concave
-  /// shapes that list their triangles), boxes and convex hulls are exact, without the margin that Bullet adds
-  /// outside of hulls. Spheres are 1280 triangles around them, other convex shapes the hull of 642 of their
-  /// points, static planes their part inside the kill box; compounds consist of these. Transform and scaling
-  /// are read at every step.
+  /// Attaches a static or kinematic object; for dynamic rigid bodies there is addRigidBody(). Triangle meshes
+  /// (all concave shapes that list their triangles), boxes and convex hulls are exact, without the margin
+  /// that Bullet adds outside of hulls. Spheres are 1280 triangles around them, other convex shapes the hull
+  /// of 642 of their points, static planes their part inside the kill box; compounds consist of these.
+  /// Transform and scaling are read at every step.
   ///
   /// An object with btCollisionObject::CF_NO_CONTACT_RESPONSE, a dynamic one or btGhostObject included, is a
   /// sensor: no wall, but getReading() has the water that enters, leaves and is inside. Its shape must have a
@@ -186,6 +186,17 @@ class btFluidCoupling : public btActionInterface {
   Status addCollisionObject(btCollisionObject* object, const SurfaceSettings& settings = {});
   /// Detaches an object. One that is not attached is ignored.
   void removeCollisionObject(btCollisionObject* object);
+  /// Attaches a rigid body, with the shapes of addCollisionObject(). While it is dynamic, the water moves it:
+  /// impulses act on its linear and angular velocity, by its mass, its inertia and its linear and angular
+  /// factors, from Bullet's next sub-step on, and wake it. It floats where it is lighter than water. Bullet
+  /// alone decides where it goes, but where a particle is between it and something else without a way out,
+  /// the body waits for a step (ContactReport::held). Refuses what addCollisionObject() refuses, and dynamic
+  /// bodies that are in another coupling.
+  Status addRigidBody(btRigidBody* body, btScalar thickness, const SlipSettings& slip = {});
+  /// The same with all settings.
+  Status addRigidBody(btRigidBody* body, const SurfaceSettings& settings = {});
+  /// Detaches a body. One that is not attached is ignored.
+  void removeRigidBody(btRigidBody* body);
 
   /// Detaches, before each step, attached objects that `world` does not have, with a message; it does not
   /// touch them, so they may be deleted after removeRigidBody() or removeSoftBody() alone. A new object at
@@ -314,6 +325,16 @@ class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
   }
   /// btFluidCoupling::removeCollisionObject().
   void removeCollisionObject(btCollisionObject* object) { m_coupling.removeCollisionObject(object); }
+  /// btFluidCoupling::addRigidBody().
+  Status addRigidBody(btRigidBody* body, btScalar thickness, const SlipSettings& slip = {}) {
+    return m_coupling.addRigidBody(body, thickness, slip);
+  }
+  /// btFluidCoupling::addRigidBody().
+  Status addRigidBody(btRigidBody* body, const SurfaceSettings& settings = {}) {
+    return m_coupling.addRigidBody(body, settings);
+  }
+  /// btFluidCoupling::removeRigidBody().
+  void removeRigidBody(btRigidBody* body) { m_coupling.removeRigidBody(body); }
   /// btFluidCoupling::resetMotion().
   void resetMotion(btSoftBody* cloth) { m_coupling.resetMotion(cloth); }
   /// btFluidCoupling::resetMotion().

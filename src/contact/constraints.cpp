@@ -5,6 +5,8 @@
 
 #include "contact/contacts.h"
 #include "contact/friction.h"
+#include "contact/squeeze.h"
+#include "contact/surface_point.h"
 #include "contact/turn.h"
 #include "core/assert.h"
 
@@ -12,29 +14,15 @@ namespace oilskin::contact {
 
 namespace {
 
-Vec3 relative_velocity(const Context& context, const Contact& c) {
-  const SurfaceMotion& s = *context.surfaces[c.surface];
-  Vec3 v = context.particles->velocity[c.particle];
-  for (int k = 0; k < 3; ++k) v -= c.weights[k] * s.velocity[c.nodes[k]];
-  return v;
-}
-
-// (C.11). The impulse on a prescribed node is the reaction of its support.
+// (C.11)
 void apply_impulse(Context& context, const Contact& c, const Vec3& impulse, bool moves_particle) {
-  SurfaceMotion& s = *context.surfaces[c.surface];
   OILSKIN_ASSERT(impulse.allFinite());
   const Vec3 dv = context.particles->inverse_mass[c.particle] * impulse;
   context.particles->velocity[c.particle] += dv;
   if (moves_particle)
     context.set_particle_end(c.particle, context.particles->x_t1[c.particle] + context.dt * dv);
   if (context.particles->inverse_mass[c.particle] == 0) context.report->impulse_on_prescribed += impulse;
-  for (int k = 0; k < 3; ++k) {
-    if (c.weights[k] == 0) continue;
-    const std::uint32_t node = c.nodes[k];
-    const Vec3 node_impulse = -c.weights[k] * impulse;
-    s.velocity[node] += s.inverse_mass[node] * node_impulse;
-    s.add_impulse(node, node_impulse);
-  }
+  push_point(*context.surfaces[c.surface], c, -impulse);
 }
 
 // Inelastic stop (C.12): v_n ≥ 0 with an accumulated impulse J_n ≥ 0. [Huber2013] Eq. 2 with the inverse
@@ -49,9 +37,9 @@ void stop(Context& context, ContactConstraint& constraint, bool moves_particle) 
   apply_impulse(context, constraint.contact, change * constraint.contact.normal, moves_particle);
 }
 
-// Keeps the speed of what approaches because a smooth sheet turns (C.35): a pair has the same effective mass
-// in all directions, so the kinetic energy that the stop takes is given back along the sheet. It comes before
-// the stop, as it needs the approach.
+// Keeps the speed of what approaches because a smooth sheet turns (C.35): the kinetic energy that the stop
+// takes is given back along the sheet; a body that resists less along the sheet gets no more than that. It
+// comes before the stop, as it needs the approach.
 void turn(Context& context, const ContactConstraint& constraint, bool moves_particle) {
   const Vec3 &n = constraint.contact.normal, v = relative_velocity(context, constraint.contact);
   const double vn = v.dot(n);
@@ -59,7 +47,8 @@ void turn(Context& context, const ContactConstraint& constraint, bool moves_part
   const double speed = vt.norm(), kept = speed_to_turn(constraint, vn, speed);
   if (kept == 0) return;
   const double gain = kept * kept / (speed * (std::hypot(speed, kept) + speed));  // of vt, relative
-  apply_impulse(context, constraint.contact, gain / constraint.k * vt, moves_particle);
+  apply_impulse(context, constraint.contact, gain / std::max(constraint.k, constraint.k_tangent) * vt,
+                moves_particle);
 }
 
 // Spring repulsion of [Bridson2002] with its cap (C.15); without it, as in [Huber2013] Eq. 4, it is unstable.
@@ -115,12 +104,24 @@ void apply_friction(Context& context, ContactConstraint& constraint) {
   apply_impulse(context, constraint.contact, change, true);
 }
 
+// K along the normal, and the largest one across it (C.38).
+void add_body(const BodyMotion& body, const Vec3& arm, ContactConstraint& constraint) {
+  const Vec3& n = constraint.contact.normal;
+  const Eigen::Matrix3d a = inverse_mass_at(body, arm);
+  constraint.k_tangent += largest_across(a, n);
+  constraint.k += std::max(0.0, n.dot(a * n));
+}
+
 // (C.13): split repulsion removes a tenth of the overlap in a step.
 double target_gap(double distance, double thickness) {
   return distance >= thickness ? thickness : distance + 0.1 * (thickness - distance);
 }
 
 }  // namespace
+
+Vec3 relative_velocity(const Context& context, const Contact& c) {
+  return context.particles->velocity[c.particle] - velocity_of(*context.surfaces[c.surface], c);
+}
 
 ContactConstraint make_constraint(const Context& context, const Contact& contact) {
   const SurfaceMotion& s = *context.surfaces[contact.surface];
@@ -132,9 +133,10 @@ ContactConstraint make_constraint(const Context& context, const Contact& contact
   constraint.normal_active = comes_within_thickness(context, contact);
   constraint.friction_active = friction_may_act(context, contact);
   constraint.k_position = constraint.k = context.particles->inverse_mass[contact.particle];
-  for (int k = 0; k < 3; ++k)
-    constraint.k += contact.weights[k] * contact.weights[k] * s.inverse_mass[contact.nodes[k]];
-  if (s.nodes_movable) constraint.k_position = constraint.k;
+  constraint.k += inverse_mass_of_nodes(s, contact);
+  constraint.k_tangent = constraint.k;
+  if (s.body) add_body(*s.body, arm_of(s, contact), constraint);
+  if (s.nodes_movable && !s.body) constraint.k_position = constraint.k;
   OILSKIN_ASSERT(constraint.k_position >= 0 && constraint.k >= constraint.k_position);
   find_turn(context, constraint);
   return constraint;
@@ -165,6 +167,7 @@ void solve_constraints(Context& context, std::vector<ContactConstraint>& constra
   OILSKIN_ASSERT(context.settings->solver_iterations >= 1);
   const Repulsion repulsion = context.settings->repulsion;
   const bool split = repulsion == Repulsion::split;
+  Squeezes squeezes(context, constraints);
   for (int iteration = 0; iteration < context.settings->solver_iterations; ++iteration) {
     for (ContactConstraint& constraint : constraints) {
       if (!(constraint.k > 0)) continue;  // an immovable particle on prescribed nodes
@@ -175,7 +178,9 @@ void solve_constraints(Context& context, std::vector<ContactConstraint>& constra
       apply_friction(context, constraint);
       if (constraint.normal_active && split) push_apart(context, constraint);
     }
+    squeezes.solve(context);
   }
+  for (SurfaceMotion* s : context.surfaces) set_node_velocities(*s);
 }
 
 }  // namespace oilskin::contact

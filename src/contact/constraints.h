@@ -25,7 +25,8 @@ struct ContactConstraint {
   Vec3 tangential_impulse = Vec3::Zero();  ///< J_t [N s]
 
   // From the masses
-  double k = 0;           ///< K (C.10) [1/kg]
+  double k = 0;           ///< K (C.10) along the normal [1/kg]
+  double k_tangent = 0;   ///< the largest K along the sheet: that of a body depends on the direction (C.38)
   double k_position = 0;  ///< K_x of (C.14): K if nodes may be moved, else 1/m_i [1/kg]
 
   /// The normal impulse of this interval [N s].
@@ -36,6 +37,9 @@ struct ContactConstraint {
 
 /// The constraint of a contact at the start positions.
 ContactConstraint make_constraint(const Context& context, const Contact& contact);
+
+/// Of the particle, relative to the point of the surface [m/s] (C.9).
+Vec3 relative_velocity(const Context& context, const Contact& contact);
 
 /// A particle between two layers less than 2 h apart cannot keep h from both: opposing contacts divide the
 /// gap (C.20), so that it comes to rest in the middle. Constraints are those of contacts, ordered by

@@ -7,6 +7,7 @@
 #include "contact/wall_friction.h"
 #include "contact/zones.h"
 #include "core/assert.h"
+#include "core/body_motion.h"
 
 namespace oilskin::contact {
 
@@ -95,12 +96,14 @@ void ContactPass::solve() {
   OILSKIN_ASSERT(context_.particle_stamp.size() == context_.particle_count());  // find() comes first
   update_contacts();
   const double energy_before = kinetic_energy();
+  bodies_before_.clear();
+  for (const SurfaceMotion* s : context_.surfaces) bodies_before_.push_back(s->body);
   select_contacts();
   solve_contacts();
   const bool certified = solve_impacts();
   if (context_.settings->zones && !certified) run_zones(context_, candidates_);
   record_impulses();
-  context_.report->kinetic_energy_change = kinetic_energy() - energy_before;
+  context_.report->kinetic_energy_change = kinetic_energy() - energy_before + body_energy_change();
 }
 
 // Every end may have changed since find(), and particles may have been removed.
@@ -168,6 +171,19 @@ double ContactPass::kinetic_energy() const {
   return energy;
 }
 
+// Work of the impulses at the mean of the velocities before and after.
+double ContactPass::body_energy_change() const {
+  double energy = 0;
+  for (std::size_t k = 0; k < bodies_before_.size(); ++k) {
+    if (!bodies_before_[k]) continue;
+    const BodyMotion &before = *bodies_before_[k], &now = *context_.surfaces[k]->body;
+    const Vec3 impulse = now.impulse - before.impulse, moment = now.angular_impulse - before.angular_impulse;
+    energy += 0.5 * impulse.dot(before.velocity + now.velocity) +
+              0.5 * moment.dot(before.angular_velocity + now.angular_velocity);
+  }
+  return energy;
+}
+
 void ContactPass::record_impulses() {
   ContactReport& report = *context_.report;
   for (std::uint32_t k = 0; k < context_.surfaces.size(); ++k) {
@@ -175,7 +191,10 @@ void ContactPass::record_impulses() {
     OILSKIN_ASSERT(s.impulse.size() == s.inverse_mass.size());
     sort_touched(s);
     for (std::uint32_t i : s.touched)
-      (s.inverse_mass[i] > 0 ? report.impulse_on_free_nodes : report.impulse_on_prescribed) += s.impulse[i];
+      if (s.body)
+        record_on_body(report, *s.body, s.impulse[i]);
+      else
+        (s.inverse_mass[i] > 0 ? report.impulse_on_free_nodes : report.impulse_on_prescribed) += s.impulse[i];
   }
   OILSKIN_ASSERT(report.impulse_on_free_nodes.allFinite() && report.impulse_on_prescribed.allFinite());
   report.min_distance = std::min(report.min_distance, candidates_.min_end_distance(context_));

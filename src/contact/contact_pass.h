@@ -65,6 +65,7 @@ class ContactPass {
   bool solve_impacts();
   void solve_impacts_of_round(const std::vector<Violation>& violations, int round);
   double kinetic_energy() const;
+  double body_energy_change() const;
   void record_impulses();
 
   Context context_;
@@ -72,6 +73,7 @@ class ContactPass {
   ContactSet& contacts_;
   NearTriangleLists& near_;
   std::vector<Contact> active_;
+  std::vector<std::optional<BodyMotion>> bodies_before_;  // per surface, as solve() found them
 };
 
 }  // namespace oilskin::contact

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <sstream>
 
 #include "contact/contact_pass.h"
 #include "core/assert.h"
+#include "core/body_motion.h"
 #include "core/inverse_mass.h"
+#include "core/refuse.h"
 
 namespace oilskin {
 
@@ -38,13 +39,6 @@ Status ContactSolver::set_settings(const ContactSettings& settings) {
 }
 
 namespace {
-
-template <class... Parts>
-Status refuse(const Parts&... parts) {
-  std::ostringstream s;
-  (s << ... << parts);
-  return Status::refused(s.str());
-}
 
 Status check_finite(const char* name, Span<const Vec3> values) {
   for (std::size_t i = 0; i < values.size(); ++i)
@@ -109,7 +103,8 @@ Status check_surface(const SurfaceMotion& s) {
     if (!is_inverse_mass(s.inverse_mass[i]))
       return refuse("surface inverse_mass[", i, "] is ", s.inverse_mass[i], "; it must be ",
                     inverse_mass_range);
-  return {};
+  const Status body = check_body(s);
+  return body.ok() ? body : refuse("surface ", s.id, ": ", body.message);
 }
 
 Status check_surfaces(Span<SurfaceMotion* const> surfaces) {

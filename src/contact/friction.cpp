@@ -86,9 +86,8 @@ double viscous_share(const Context& context, const ContactConstraint& constraint
   const double u = p.inverse_mass[c.particle];
   if (s.slip_on(c.back).model != SlipModel::sticking || !(constraint.wall_area > 0) || !(u > 0)) return 0;
   const auto tangential = [&](const Vec3& v) { return (v - v.dot(c.normal) * c.normal).norm(); };
-  Vec3 slip = p.velocity[c.particle];
-  const Vec3 change = context.start_velocity.empty() ? slip : Vec3(slip - context.start_velocity[c.particle]);
-  for (int k = 0; k < 3; ++k) slip -= c.weights[k] * s.velocity[c.nodes[k]];
+  const Vec3 &v = p.velocity[c.particle], slip = relative_velocity(context, c);
+  const Vec3 change = context.start_velocity.empty() ? v : Vec3(v - context.start_velocity[c.particle]);
   const double z = shear_distance(context, constraint), nu = p.viscosity;
   const double of_forces =
       tangential(change) * z * z / (u * context.dt * constraint.wall_area * p.rest_density * nu * nu);
@@ -124,10 +123,10 @@ void distribute_wall_area(const Context& context, std::vector<ContactConstraint>
 }
 
 Vec3 tangential_impulse(const Context& context, const ContactConstraint& constraint, const Vec3& vt) {
-  OILSKIN_ASSERT(constraint.k > 0 && vt.allFinite());
+  OILSKIN_ASSERT(constraint.k > 0 && constraint.k_tangent > 0 && vt.allFinite());
   const SurfaceMotion& surface = *context.surfaces[constraint.contact.surface];
   const SlipSettings& slip = surface.slip_on(constraint.contact.back);
-  Vec3 sticking = constraint.tangential_impulse - vt / constraint.k;
+  Vec3 sticking = constraint.tangential_impulse - vt / constraint.k_tangent;
   switch (slip.model) {
     case SlipModel::free:
       return Vec3::Zero();
@@ -140,13 +139,13 @@ Vec3 tangential_impulse(const Context& context, const ContactConstraint& constra
     case SlipModel::sticking: {
       if (constraint.viscous_share == 0) return sticking;
       const double drag = wall_drag(context, constraint, 0);
-      return (1 - constraint.viscous_share / (1 + drag * constraint.k)) * sticking;
+      return (1 - constraint.viscous_share / (1 + drag * constraint.k_tangent)) * sticking;
     }
     case SlipModel::viscous_wall: {
       // (C.17): implicit, so that it never reverses the velocity.
       const double drag = wall_drag(context, constraint, slip.slip_length);
-      const Vec3 velocity_without = vt - constraint.k * constraint.tangential_impulse;
-      return -drag / (1 + drag * constraint.k) * velocity_without;
+      const Vec3 velocity_without = vt - constraint.k_tangent * constraint.tangential_impulse;
+      return -drag / (1 + drag * constraint.k_tangent) * velocity_without;
     }
   }
   return Vec3::Zero();

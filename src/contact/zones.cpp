@@ -5,6 +5,7 @@
 #include "contact/contacts.h"
 #include "contact/impacts.h"
 #include "core/assert.h"
+#include "core/body_motion.h"
 #include "core/disjoint_sets.h"
 
 namespace oilskin::contact {
@@ -39,6 +40,10 @@ class Zones {
                                       offset_.begin() - 1);
   }
   void unite(std::uint32_t a, std::uint32_t b);
+  void unite_body(std::uint32_t surface);
+  bool belongs_to_body(std::uint32_t point) const {
+    return !is_particle(point) && context_.surfaces[surface_of(point)]->body.has_value();
+  }
 
   double inverse_mass(std::uint32_t point) const;
   const Vec3& start(std::uint32_t point) const;
@@ -63,6 +68,8 @@ class Zones {
   void translate_free(const std::vector<std::uint32_t>& members);
   void translate_with_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement);
   void hold(const std::vector<std::uint32_t>& members, bool hold_prescribed);
+  std::vector<std::uint32_t> bodies_of(const std::vector<std::uint32_t>& members) const;
+  void give_velocity(BodyMotion& body, const Vec3& velocity);
   void count_members();
 
   Context& context_;
@@ -76,6 +83,7 @@ class Zones {
   // Per point
   std::vector<Vec3> initial_displacement_;  // when the zones began [m]
   std::vector<std::uint8_t> was_held_;
+  std::vector<std::uint8_t> body_united_;  // per surface: its nodes are in one zone, as they move together
   // Per particle
   std::vector<Vec3> separation_;  // sum of (C.24) [m]
   std::vector<std::uint8_t> separation_count_;
@@ -98,6 +106,7 @@ Zones::Zones(Context& context, CandidateSet& candidates)
   }
   level_.assign(total_, Level::translate);
   was_held_.assign(total_, 0);
+  body_united_.assign(context.surfaces.size(), 0);
   separation_.assign(n, Vec3::Zero());
   separation_count_.assign(n, 0);
   carried_in_round_.assign(n, -1);
@@ -112,6 +121,13 @@ Zones::Zones(Context& context, CandidateSet& candidates)
 void Zones::unite(std::uint32_t a, std::uint32_t b) {
   const Level level = std::max(level_[zones_.find(a)], level_[zones_.find(b)]);
   level_[zones_.unite(a, b)] = level;
+}
+
+void Zones::unite_body(std::uint32_t surface) {
+  const SurfaceMotion& s = *context_.surfaces[surface];
+  if (!s.body || body_united_[surface]) return;
+  body_united_[surface] = 1;
+  for (std::uint32_t i = 1; i < s.x_t0.size(); ++i) unite(offset_[surface], offset_[surface] + i);
 }
 
 double Zones::inverse_mass(std::uint32_t point) const {
@@ -179,6 +195,7 @@ void Zones::escalate(const ZoneViolation& v) {
   }
   const bool one_zone = v.roots[1] == v.roots[0] && v.roots[2] == v.roots[0] && v.roots[3] == v.roots[0];
   if (!one_zone) {
+    unite_body(v.violation.surface);
     for (int k = 1; k < 4; ++k) unite(v.roots[0], v.roots[k]);
   } else if (v.level == Level::hold) {
     resolve_infeasible(v.violation);  // only prescribed nodes that were not held can cause this
@@ -265,22 +282,58 @@ void Zones::translate_with_prescribed(const std::vector<std::uint32_t>& members,
   if (supports.empty()) context_.report->impulse_on_prescribed += reaction;
   for (std::uint32_t m : supports) {
     const std::uint32_t s = surface_of(m);
-    context_.surfaces[s]->add_impulse(m - offset_[s], reaction / static_cast<double>(supports.size()));
+    push_node(*context_.surfaces[s], m - offset_[s], reaction / static_cast<double>(supports.size()));
   }
 }
 
+/// The surfaces with a body whose nodes are members, which are ascending.
+std::vector<std::uint32_t> Zones::bodies_of(const std::vector<std::uint32_t>& members) const {
+  std::vector<std::uint32_t> bodies;
+  for (std::uint32_t m : members) {
+    if (is_particle(m)) continue;
+    const std::uint32_t s = surface_of(m);
+    if (context_.surfaces[s]->body && (bodies.empty() || bodies.back() != s)) bodies.push_back(s);
+  }
+  return bodies;
+}
+
+/// By an impulse at the centre of mass, along its free axes.
+void Zones::give_velocity(BodyMotion& body, const Vec3& velocity) {
+  Vec3 impulse = Vec3::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (body.inverse_mass[k] > 0) impulse[k] = (velocity[k] - body.velocity[k]) / body.inverse_mass[k];
+  push_body(body, Vec3::Zero(), impulse);
+  context_.report->impulse_on_bodies += impulse;
+}
+
+/// A held body takes part in the common velocity, but keeps its rotation.
 void Zones::hold(const std::vector<std::uint32_t>& members, bool hold_prescribed) {
-  double mass = 0;
-  Vec3 momentum = Vec3::Zero();
+  Vec3 mass = Vec3::Zero(), momentum = Vec3::Zero();
   for (std::uint32_t m : members) {
     if (inverse_mass(m) == 0) continue;
-    mass += 1 / inverse_mass(m);
+    mass.array() += 1 / inverse_mass(m);
     momentum += velocity(m) / inverse_mass(m);
+  }
+  const std::vector<std::uint32_t> bodies =
+      hold_prescribed ? bodies_of(members) : std::vector<std::uint32_t>();
+  for (std::uint32_t s : bodies) {
+    const BodyMotion& body = *context_.surfaces[s]->body;
+    for (int k = 0; k < 3; ++k) {
+      if (!(body.inverse_mass[k] > 0)) continue;
+      mass[k] += 1 / body.inverse_mass[k];
+      momentum[k] += body.velocity[k] / body.inverse_mass[k];
+    }
+  }
+  const Vec3 common = (mass.array() > 0).select(momentum.cwiseQuotient(mass), Vec3::Zero());
+  for (std::uint32_t s : bodies) {
+    BodyMotion& body = *context_.surfaces[s]->body;
+    give_velocity(body, common);
+    body.center_t1 = body.center_t0;
   }
   for (std::uint32_t m : members) {
     if (inverse_mass(m) > 0) {
       set_end(m, start(m));
-      set_velocity(m, momentum / mass);
+      set_velocity(m, common);
       was_held_[m] = 1;
     } else if (hold_prescribed && is_holdable(m)) {
       set_end(m, start(m));
@@ -352,10 +405,12 @@ void Zones::count_members() {
   for (std::uint32_t i = 0; i < total_; ++i) ++size[zones_.find(i)];
   for (std::uint32_t i = 0; i < total_; ++i) {
     if (size[zones_.find(i)] > 1) ++report.zone_points;
-    if (!was_held_[i]) continue;
+    if (!was_held_[i] || belongs_to_body(i)) continue;
     ++report.held;
     if (inverse_mass(i) == 0) ++report.stalled;
   }
+  for (std::size_t s = 0; s < context_.surfaces.size(); ++s)
+    if (context_.surfaces[s]->body && was_held_[offset_[s]]) ++report.held;
   for (std::size_t p = 0; p < carried_in_round_.size(); ++p)
     if (carried_in_round_[p] >= 0 && !context_.out_of_play[p]) ++report.carried_along;
 }
@@ -382,6 +437,7 @@ void Zones::run(std::vector<Violation> violations) {
     violations = find_violations(context_, candidates_);
   }
   count_members();
+  for (SurfaceMotion* s : context_.surfaces) set_node_velocities(*s);
 }
 
 }  // namespace

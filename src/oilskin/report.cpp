@@ -44,6 +44,7 @@ void ContactReport::add(const ContactReport& o) {
   verified_pairs += o.verified_pairs;
   impulse_on_free_nodes += o.impulse_on_free_nodes;
   impulse_on_prescribed += o.impulse_on_prescribed;
+  impulse_on_bodies += o.impulse_on_bodies;
   momentum_removed += o.momentum_removed;
   kinetic_energy_change += o.kinetic_energy_change;
 }
@@ -63,7 +64,7 @@ FluidReport worst_of(const FluidReport& a, const FluidReport& b) {
 Vec3 StepReport::momentum_residual() const {
   return momentum_after - momentum_before - momentum_emitted + momentum_removed + momentum_absorbed -
          momentum_released - momentum_gravity - momentum_effects + contact.impulse_on_free_nodes +
-         contact.impulse_on_prescribed;
+         contact.impulse_on_prescribed + contact.impulse_on_bodies;
 }
 
 namespace {

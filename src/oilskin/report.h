@@ -121,9 +121,11 @@ struct ContactReport {
   Vec3 impulse_on_free_nodes = Vec3::Zero();
   /// The reaction of pins, static and kinematic nodes, and of particles of infinite mass [N s].
   Vec3 impulse_on_prescribed = Vec3::Zero();
+  /// The impulse on dynamic rigid bodies, along axes in which they may move [N s].
+  Vec3 impulse_on_bodies = Vec3::Zero();
   /// The momentum of removed particles [N s].
   Vec3 momentum_removed = Vec3::Zero();
-  /// The kinetic energy that impulses gave to particles and free nodes [J].
+  /// The kinetic energy that impulses gave to particles, free nodes and dynamic rigid bodies [J].
   double kinetic_energy_change = 0;
 
   /// Adds the counts, impulses and energies of another interval; the smaller distance remains.

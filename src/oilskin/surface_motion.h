@@ -15,6 +15,36 @@ enum class Storage {
   float64
 };
 
+/// The dynamic rigid body whose hull a surface is. The host decides where the body goes in an interval;
+/// impulses change how it goes on. Its nodes have the inverse mass 0.
+struct BodyMotion {
+  // --- input of an interval, filled by SurfaceHost::gather()
+  /// Along the axes of the world [1/kg], ≥ 0; 0 = the host decides the motion along the axis.
+  Vec3 inverse_mass = Vec3::Zero();
+  /// Of the rotation about the centre of mass, in axes of the world [1/(kg m²)]: symmetric and positive
+  /// semidefinite.
+  Eigen::Matrix3d inverse_inertia = Eigen::Matrix3d::Zero();
+  /// The centre of mass that the host proposes for the end [m].
+  Vec3 center_t1 = Vec3::Zero();
+  /// Of the centre of mass [m/s].
+  Vec3 velocity = Vec3::Zero();
+  /// [rad/s]
+  Vec3 angular_velocity = Vec3::Zero();
+  /// With which the host will accelerate the body in its next step, but for contacts and joints [m/s²].
+  Vec3 gravity = Vec3::Zero();
+  /// The centre of mass at the start [m]. The caller fills it, as x_t0.
+  Vec3 center_t0 = Vec3::Zero();
+  /// The length of the host's next step [s], of which an interval may be a part; 0 = that of the interval.
+  /// The caller fills it.
+  double host_step = 0;
+
+  // --- output, with the velocities as changed; the caller sets both to zero before the first interval
+  /// The sum of all impulses [N s].
+  Vec3 impulse = Vec3::Zero();
+  /// The sum of their moments about the centre of mass [N m s].
+  Vec3 angular_impulse = Vec3::Zero();
+};
+
 /// One attached surface over one interval. Cloth, the hull of a rigid body and a static level differ only in
 /// inverse masses and in what the host does with impulses.
 struct SurfaceMotion {
@@ -56,9 +86,13 @@ struct SurfaceMotion {
   /// The part of `carried_mass` that the host adds to the node for this interval [kg], less than
   /// 1/inverse_mass; empty = none. `inverse_mass` is then 1/(own + added mass).
   std::vector<double> added_mass;
+  /// The dynamic rigid body that the nodes belong to; absent = they belong to none. Then all inverse masses
+  /// are 0, and a node that is holdable holds the whole body.
+  std::optional<BodyMotion> body;
 
   // --- output of contact, with x_t1 and velocity as corrected
-  /// The sum of the impulses given to each node [N s]; at prescribed nodes the reaction.
+  /// The sum of the impulses given to each node [N s]; at prescribed nodes the reaction. What impact zones
+  /// give to a body acts at its centre of mass and is in BodyMotion::impulse alone.
   std::vector<Vec3> impulse;
   /// 1 = contact changed x_t1 of the node.
   std::vector<std::uint8_t> moved;

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/assert.h"
+#include "core/body_motion.h"
 #include "core/inverse_mass.h"
 #include "core/refuse.h"
 #include "world/absorption.h"
@@ -57,7 +58,7 @@ Status check_state(const SurfaceMotion& m) {
       return refuse("the position of node ", i, " is not a ",
                     m.storage == Storage::float32 ? "single" : "double", "-precision number");
   }
-  return {};
+  return check_body(m);
 }
 
 Status set_delta(SurfaceMotion& m, const SurfaceSettings& settings, double r) {
@@ -81,7 +82,7 @@ bool is_zero(const Vec3& v) {
 
 /// Whether SurfaceMotion::still holds.
 bool stands_still(const SurfaceMotion& m) {
-  if (!m.added_mass.empty() || m.x_t0.size() != m.x_t1.size()) return false;
+  if (m.body || !m.added_mass.empty() || m.x_t0.size() != m.x_t1.size()) return false;
   if (std::any_of(m.inverse_mass.begin(), m.inverse_mass.end(), [](double u) { return u != 0; }))
     return false;
   // Bits are compared, so that +0 and −0 differ.
@@ -94,6 +95,15 @@ Status refuse_unchanged() {
   return refuse(
       "the host says that nothing changed, but motion.revision was 0: it must fill in the motion, and may "
       "leave it as it is where it finds its own number there");
+}
+
+/// What the caller of contact fills in of a body. `before`: the body at the end of the last step.
+void start_body(SurfaceMotion& m, const std::optional<BodyMotion>& before, bool is_new, double dt) {
+  if (!m.body) return;
+  m.body->host_step = dt;
+  m.body->center_t0 = is_new || !before ? m.body->center_t1 : before->center_t1;
+  m.body->impulse.setZero();
+  m.body->angular_impulse.setZero();
 }
 
 }  // namespace
@@ -132,6 +142,7 @@ Status Attachments::attach(SurfaceHost& host, const SurfaceSettings& settings, c
                     ") m, beyond the largest coordinate ", r,
                     " m of the kill box, for which δ was chosen; enlarge the kill box");
   a->motion.x_t0 = a->motion.x_t1;
+  start_body(a->motion, {}, true, 0);
   note_stillness(a->motion);
   OILSKIN_ASSERT(list_.empty() || list_.back()->handle < next_handle_);
   OILSKIN_ASSERT(a->motion.delta > 0 && a->motion.thickness >= 4 * a->motion.delta);
@@ -201,11 +212,14 @@ Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box
   const std::size_t nodes_before = m.x_t0.size();
   if (a.settings.smooth && m.still == 0) m.velocity_t0 = m.velocity;
   m.added_mass.clear();
+  const std::optional<BodyMotion> body = m.body;
+  const std::uint64_t id = m.id;
   const Gathered gathered = a.host->gather(dt, m);
   if (!gathered.status.ok()) return gathered.status;
   if (gathered.unchanged && (m.still == 0 || gathered.new_surface)) return refuse_unchanged();
   if (!gathered.unchanged)
     if (Status s = take_motion(a, gathered.new_surface, nodes_before, kill_box, report); !s.ok()) return s;
+  start_body(m, body, m.id != id, dt);
   OILSKIN_ASSERT(m.id != 0 && m.delta > 0 && m.x_t0.size() == m.x_t1.size());
   OILSKIN_ASSERT(m.still == 0 || stands_still(m));
   m.slip = a.settings.slip;

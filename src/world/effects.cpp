@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "core/body_motion.h"
 #include "world/absorption.h"
 
 namespace oilskin::world {
@@ -89,8 +90,7 @@ class Forces : public View<EffectForces> {
       const std::uint32_t node = nodes[k];
       const Vec3 impulse = weights[k] * dt * force;
       if (!impulse.allFinite()) continue;
-      s.add_impulse(node, impulse);
-      s.velocity[node] += s.inverse_mass[node] * impulse;
+      push_node(s, node, impulse);
       step.ledger.effect(impulse);
       step.energy.drive(impulse.dot(s.x_t1[node] - s.x_t0[node]) / dt);
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "core/body_motion.h"
 #include "core/inverse_mass.h"
 
 namespace oilskin::world {
@@ -84,7 +85,8 @@ void EnergyBalance::touch(Span<SurfaceMotion* const> surfaces, double dt) {
       if (s->impulse[j].isZero(0)) continue;
       const Vec3 u = speed(*s, j, dt);
       state_.max_node_speed = std::max(state_.max_node_speed, u.norm());
-      (s->inverse_mass[j] == 0 ? on_prescribed_ : transfer_) += s->impulse[j].dot(u);
+      const bool is_prescribed = s->inverse_mass[j] == 0 && !s->body;
+      (is_prescribed ? on_prescribed_ : transfer_) += s->impulse[j].dot(u);
     }
 }
 
@@ -132,16 +134,35 @@ void EnergyBalance::end_interval(const Sums& sums, std::uint64_t next_id, double
   state_.first_new_id = next_id;
 }
 
+/// Of a body, by its motion over a step of dt: along axes in which it may move, and its rotation.
+Energy energy_of_body(const SurfaceMotion& m, double dt) {
+  Energy energy;
+  if (!m.body || !(dt > 0)) return energy;
+  const BodyMotion& body = *m.body;
+  const Vec3 u = (body.center_t1 - body.center_t0) / dt, middle = body.center_t1 - 0.5 * dt * u;
+  for (int k = 0; k < 3; ++k) {
+    if (!(body.inverse_mass[k] > 0)) continue;
+    energy.kinetic += 0.5 * u[k] * u[k] / body.inverse_mass[k];
+    energy.moment[k] = middle[k] / body.inverse_mass[k];
+  }
+  // The velocity with which the host turned it, before the impulses of this step.
+  const Vec3 spin = body.angular_velocity - body.inverse_inertia * body.angular_impulse;
+  energy.kinetic += 0.5 * spin.dot(inertia_of(body) * spin);
+  return energy;
+}
+
 /// Where contact gave a free node an impulse at the end of the step before, its speed changed in between:
 /// the work is at the mean (F.60).
 void EnergyBalance::end_surface(const SurfaceMotion& now, double dt, const SurfaceMotion& before,
                                 double dt_before) {
   if (before.still != 0 && now.still != 0) return;  // no node is free
   const bool is_same = before.id == now.id && before.x_t1.size() == now.x_t1.size();
+  nodes_before_ += energy_of_body(before, dt_before);
+  nodes_ += energy_of_body(now, dt);
   for (std::size_t j = 0; j < before.x_t1.size(); ++j) {
-    if (before.inverse_mass[j] == 0) continue;
+    if (before.inverse_mass[j] == 0 && !before.body) continue;
     const Vec3 u = speed(before, j, dt_before);
-    nodes_before_.add(own_mass(before, j), u, before.x_t1[j] - 0.5 * dt_before * u);
+    if (!before.body) nodes_before_.add(own_mass(before, j), u, before.x_t1[j] - 0.5 * dt_before * u);
     if (before.impulse.size() != before.x_t1.size()) continue;
     if (is_same) late_ += 0.5 * before.impulse[j].dot(speed(now, j, dt) - u);
   }

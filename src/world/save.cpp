@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/body_motion.h"
 #include "core/hash.h"
 #include "world/carried_mass.h"
 #include "world/numeric_range.h"
@@ -58,10 +59,23 @@ void visit(Archive& archive, SurfaceSettings& settings) {
   archive.values(smooth, collision_group, collision_mask);
 }
 
+void visit(Archive& archive, std::optional<BodyMotion>& body) {
+  bool has = body.has_value();
+  archive.value(has);
+  if (!has) body.reset();
+  if (!has) return;
+  if (!body) body.emplace();
+  auto& [inverse_mass, inverse_inertia, center_t1, velocity, angular_velocity, gravity, center_t0, host_step,
+         impulse, angular_impulse] = *body;
+  archive.values(inverse_mass, center_t1, velocity, angular_velocity, gravity, center_t0, host_step, impulse,
+                 angular_impulse);
+  for (double& entry : inverse_inertia.reshaped()) archive.value(entry);
+}
+
 void visit(Archive& archive, SurfaceMotion& motion) {
   auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, x_t0, x_t1,
-         velocity, velocity_t0, inverse_mass, holdable, added_mass, impulse, moved, touched, revision, still,
-         carried_mass, absorbed_mass] = motion;
+         velocity, velocity_t0, inverse_mass, holdable, added_mass, body, impulse, moved, touched, revision,
+         still, carried_mass, absorbed_mass] = motion;
   if (archive.reading()) {  // gather() fills them
     velocity_t0.clear();
     revision = still = 0;
@@ -71,6 +85,7 @@ void visit(Archive& archive, SurfaceMotion& motion) {
   visit(archive, slip_back);
   archive.values(smooth, nodes_movable, x_t0, x_t1, velocity, inverse_mass, holdable, added_mass, impulse,
                  moved, carried_mass, absorbed_mass);
+  visit(archive, body);
   if (!archive.reading()) return;
   touched.clear();
   for (std::uint32_t i = 0; i < impulse.size(); ++i)
@@ -100,7 +115,7 @@ bool is_in_range(const SurfaceMotion& m) {
         !world::is_in_range(m.velocity[i]) || stored(m.x_t1[i], m.storage) != m.x_t1[i] ||
         !(m.inverse_mass[i] >= 0))
       return false;
-  return true;
+  return check_body(m).ok();
 }
 
 /// Are the ids unique, and from a counter whose next value is `next` and cannot overflow?
@@ -119,7 +134,7 @@ namespace {
 
 constexpr char magic[8] = {'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'};
 constexpr std::uint32_t byte_order = 0x01020304, swapped_byte_order = 0x04030201;
-constexpr std::uint32_t version = 6;
+constexpr std::uint32_t version = 7;
 constexpr std::size_t frame_bytes = 32;
 
 std::uint64_t check_sum(Span<const std::uint8_t> bytes) {

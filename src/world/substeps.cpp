@@ -57,12 +57,16 @@ void SurfacePaths::begin(Span<SurfaceMotion* const> surfaces, int parts, double 
   length_ = length;
   if (parts == 1) return;
   for (SurfaceMotion* s : surfaces) {
-    paths_.push_back({s, {}, {}, {}, {}});
+    paths_.emplace_back();
+    paths_.back().motion = s;
     if (s->still != 0) continue;
     Path& path = paths_.back();
     path.start = s->x_t0;
     path.target = s->x_t1;
     path.velocity = s->velocity;
+    if (!s->body) continue;
+    path.center = s->body->center_t0;
+    path.center_target = s->body->center_t1;
   }
 }
 
@@ -74,6 +78,7 @@ void SurfacePaths::next() {
     for (std::size_t i = 0; i < path.target.size(); ++i)
       m.x_t1[i] =
           left_ == 1 ? path.target[i] : stored(m.x_t0[i] + (path.target[i] - m.x_t0[i]) / left_, m.storage);
+    if (m.body) m.body->center_t1 = m.body->center_t0 + (path.center_target - m.body->center_t0) / left_;
   }
   --left_;
 }
@@ -102,6 +107,10 @@ void SurfacePaths::continue_from_certified(Path& path) const {
   OILSKIN_ASSERT(path.target.size() == m.x_t1.size());
   m.x_t0 = m.x_t1;
   if (m.smooth) m.velocity_t0 = m.velocity;
+  if (m.body) {
+    m.body->center_t0 = m.body->center_t1;
+    return;
+  }
   // A prescribed node that was held has a longer displacement in less time; its velocity is that.
   for (std::uint32_t i : m.touched)
     if (m.moved[i] && m.inverse_mass[i] == 0)
@@ -123,11 +132,12 @@ void SurfacePaths::end(Path& path) {
   }
   if (m.still != 0) return;
   m.x_t0 = path.start;
+  if (m.body) m.body->center_t0 = path.center;
   std::vector<std::uint32_t> moved;
   for (std::uint32_t i = 0; i < m.x_t0.size(); ++i) {
     m.moved[i] = m.x_t1[i] != path.target[i];
     if (m.moved[i]) moved.push_back(i);
-    if (m.inverse_mass[i] == 0) m.velocity[i] = path.velocity[i];
+    if (m.inverse_mass[i] == 0 && !m.body) m.velocity[i] = path.velocity[i];
   }
   std::vector<std::uint32_t> both;
   std::set_union(m.touched.begin(), m.touched.end(), moved.begin(), moved.end(), std::back_inserter(both));

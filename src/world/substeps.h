@@ -48,6 +48,8 @@ class SurfacePaths {
     std::vector<Vec3> start, target;                       ///< of the step, stored [m]
     std::vector<Vec3> velocity;                            ///< the host's [m/s]
     std::vector<std::pair<std::uint32_t, Vec3>> impulses;  ///< of the completed parts, by node [N s]
+    Vec3 center = Vec3::Zero(),
+         center_target = Vec3::Zero();  ///< of the body: at the start, and proposed [m]
   };
   static void sum_impulses(Path& path);
   static void end(Path& path);

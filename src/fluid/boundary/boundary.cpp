@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/assert.h"
+#include "core/body_motion.h"
 
 namespace oilskin::fluid {
 
@@ -38,6 +39,7 @@ void Boundary::find(const BoundaryInput& input, const Workers& workers) {
   geometry_.find(input, workers);
   if (empty()) return;
   nodes_.number(geometry_.walls(), input.surfaces);
+  compliance_.bodies().build(geometry_, input.surfaces, memory_, input.dt, mass_, workers);
   compliance_.build(geometry_, nodes_, node_motion(input.dt), mass_, workers);
 }
 
@@ -64,6 +66,7 @@ void Boundary::apply_load(const std::vector<WallLoad<double>>& load, Span<const 
       sum += load[k].on(walls[w].depth) * walls[w].gamma.cast<double>();
     dv[point.particle] += sum;
   });
+  std::vector<Vec3> of_body(compliance_.bodies().empty() ? 0 : nodes_.size(), Vec3::Zero());
   workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
     Vec3 impulse = Vec3::Zero();
     for (const WallNodes::Corner& c : nodes_.corners_of(n)) {
@@ -72,12 +75,24 @@ void Boundary::apply_load(const std::vector<WallLoad<double>>& load, Span<const 
       impulse -= mass * load[wall.point].on(wall.depth) * wall.share(c.corner) * wall.gamma.cast<double>();
     }
     SurfaceMotion& s = *surfaces_[nodes_[n].surface];
+    if (s.body) of_body[n] = impulse;
     s.velocity[nodes_[n].node] += s.inverse_mass[nodes_[n].node] * impulse;
     s.impulse[nodes_[n].node] += impulse;
   });
   for (std::size_t n = 0; n < nodes_.size(); ++n)
     surfaces_[nodes_[n].surface]->touched.push_back(nodes_[n].node);
+  push_bodies(of_body);
   record_wall_impulses(load, mass_ratio);
+}
+
+/// `impulse` per node; empty = there is no body.
+void Boundary::push_bodies(const std::vector<Vec3>& impulse) {
+  if (impulse.empty()) return;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    SurfaceMotion& s = *surfaces_[nodes_[n].surface];
+    if (s.body) push_body(*s.body, s.x_t0[nodes_[n].node] - s.body->center_t0, impulse[n]);
+  }
+  for (SurfaceMotion* s : surfaces_) set_node_velocities(*s);
 }
 
 void Boundary::record_wall_impulses(const std::vector<WallLoad<double>>& load, Span<const float> mass_ratio) {

@@ -33,6 +33,8 @@ class Boundary {
   std::uint32_t point_of(std::size_t particle) const { return geometry_.point_of()[particle]; }
 
   WallCompliance& compliance() { return compliance_; }
+  /// Whether a rigid body is among the walls.
+  bool has_bodies() const { return !compliance_.bodies().empty(); }
   const std::vector<float>& normal_flux() const { return compliance_.normal_flux(); }
 
   /// dv += Σ_T θ_T γ_T; velocities and impulses of the nodes change by the opposite momentum. `mass_ratio`:
@@ -48,6 +50,7 @@ class Boundary {
 
  private:
   std::vector<WallNodeMotion> node_motion(double dt) const;
+  void push_bodies(const std::vector<Vec3>& impulse);
   void record_wall_impulses(const std::vector<WallLoad<double>>& load, Span<const float> mass_ratio);
 
   WallGeometry geometry_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "core/body_motion.h"
 
 namespace oilskin::fluid {
 
@@ -17,6 +18,11 @@ double weight_of_new_value(double dt) {
   return -std::expm1(-dt / memory_time);
 }
 
+/// A body has two: of its centre of mass, and of its rotation.
+std::size_t memories_of(const SurfaceMotion& s) {
+  return s.body ? 2 : s.x_t0.size();
+}
+
 }  // namespace
 
 void LoadMemory::prepare(Span<SurfaceMotion* const> surfaces) {
@@ -26,7 +32,7 @@ void LoadMemory::prepare(Span<SurfaceMotion* const> surfaces) {
       continue;
     }
     std::vector<NodeMemory>& nodes = of_surface_[s->id];
-    if (nodes.size() != s->x_t0.size()) nodes.assign(s->x_t0.size(), {});
+    if (nodes.size() != memories_of(*s)) nodes.assign(memories_of(*s), {});
   }
 }
 
@@ -41,8 +47,8 @@ void LoadMemory::forget_others(Span<SurfaceMotion* const> surfaces) {
 std::vector<LoadMemory::NodeMemory>* LoadMemory::find(const SurfaceMotion& surface) {
   if (surface.still != 0) return nullptr;
   const auto found = of_surface_.find(surface.id);
-  return found != of_surface_.end() && found->second.size() == surface.velocity.size() ? &found->second
-                                                                                       : nullptr;
+  return found != of_surface_.end() && found->second.size() == memories_of(surface) ? &found->second
+                                                                                    : nullptr;
 }
 
 void LoadMemory::record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces) {
@@ -51,11 +57,20 @@ void LoadMemory::record_host_response(double dt, const Vec3& gravity, Span<Surfa
   for (const SurfaceMotion* s : surfaces) {
     std::vector<NodeMemory>* nodes = find(*s);
     if (nodes == nullptr) continue;
+    if (s->body) {
+      const Vec3 mass = (s->body->inverse_mass.array() > 0).select(s->body->inverse_mass.cwiseInverse(), 0);
+      NodeMemory &center = (*nodes)[0], &rotation = (*nodes)[1];
+      center.respond(fresh,
+                     mass.cwiseProduct((s->body->velocity - center.velocity_left) / dt - s->body->gravity));
+      rotation.respond(fresh,
+                       inertia_of(*s->body) * (s->body->angular_velocity - rotation.velocity_left) / dt);
+      continue;
+    }
     for (std::size_t i = 0; i < nodes->size(); ++i) {
       if (s->inverse_mass[i] == 0) continue;
       NodeMemory& m = (*nodes)[i];
       const Vec3 force = ((s->velocity[i] - m.velocity_left) / dt - gravity) / s->inverse_mass[i];
-      m.response += fresh * (force - m.response);
+      m.respond(fresh, force);
     }
   }
 }
@@ -65,11 +80,13 @@ void LoadMemory::record_load(double dt, Span<SurfaceMotion* const> surfaces) {
   for (const SurfaceMotion* s : surfaces) {
     std::vector<NodeMemory>* nodes = find(*s);
     if (nodes == nullptr) continue;
-    for (std::size_t i = 0; i < nodes->size(); ++i) {
-      NodeMemory& m = (*nodes)[i];
-      m.velocity_left = s->velocity[i];
-      m.load += fresh * (s->impulse[i] / dt - m.load);
+    if (s->body) {
+      (*nodes)[0].record(fresh, s->body->velocity, s->body->impulse / dt);
+      (*nodes)[1].record(fresh, s->body->angular_velocity, s->body->angular_impulse / dt);
+      continue;
     }
+    for (std::size_t i = 0; i < nodes->size(); ++i)
+      (*nodes)[i].record(fresh, s->velocity[i], s->impulse[i] / dt);
   }
 }
 

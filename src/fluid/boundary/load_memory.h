@@ -23,7 +23,8 @@ class LoadMemory {
   /// Once per step, before the hosts are scattered: the impulses of this step.
   void record_load(double dt, Span<SurfaceMotion* const> surfaces);
 
-  /// J^carried: impulse of the load that the host is expected to carry within dt [N s] (B.28).
+  /// J^carried: impulse of the load that the host is expected to carry within dt [N s] (B.28). Of a body,
+  /// "node" 0 is the impulse at its centre of mass and 1 the angular impulse [N m s].
   Vec3 carried_impulse(std::uint64_t surface_id, std::uint32_t node, double dt) const;
 
   void visit(Archive& archive);
@@ -35,6 +36,12 @@ class LoadMemory {
     Vec3 velocity_left = Vec3::Zero();  // at the end of the last step [m/s]
     Vec3 load = Vec3::Zero();           // of fluid and contact [N]
     Vec3 response = Vec3::Zero();       // of the host, without gravity [N]
+
+    void respond(double fresh, const Vec3& force) { response += fresh * (force - response); }
+    void record(double fresh, const Vec3& velocity, const Vec3& force) {
+      velocity_left = velocity;
+      load += fresh * (force - load);
+    }
   };
 
   void forget_others(Span<SurfaceMotion* const> surfaces);

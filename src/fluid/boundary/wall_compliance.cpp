@@ -76,6 +76,7 @@ void WallCompliance::couple_nodes() {
 
 void WallCompliance::sum_rows(const Workers& workers) {
   row_sums_.assign(of_point_.begin.size() - 1, 0);
+  if (!bodies_.empty()) bodies_.add_row_sums(row_sums_);
   if (!has_free_nodes_) return;
   std::vector<float> of_node(motion_.size());
   workers.for_each(motion_.size(), point_chunk, [&](std::size_t n) {
@@ -88,9 +89,11 @@ void WallCompliance::sum_rows(const Workers& workers) {
   });
 }
 
-void WallCompliance::predict_wall_velocity(const std::vector<float>& theta, const Workers& workers) {
+void WallCompliance::predict_wall_velocity(const std::vector<float>& theta, const std::vector<float>& depth,
+                                           const Workers& workers) {
   OILSKIN_ASSERT(theta.size() == normal_flux_.size());
-  if (has_free_nodes_) set_wall_velocity(theta, workers);
+  if (!bodies_.empty()) bodies_.predict(theta, depth, workers);
+  if (yields()) set_wall_velocity(theta, workers);
 }
 
 void WallCompliance::set_wall_velocity(const std::vector<float>& theta, const Workers& workers) {
@@ -101,8 +104,10 @@ void WallCompliance::set_wall_velocity(const std::vector<float>& theta, const Wo
     if (node.inverse_mass == 0) return;
     wall_velocity_[n] -= node.inverse_mass * (node.carried + reaction_to(n, theta));
   });
-  workers.for_each(normal_flux_.size(), point_chunk,
-                   [&](std::size_t k) { normal_flux_[k] = flux_at(k, wall_velocity_); });
+  workers.for_each(normal_flux_.size(), point_chunk, [&](std::size_t k) {
+    normal_flux_[k] = flux_at(k, wall_velocity_);
+    if (!bodies_.empty()) normal_flux_[k] += bodies_.flux_at(k);
+  });
 }
 
 /// −J_c (B.14) [N s]: what the node gives to the particles.
@@ -153,7 +158,7 @@ void WallCompliance::solve(float scale, const std::vector<float>& step, std::vec
                            const Workers& workers) {
   const std::size_t points = normal_flux_.size();
   OILSKIN_ASSERT(step.size() == points && change.size() == points);
-  if (!has_free_nodes_) {
+  if (!yields()) {
     for (std::size_t k = 0; k < points; ++k) change[k] *= step[k];
     return;
   }
@@ -169,11 +174,14 @@ void WallCompliance::solve(float scale, const std::vector<float>& step, std::vec
     workers.for_each(motion_.size(), point_chunk, [&](std::size_t n) {
       velocity_change_[n] = motion_[n].inverse_mass * reaction_to(n, direction_);
     });
+    if (!bodies_.empty()) bodies_.respond(direction_, workers);
     chebyshev.advance();
     workers.for_each(points, point_chunk, [&](std::size_t k) {
       if (step[k] == 0) return;
       float& d = direction_[k];
-      residual_[k] -= solve_step_[k] * (d / step[k] + scale * flux_at(k, velocity_change_));
+      float flux = flux_at(k, velocity_change_);
+      if (!bodies_.empty()) flux += bodies_.flux_at(k);
+      residual_[k] -= solve_step_[k] * (d / step[k] + scale * flux);
       d = chebyshev.keep * d + chebyshev.add * residual_[k];
       change[k] += d;
     });

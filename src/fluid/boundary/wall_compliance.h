@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "fluid/boundary/wall_bodies.h"
 #include "fluid/boundary/wall_nodes.h"
 
 namespace oilskin::fluid {
@@ -17,13 +18,19 @@ struct WallNodeMotion {
 
 class WallCompliance {
  public:
-  /// `motion` per node; particle_mass [kg]. Starts with the wall velocities at zero pressure.
+  /// `motion` per node; particle_mass [kg]. Starts with the wall velocities at zero pressure. `bodies` are
+  /// built already.
   void build(const WallGeometry& geometry, const WallNodes& nodes, std::vector<WallNodeMotion> motion,
              double particle_mass, const Workers& workers);
 
-  /// Wall velocities at the end of the interval if point k has the wall pressure theta[k] [m/s], without the
-  /// depth correction, which is 0 at free nodes. Writes normal_flux().
-  void predict_wall_velocity(const std::vector<float>& theta, const Workers& workers);
+  /// Rigid bodies among the walls.
+  WallBodies& bodies() { return bodies_; }
+  const WallBodies& bodies() const { return bodies_; }
+
+  /// Wall velocities at the end of the interval if point k has the wall pressure theta[k] + depth[k] d_T
+  /// [m/s]. d_T is 0 at free nodes, so only bodies read `depth`. Writes normal_flux().
+  void predict_wall_velocity(const std::vector<float>& theta, const std::vector<float>& depth,
+                             const Workers& workers);
   /// f_k = Σ_T γ_T·v_T per point [m/s] (B.19).
   const std::vector<float>& normal_flux() const { return normal_flux_; }
 
@@ -54,12 +61,14 @@ class WallCompliance {
   void couple_nodes();
   void sum_rows(const Workers& workers);
   void set_wall_velocity(const std::vector<float>& theta, const Workers& workers);
+  bool yields() const { return has_free_nodes_ || !bodies_.empty(); }
   Eigen::Vector3f reaction_to(std::size_t node, const std::vector<float>& theta) const;
   float flux_at(std::size_t point, const std::vector<Eigen::Vector3f>& velocity) const;
   float max_row(float scale, const std::vector<float>& step) const;
 
   float mass_ = 0;  // of a particle [kg]
   bool has_free_nodes_ = false;
+  WallBodies bodies_;
   std::vector<WallNodeMotion> motion_;
   Couplings of_point_, of_node_;
   std::vector<float> normal_flux_, row_sums_;

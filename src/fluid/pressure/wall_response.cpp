@@ -41,9 +41,17 @@ void WallResponse::predict_walls(StepState& state, Pressures phi) {
   const std::vector<WallPoint>& points = state.boundary.points();
   OILSKIN_ASSERT(theta_.size() == points.size());
   for (std::size_t k = 0; k < points.size(); ++k) theta_[k] = per_phi * phi[points[k].particle];
-  if (!state.mass_ratio.empty())
-    for (std::size_t k = 0; k < points.size(); ++k) theta_[k] *= state.mass_ratio[points[k].particle];
-  state.boundary.compliance().predict_wall_velocity(theta_, state.workers);
+  depth_.clear();
+  if (state.boundary.has_bodies()) {
+    depth_.resize(points.size());
+    for (std::size_t k = 0; k < points.size(); ++k)
+      depth_[k] = per_phi * load_on_walls(points[k], phi[points[k].particle]).per_depth;
+  }
+  for (std::vector<float>* pressure : {&theta_, &depth_})
+    if (!state.mass_ratio.empty())
+      for (std::size_t k = 0; k < pressure->size(); ++k)
+        (*pressure)[k] *= state.mass_ratio[points[k].particle];
+  state.boundary.compliance().predict_wall_velocity(theta_, depth_, state.workers);
 }
 
 void WallResponse::constrain_at(const StepState& state, std::uint32_t k, float phi,

@@ -70,6 +70,7 @@ class WallResponse {
   float phi_per_depth_ = 0;  // φ_g of (B.16): hydrostatic, per H of depth
   // Per point of the boundary
   std::vector<float> theta_;    // [m/s] (B.11)
+  std::vector<float> depth_;    // θ′ of (B.16) [m/s]; where there are bodies
   std::vector<float> density_;  // λ*
   std::vector<float> step_, change_;
   std::vector<WallLoad<double>> load_;

@@ -1,0 +1,92 @@
+#include "rigid_body_host.h"
+
+#include <algorithm>
+
+#include "convert.h"
+#include "core/body_motion.h"
+
+namespace oilskin::bullet {
+
+namespace {
+
+/// Bullet multiplies the change of the angular velocity with the factor; with the moment multiplied too, what
+/// is left of the inertia is symmetric, and no impulse makes energy.
+Eigen::Matrix3d inverse_inertia(const btRigidBody& body) {
+  Eigen::Matrix3d inverse;
+  for (int row = 0; row < 3; ++row) inverse.row(row) = to_vec3(body.getInvInertiaTensorWorld().getRow(row));
+  const Vec3 factor = to_vec3(body.getAngularFactor());
+  return factor.asDiagonal() * (0.5 * (inverse + inverse.transpose())) * factor.asDiagonal();
+}
+
+BodyMotion motion_of(const btRigidBody& body) {
+  BodyMotion motion;
+  motion.inverse_mass = static_cast<double>(body.getInvMass()) * to_vec3(body.getLinearFactor());
+  motion.inverse_inertia = inverse_inertia(body);
+  motion.center_t1 = to_vec3(body.getCenterOfMassPosition());
+  motion.velocity = to_vec3(body.getLinearVelocity());
+  motion.angular_velocity = to_vec3(body.getAngularVelocity());
+  motion.gravity = to_vec3(body.getGravity());
+  return motion;
+}
+
+/// Of the way from x_t0 to `proposed`, the part that the nodes went: less than 1 where contact held the body.
+double part_of_way(const SurfaceMotion& motion, const std::vector<Vec3>& proposed) {
+  double along = 0, whole = 0;
+  for (std::size_t i = 0; i < proposed.size(); ++i) {
+    const Vec3 way = proposed[i] - motion.x_t0[i];
+    along += way.dot(motion.x_t1[i] - motion.x_t0[i]);
+    whole += way.squaredNorm();
+  }
+  return whole > 0 ? std::clamp(along / whole, 0.0, 1.0) : 1;
+}
+
+}  // namespace
+
+bool RigidBodyHost::is_dynamic() const {
+  return !body_->isStaticOrKinematicObject() && body_->getInvMass() > 0 &&
+         body_->getActivationState() != DISABLE_SIMULATION;
+}
+
+Gathered RigidBodyHost::gather(double dt, SurfaceMotion& motion) {
+  Gathered gathered = CollisionObjectHost::gather(dt, motion);
+  motion.body.reset();
+  if (!gathered.status.ok() || !is_dynamic()) return gathered;
+  gathered.unchanged = false;
+  motion.revision = 0;
+  motion.body = motion_of(*body_);
+  motion.body->center_t0 = motion.body->center_t1;
+  for (std::size_t i = 0; i < motion.velocity.size(); ++i)
+    motion.velocity[i] = velocity_at(*motion.body, motion.x_t1[i] - motion.body->center_t1);
+  motion.holdable.assign(motion.x_t1.size(), 1);
+  proposed_ = motion.x_t1;
+  if (dt == 0) start_ = body_->getWorldTransform();
+  return gathered;
+}
+
+void RigidBodyHost::scatter(SurfaceMotion& motion) {
+  if (!motion.body) return CollisionObjectHost::scatter(motion);
+  const BodyMotion& body = *motion.body;
+  if (!body.impulse.isZero(0) || !body.angular_impulse.isZero(0)) {
+    body_->activate();
+    body_->applyCentralImpulse(to_bt(body.impulse));
+    body_->applyTorqueImpulse(to_bt(to_vec3(body_->getAngularFactor()).cwiseProduct(body.angular_impulse)));
+  }
+  if (motion.x_t1 != proposed_) hold(motion);
+  start_ = body_->getWorldTransform();
+}
+
+/// The certified nodes remain where they are: the transform follows them to rounding.
+void RigidBodyHost::hold(const SurfaceMotion& motion) {
+  const auto part = static_cast<btScalar>(part_of_way(motion, proposed_));
+  const btTransform& end = body_->getWorldTransform();
+  btTransform held = start_;
+  if (part > 0) {
+    held.setOrigin(start_.getOrigin().lerp(end.getOrigin(), part));
+    held.setRotation(start_.getRotation().slerp(end.getRotation(), part));
+  }
+  body_->setCenterOfMassTransform(held);
+  body_->setInterpolationWorldTransform(held);
+  forget_positions();
+}
+
+}  // namespace oilskin::bullet

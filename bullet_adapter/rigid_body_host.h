@@ -1,0 +1,32 @@
+/// A btRigidBody, dynamic or not, as a surface.
+#pragma once
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include "collision_object_host.h"
+
+namespace oilskin::bullet {
+
+/// While the body is dynamic it receives the impulses of the water: Bullet's sub-step has moved it already,
+/// so they act from the next one on. Contact may hold it for an interval, where a particle has no other way
+/// out. Linear and angular factors are respected. While it is static or kinematic, it is a
+/// CollisionObjectHost.
+class RigidBodyHost : public CollisionObjectHost {
+ public:
+  /// Static planes are clipped to `kill_box` [m].
+  RigidBodyHost(btRigidBody* body, const Box& kill_box) : CollisionObjectHost(body, kill_box), body_(body) {}
+
+  Gathered gather(double dt, SurfaceMotion& motion) override;
+  /// Wakes the body where it received an impulse.
+  void scatter(SurfaceMotion& motion) override;
+
+ private:
+  bool is_dynamic() const;
+  void hold(const SurfaceMotion& motion);
+
+  btRigidBody* body_;
+  btTransform start_ = btTransform::getIdentity();  // as the last step left it
+  std::vector<Vec3> proposed_;                      // positions at the end of this step
+};
+
+}  // namespace oilskin::bullet

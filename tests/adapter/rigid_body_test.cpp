@@ -1,0 +1,255 @@
+// Dynamic rigid bodies of Bullet in the water.
+#include <gtest/gtest.h>
+
+#include "bullet_world.h"
+#include "oilskin/bullet.h"
+
+namespace oilskin::bullet {
+namespace {
+
+using namespace test;
+
+const btVector3 down(0, bt(-9.81), 0);
+
+/// A world with water of 1 cm, without gravity unless it is given.
+class WetWorld {
+ public:
+  explicit WetWorld(const btVector3& gravity = btVector3(0, 0, 0))
+      : bullet(gravity, &solver), water(fluid(), world_of(gravity), verified()) {
+    EXPECT_TRUE(solver.addFluid(&water).ok());
+  }
+  ~WetWorld() {
+    for (auto& b : bodies_) bullet.world.removeRigidBody(b.get());
+  }
+
+  btRigidBody* add(btCollisionShape* shape, double mass, const btVector3& at) {
+    shapes_.emplace_back(shape);
+    shape->setMargin(bt(0.001));
+    btVector3 inertia(0, 0, 0);
+    if (mass > 0) shape->calculateLocalInertia(bt(mass), inertia);
+    btRigidBody::btRigidBodyConstructionInfo info(bt(mass), nullptr, shape, inertia);
+    info.m_startWorldTransform.setOrigin(at);
+    bodies_.push_back(std::make_unique<btRigidBody>(info));
+    bullet.world.addRigidBody(bodies_.back().get());
+    return bodies_.back().get();
+  }
+  btRigidBody* add_box(double mass, const btVector3& half, const btVector3& at) {
+    return add(new btBoxShape(half), mass, at);
+  }
+  /// A square tank, its floor at y = 0.
+  void add_tank(double width, double height) {
+    const btScalar w = bt(width / 2), h = bt(height / 2), t = bt(0.02);
+    std::vector<btRigidBody*> walls = {add_box(0, {w + 2 * t, t, w + 2 * t}, {0, -t, 0})};
+    for (btScalar side : {bt(-1), bt(1)}) {
+      walls.push_back(add_box(0, {t, h, w + 2 * t}, {side * (w + t), h, 0}));
+      walls.push_back(add_box(0, {w, h, t}, {0, h, side * (w + t)}));
+    }
+    for (btRigidBody* wall : walls) EXPECT_TRUE(solver.addCollisionObject(wall, bt(0.002)).ok());
+  }
+  /// Fills the box with particles that are not in `body`.
+  void fill_around(const btVector3& low, const btVector3& high, btRigidBody* body) {
+    std::vector<Vec3> x;
+    const btTransform inside = body->getWorldTransform().inverse();
+    const btVector3 half = static_cast<btBoxShape*>(body->getCollisionShape())->getHalfExtentsWithoutMargin();
+    for (double i = double(low.x()) + 0.005; i < double(high.x()); i += 0.01)
+      for (double j = double(low.y()) + 0.005; j < double(high.y()); j += 0.01)
+        for (double k = double(low.z()) + 0.005; k < double(high.z()); k += 0.01) {
+          const btVector3 local = (inside * btVector3(bt(i), bt(j), bt(k))).absolute() - half;
+          if (local[local.maxAxis()] > bt(0.003)) x.emplace_back(i, j, k);
+        }
+    EXPECT_TRUE(water.getWorld().add_particles(x, std::vector<Vec3>(x.size(), Vec3::Zero())).ok());
+  }
+  void run(double seconds, double dt) {
+    for (double t = 0; t < seconds - 1e-9; t += dt) {
+      bullet.step(dt);
+      const StepReport& r = solver.getReport();
+      ASSERT_TRUE(r.status.ok()) << r.status.message;
+      ASSERT_EQ(r.contact.crossings_found_by_verify, 0u);
+      ASSERT_EQ(r.flags & (flag_leaked | flag_scatter_mismatch | flag_no_promise | flag_surface_refused), 0u);
+    }
+  }
+  Vec3 water_momentum() const {
+    Vec3 sum = Vec3::Zero();
+    const World& w = water.getWorld();
+    for (std::size_t i = 0; i < w.particle_count(); ++i) sum += w.particle_mass() * w.velocities()[i];
+    return sum;
+  }
+
+  btFluidSoftBodySolver solver;
+  SoftWorld bullet;
+  btFluid water;
+
+ private:
+  static FluidSettings fluid() {
+    FluidSettings f;
+    f.spacing = 0.01;
+    return f;
+  }
+  static WorldSettings world_of(const btVector3& gravity) {
+    WorldSettings w = small_world();
+    w.gravity = to_vec3(gravity);
+    return w;
+  }
+
+  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
+  std::vector<std::unique_ptr<btRigidBody>> bodies_;
+};
+
+Vec3 momentum(const btRigidBody& body) {
+  return to_vec3(body.getLinearVelocity()) / static_cast<double>(body.getInvMass());
+}
+
+TEST(RigidBody, takes_the_momentum_that_the_water_loses) {
+  for (int shape = 0; shape < 4; ++shape) {
+    WetWorld w;
+    btConvexHullShape* hull = new btConvexHullShape();
+    for (int c = 0; c < 8; ++c)
+      hull->addPoint(btVector3(bt(c & 1 ? 0.05 : -0.05), bt(c & 2 ? 0.03 : -0.03), bt(c & 4 ? 0.06 : -0.02)));
+    btCompoundShape* compound = new btCompoundShape();
+    btBoxShape part(btVector3(bt(0.03), bt(0.03), bt(0.03)));
+    for (double at : {-0.03, 0.03})
+      compound->addChildShape(btTransform(btQuaternion::getIdentity(), btVector3(bt(at), 0, 0)), &part);
+    btCollisionShape* shapes[] = {new btBoxShape(btVector3(bt(0.05), bt(0.03), bt(0.05))), hull, compound,
+                                  new btSphereShape(bt(0.05))};
+    btRigidBody* body = nullptr;
+    for (int s = 0; s < 4; ++s)
+      if (s == shape)
+        body = w.add(shapes[s], 0.2, btVector3(0, 0, 0));
+      else
+        delete shapes[s];
+    body->setDamping(0, 0);
+    body->setAngularVelocity(btVector3(2, -1, 3));
+    ASSERT_TRUE(w.solver.addRigidBody(body, bt(0.001)).ok());
+    ASSERT_TRUE(
+        w.water.addBox({bt(0), bt(0.08), bt(-0.03)}, {bt(0.06), bt(0.13), bt(0.03)}, {0, -2, 0}).ok());
+    w.run(0.002, 0.002);
+    const Vec3 start = w.water_momentum() + momentum(*body);
+    w.run(0.1, 0.002);
+    EXPECT_GT(momentum(*body).norm(), 0.1 * start.norm()) << "shape " << shape;
+    const Vec3 gained = w.water_momentum() + momentum(*body) - start;
+    EXPECT_LE(gained.norm(), (is_double ? 1e-12 : 1e-5) * start.norm()) << "shape " << shape;
+    EXPECT_GT(body->getAngularVelocity().length(), 0.1);
+  }
+}
+
+TEST(RigidBody, floats_with_the_draught_of_archimedes) {
+  WetWorld w(down);
+  w.add_tank(0.2, 0.2);
+  btRigidBody* body =
+      w.add_box(0.5 * 0.09 * 0.06 * 0.09 * 1000, {bt(0.045), bt(0.03), bt(0.045)}, {0, bt(0.09), 0});
+  ASSERT_TRUE(w.solver.addRigidBody(body, bt(0.002)).ok());
+  w.fill_around({bt(-0.1), 0, bt(-0.1)}, {bt(0.1), bt(0.09), bt(0.1)}, body);
+  const double volume = static_cast<double>(w.water.getNumParticles()) * 1e-6;
+  w.run(0.6, 0.005);
+  double draught = 0;
+  for (int k = 0; k < 40; ++k) {
+    w.run(0.005, 0.005);
+    const double level = (volume + 0.5 * 0.09 * 0.06 * 0.09) / 0.04;
+    draught += (level - (static_cast<double>(body->getWorldTransform().getOrigin().y()) - 0.03)) / 40;
+  }
+  EXPECT_NEAR(draught, 0.03, 0.4 * 0.01);
+  EXPECT_EQ(body->getActivationState(), ACTIVE_TAG) << "water keeps it awake";
+}
+
+TEST(RigidBody, sinks_where_it_is_heavier_and_comes_to_rest_on_bullets_floor) {
+  WetWorld w(down);
+  w.add_tank(0.14, 0.2);
+  btRigidBody* body =
+      w.add_box(2.0 * 0.06 * 0.06 * 0.06 * 1000, {bt(0.03), bt(0.03), bt(0.03)}, {0, bt(0.05), 0});
+  ASSERT_TRUE(w.solver.addRigidBody(body, bt(0.002)).ok());
+  w.fill_around({bt(-0.07), 0, bt(-0.07)}, {bt(0.07), bt(0.1), bt(0.07)}, body);
+  w.run(1.4, 0.004);
+  const double height = static_cast<double>(body->getWorldTransform().getOrigin().y());
+  EXPECT_GT(height, 0.0295);
+  EXPECT_LT(height, 0.0345) << "a film of at most two thicknesses is below it";
+  EXPECT_LT(static_cast<double>(body->getAngularVelocity().length()), 1);
+}
+
+TEST(RigidBody, respects_factors_and_what_bullet_calls_dynamic) {
+  WetWorld w;
+  btRigidBody* body = w.add_box(0.1, {bt(0.03), bt(0.03), bt(0.03)}, {0, 0, 0});
+  body->setLinearFactor(btVector3(1, 0, 1));
+  body->setAngularFactor(btVector3(0, 1, 0));
+  ASSERT_TRUE(w.solver.addRigidBody(body, bt(0.001)).ok());
+  ASSERT_TRUE(
+      w.water.addBox({bt(0), bt(0.05), bt(-0.02)}, {bt(0.06), bt(0.09), bt(0.02)}, {bt(0.5), -2, 0}).ok());
+  w.run(0.05, 0.002);
+  EXPECT_EQ(body->getLinearVelocity().y(), 0);
+  EXPECT_EQ(body->getAngularVelocity().x(), 0);
+  EXPECT_GT(w.water.getNumParticles(), 0);
+  const SurfaceMotion* surface = w.solver.getCoupling().getSurface(body);
+  ASSERT_TRUE(surface && surface->body);
+
+  // Kinematic from now on: no impulse reaches it, and its nodes are prescribed.
+  body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+  body->setLinearVelocity(btVector3(0, 0, 0));
+  w.run(0.02, 0.002);
+  EXPECT_EQ(body->getLinearVelocity().length(), 0);
+  EXPECT_FALSE(w.solver.getCoupling().getSurface(body)->body.has_value());
+}
+
+TEST(RigidBody, is_woken_by_water_and_may_be_taken_out_and_deleted_wet) {
+  WetWorld w;
+  btRigidBody* body = w.add_box(0.1, {bt(0.03), bt(0.03), bt(0.03)}, {0, 0, 0});
+  w.solver.setCollisionWorld(&w.bullet.world);
+  ASSERT_TRUE(w.solver.addRigidBody(body, bt(0.001)).ok());
+  body->setActivationState(ISLAND_SLEEPING);
+  w.run(0.01, 0.002);
+  EXPECT_EQ(body->getActivationState(), ISLAND_SLEEPING);
+  ASSERT_TRUE(
+      w.water.addBox({bt(-0.02), bt(0.05), bt(-0.02)}, {bt(0.02), bt(0.09), bt(0.02)}, {0, -2, 0}).ok());
+  w.run(0.05, 0.002);
+  EXPECT_EQ(body->getActivationState(), ACTIVE_TAG);
+  EXPECT_LT(body->getLinearVelocity().y(), bt(-0.05));
+
+  w.bullet.world.removeRigidBody(body);
+  w.run(0.004, 0.002);
+  EXPECT_EQ(w.solver.getCoupling().getSurface(body), nullptr);
+  const std::vector<std::string> messages = w.solver.takeMessages();
+  EXPECT_FALSE(messages.empty());
+  w.bullet.world.addRigidBody(body);
+  EXPECT_TRUE(w.solver.addRigidBody(body, bt(0.001)).ok());
+  w.solver.removeRigidBody(body);
+  w.solver.removeRigidBody(body);
+}
+
+TEST(RigidBody, refusals_say_what_to_do) {
+  WetWorld w;
+  btRigidBody* body = w.add_box(0.1, {bt(0.03), bt(0.03), bt(0.03)}, {0, 0, 0});
+  EXPECT_NE(w.solver.addRigidBody(nullptr, bt(0.001)).message.find("null"), std::string::npos);
+  EXPECT_NE(w.solver.addCollisionObject(body, bt(0.001)).message.find("addRigidBody()"), std::string::npos);
+  EXPECT_FALSE(w.solver.addRigidBody(body, bt(-1)).ok());
+  EXPECT_FALSE(w.solver.addRigidBody(body, bt(50)).ok()) << "millimetres";
+  ASSERT_TRUE(w.solver.addRigidBody(body, bt(0.001)).ok());
+  EXPECT_NE(w.solver.addRigidBody(body, bt(0.001)).message.find("already"), std::string::npos);
+  btFluidCoupling other;
+  EXPECT_NE(other.addRigidBody(body, bt(0.001)).message.find("another coupling"), std::string::npos);
+}
+
+/// A press drives a body through water onto the floor; masses of a millionth and a million times the water's.
+TEST(RigidBody, that_is_crushed_in_water_lets_nothing_through) {
+  for (double mass : {1e-6, 1., 1e6}) {
+    WetWorld w(down);
+    w.add_tank(0.1, 0.2);
+    btRigidBody* body = w.add_box(mass, {bt(0.03), bt(0.01), bt(0.03)}, {0, bt(0.05), 0});
+    btRigidBody* press = w.add_box(0, {bt(0.04), bt(0.01), bt(0.04)}, {0, bt(0.1), 0});
+    press->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    press->setActivationState(DISABLE_DEACTIVATION);
+    ASSERT_TRUE(w.solver.addRigidBody(body, bt(0.002)).ok());
+    ASSERT_TRUE(w.solver.addCollisionObject(press, bt(0.002)).ok());
+    w.fill_around({bt(-0.05), 0, bt(-0.05)}, {bt(0.05), bt(0.06), bt(0.05)}, body);
+    std::uint64_t lost = 0;
+    for (int k = 0; k < 40; ++k) {
+      btTransform at = press->getWorldTransform();
+      at.setOrigin(btVector3(0, bt(std::max(0.02, 0.1 - 0.004 * k)), 0));
+      press->setWorldTransform(at);
+      w.run(0.005, 0.005);
+      lost += w.solver.getReport().contact.removed;
+    }
+    EXPECT_LT(lost, 30u) << "what the press closes on may be removed, and is counted";
+    EXPECT_TRUE(to_vec3(body->getWorldTransform().getOrigin()).allFinite());
+  }
+}
+
+}  // namespace
+}  // namespace oilskin::bullet
