@@ -4,6 +4,7 @@
 
 #include "contact/contacts.h"
 #include "contact/impacts.h"
+#include "contact/zone_velocity.h"
 #include "core/assert.h"
 #include "core/body_motion.h"
 #include "core/disjoint_sets.h"
@@ -69,7 +70,6 @@ class Zones {
   void translate_with_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement);
   void hold(const std::vector<std::uint32_t>& members, bool hold_prescribed);
   std::vector<std::uint32_t> bodies_of(const std::vector<std::uint32_t>& members) const;
-  void give_velocity(BodyMotion& body, const Vec3& velocity);
   void count_members();
 
   Context& context_;
@@ -297,43 +297,23 @@ std::vector<std::uint32_t> Zones::bodies_of(const std::vector<std::uint32_t>& me
   return bodies;
 }
 
-/// By an impulse at the centre of mass, along its free axes.
-void Zones::give_velocity(BodyMotion& body, const Vec3& velocity) {
-  Vec3 impulse = Vec3::Zero();
-  for (int k = 0; k < 3; ++k)
-    if (body.inverse_mass[k] > 0) impulse[k] = (velocity[k] - body.velocity[k]) / body.inverse_mass[k];
-  push_body(body, Vec3::Zero(), impulse);
-  context_.report->impulse_on_bodies += impulse;
-}
-
 /// A held body takes part in the common velocity, but keeps its rotation.
 void Zones::hold(const std::vector<std::uint32_t>& members, bool hold_prescribed) {
-  Vec3 mass = Vec3::Zero(), momentum = Vec3::Zero();
-  for (std::uint32_t m : members) {
-    if (inverse_mass(m) == 0) continue;
-    mass.array() += 1 / inverse_mass(m);
-    momentum += velocity(m) / inverse_mass(m);
-  }
+  ZoneVelocity common;
+  for (std::uint32_t m : members)
+    if (inverse_mass(m) > 0) common.add(inverse_mass(m), velocity(m));
   const std::vector<std::uint32_t> bodies =
       hold_prescribed ? bodies_of(members) : std::vector<std::uint32_t>();
-  for (std::uint32_t s : bodies) {
-    const BodyMotion& body = *context_.surfaces[s]->body;
-    for (int k = 0; k < 3; ++k) {
-      if (!(body.inverse_mass[k] > 0)) continue;
-      mass[k] += 1 / body.inverse_mass[k];
-      momentum[k] += body.velocity[k] / body.inverse_mass[k];
-    }
-  }
-  const Vec3 common = (mass.array() > 0).select(momentum.cwiseQuotient(mass), Vec3::Zero());
+  for (std::uint32_t s : bodies) common.add(*context_.surfaces[s]->body);
   for (std::uint32_t s : bodies) {
     BodyMotion& body = *context_.surfaces[s]->body;
-    give_velocity(body, common);
+    common.give(body, *context_.report);
     body.center_t1 = body.center_t0;
   }
   for (std::uint32_t m : members) {
     if (inverse_mass(m) > 0) {
       set_end(m, start(m));
-      set_velocity(m, common);
+      set_velocity(m, common.value());
       was_held_[m] = 1;
     } else if (hold_prescribed && is_holdable(m)) {
       set_end(m, start(m));

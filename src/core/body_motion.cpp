@@ -68,6 +68,14 @@ Eigen::Matrix3d inertia_of(const BodyMotion& body) {
   return of.eigenvectors() * inertia.asDiagonal() * of.eigenvectors().transpose();
 }
 
+void start_body(SurfaceMotion& m, const std::optional<BodyMotion>& before, bool is_new, double dt) {
+  if (!m.body) return;
+  m.body->host_step = dt;
+  m.body->center_t0 = is_new || !before ? m.body->center_t1 : before->center_t1;
+  m.body->impulse.setZero();
+  m.body->angular_impulse.setZero();
+}
+
 Status check_body(const SurfaceMotion& s) {
   if (!s.body) return {};
   const BodyMotion& body = *s.body;

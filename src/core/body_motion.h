@@ -52,6 +52,10 @@ void set_node_velocities(SurfaceMotion& surface);
 /// The inertia about the centre of mass [kg m²]; 0 about axes that the host locks.
 Eigen::Matrix3d inertia_of(const BodyMotion& body);
 
+/// What the caller of contact fills in of a body for a step of dt [s]. `before`: the body as the last step
+/// left it; a new surface starts where it ends.
+void start_body(SurfaceMotion& surface, const std::optional<BodyMotion>& before, bool is_new, double dt);
+
 /// Refuses numbers that are not finite or beyond 1e15, and masses and inertias that make no sense.
 Status check_body(const SurfaceMotion& surface);
 

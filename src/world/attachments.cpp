@@ -97,15 +97,6 @@ Status refuse_unchanged() {
       "leave it as it is where it finds its own number there");
 }
 
-/// What the caller of contact fills in of a body. `before`: the body at the end of the last step.
-void start_body(SurfaceMotion& m, const std::optional<BodyMotion>& before, bool is_new, double dt) {
-  if (!m.body) return;
-  m.body->host_step = dt;
-  m.body->center_t0 = is_new || !before ? m.body->center_t1 : before->center_t1;
-  m.body->impulse.setZero();
-  m.body->angular_impulse.setZero();
-}
-
 }  // namespace
 
 void Attachments::note_stillness(SurfaceMotion& m) {
@@ -309,9 +300,9 @@ namespace {
 void copy_changes(const SurfaceMotion& from, SurfaceMotion& to) {
   // Names every member: a new one that is forgotten here does not compile.
   const auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, x_t0, x_t1,
-               velocity, velocity_t0, inverse_mass, holdable, added_mass, impulse, moved, touched, revision,
-               still, carried_mass, absorbed_mass] = from;
-  OILSKIN_ASSERT(still != 0 && to.still == still && to.id == id && to.x_t1.size() == x_t1.size());
+               velocity, velocity_t0, inverse_mass, holdable, added_mass, body, impulse, moved, touched,
+               revision, still, carried_mass, absorbed_mass] = from;
+  OILSKIN_ASSERT(!body && still != 0 && to.still == still && to.id == id && to.x_t1.size() == x_t1.size());
   OILSKIN_ASSERT(to.storage == storage && to.triangles.size() == triangles.size());
   OILSKIN_ASSERT(to.velocity.size() == velocity.size() && to.inverse_mass.size() == inverse_mass.size());
   OILSKIN_ASSERT(to.x_t0.size() == x_t0.size() && velocity_t0.empty() && added_mass.empty());
