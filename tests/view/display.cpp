@@ -19,9 +19,26 @@ constexpr int longest_wait = 60;  // [s]
 /// Ends a child and waits for it.
 void end(pid_t child) {
   if (child <= 0) return;
-  kill(child, SIGTERM);
-  int status = 0;
-  waitpid(child, &status, 0);
+  if (kill(child, SIGTERM) == 0) waitpid(child, nullptr, 0);
+}
+
+[[noreturn]] void become_server(const std::string& name) {
+  const int nowhere = open("/dev/null", O_WRONLY);
+  dup2(nowhere, 1);
+  dup2(nowhere, 2);
+  execl(OILSKIN_XVFB, "Xvfb", name.c_str(), "-screen", "0", "1280x800x24", "-noreset", "-nolisten", "tcp",
+        nullptr);
+  _exit(127);
+}
+
+/// Whether this server, and no other of the same name, takes clients.
+bool answers(const std::string& name, pid_t server) {
+  const std::string question = "DISPLAY=" + name + " " OILSKIN_XDOTOOL " getdisplaygeometry >/dev/null 2>&1";
+  for (int k = 0; k < 50 && waitpid(server, nullptr, WNOHANG) == 0; ++k) {
+    usleep(200000);
+    if (std::system(question.c_str()) == 0) return waitpid(server, nullptr, WNOHANG) == 0;
+  }
+  return false;
 }
 
 }  // namespace
@@ -55,24 +72,17 @@ bool is_cloth(int r, int g, int b) {
 }
 
 Display::Display() {
-  int ends[2];
-  if (pipe(ends) != 0) return;
-  server_ = fork();
-  if (server_ == 0) {
-    close(ends[0]);
-    const std::string write_end = std::to_string(ends[1]);
-    const int nowhere = open("/dev/null", O_WRONLY);
-    dup2(nowhere, 1);
-    dup2(nowhere, 2);
-    execl(OILSKIN_XVFB, "Xvfb", "-displayfd", write_end.c_str(), "-screen", "0", "1280x800x24", "-noreset",
-          "-nolisten", "tcp", nullptr);
-    _exit(127);
+  // The first number from there on that is free.
+  const int first = 100 + getpid() % 400;
+  for (int number = first; number < first + 20 && name_.empty(); ++number) {
+    const std::string name = ":" + std::to_string(number);
+    server_ = fork();
+    if (server_ == 0) become_server(name);
+    if (answers(name, server_))
+      name_ = name;
+    else
+      end(server_);
   }
-  close(ends[1]);
-  char text[16] = "";
-  const ssize_t length = read(ends[0], text, sizeof text - 1);  // once the server is ready
-  close(ends[0]);
-  if (length > 0) name_ = ":" + std::to_string(std::atoi(text));
 }
 
 Display::~Display() {

@@ -14,7 +14,12 @@ constexpr double no_budget = std::numeric_limits<double>::infinity();
 
 struct Opened {
   LiveScene live = test::live_scene(test::small_scene());
-  Viewer viewer{live, 640, 480};
+  Viewer viewer{live, 640 + panel_width, 480};
+
+  /// Of a point, in the window.
+  Vec3 pixel_of(const Vec3& point) const {
+    return viewer.camera().pixel(point, 640, 480) + Vec3(panel_width, 0, 0);
+  }
 
   void advance(double wall) { viewer.advance(wall, no_budget); }
   void obey(const std::string& command) {
@@ -62,21 +67,34 @@ TEST(Viewer, the_mouse_takes_the_cloth_under_it_and_pulls_it) {
   Opened o;
   o.advance(0.01);
   const Vec3 on_cloth = o.live.simulation().cloth(0)->x_t1[6 * 13 + 6];
-  const Vec3 pixel = o.viewer.camera().pixel(on_cloth, 640, 480);
+  const Vec3 pixel = o.pixel_of(on_cloth);
   ASSERT_TRUE(o.viewer.grab(pixel.x(), pixel.y(), false));
   o.viewer.drag(pixel.x(), pixel.y() - 40);
   o.advance(0.3);
-  const Vec3 now = o.viewer.camera().pixel(o.live.simulation().cloth(0)->x_t1[6 * 13 + 6], 640, 480);
+  const Vec3 now = o.pixel_of(o.live.simulation().cloth(0)->x_t1[6 * 13 + 6]);
   EXPECT_NEAR(now.x(), pixel.x(), 2);
   EXPECT_NEAR(now.y(), pixel.y() - 40, 2);
   o.viewer.let_go();
   EXPECT_FALSE(o.live.simulation().grip());
 }
 
+TEST(Viewer, the_scene_stands_beside_the_panel_where_there_is_space_for_both) {
+  Opened o;
+  EXPECT_EQ(o.viewer.left(), panel_width);
+  const Ray beside = o.viewer.ray(o.pixel_of(Vec3(0.1, 0, 0)).x(), o.pixel_of(Vec3(0.1, 0, 0)).y());
+  o.obey("panel off");
+  EXPECT_EQ(o.viewer.left(), 0);
+  o.viewer.resize(640, 480);
+  const Vec3 pixel = o.viewer.camera().pixel(Vec3(0.1, 0, 0), 640, 480);
+  EXPECT_LT((o.viewer.ray(pixel.x(), pixel.y()).direction - beside.direction).norm(), 1e-12);
+  o.obey("panel on");
+  EXPECT_EQ(o.viewer.left(), 0) << "the window is narrow";
+}
+
 TEST(Viewer, static_bodies_are_taken_only_when_asked) {
   Opened o;
   o.advance(0.01);
-  const Vec3 pixel = o.viewer.camera().pixel(Vec3(0.28, -0.28, 0.28), 640, 480);
+  const Vec3 pixel = o.pixel_of(Vec3(0.28, -0.28, 0.28));
   EXPECT_FALSE(o.viewer.grab(pixel.x(), pixel.y(), false));
   EXPECT_TRUE(o.viewer.grab(pixel.x(), pixel.y(), true));
   EXPECT_TRUE(o.live.simulation().grip()->is_body);

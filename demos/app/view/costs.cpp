@@ -22,7 +22,7 @@ std::vector<CostPart> cost_parts(const StepCosts& costs) {
                                  {"effects", s.effects, {171, 71, 188}},
                                  {"proximity", s.proximity, {255, 213, 79}},
                                  {"impulses", s.impulses, {255, 167, 38}},
-                                 {"continuous test", s.ccd, {244, 81, 30}},
+                                 {"continuous", s.ccd, {244, 81, 30}},
                                  {"zones", s.zones, {183, 28, 28}},
                                  {"verify", s.verify, {104, 159, 56}}};
   parts.push_back({"other", std::max(0.0, costs.total - sum_of(parts)), {189, 189, 189}});

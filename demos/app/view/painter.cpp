@@ -150,11 +150,11 @@ void Painter::draw_water(const ShowOptions& options, const ShownScene& scene, co
   gl_.DepthFunc(GL_LESS);
 }
 
-void Painter::draw(const ShownScene& scene, const ShowOptions& options, const OrbitCamera& camera, int width,
-                   int height, const std::optional<Grip>& grip, const Vec3& up) {
+void Painter::draw(const ShownScene& scene, const ShowOptions& options, const OrbitCamera& camera, int left,
+                   int width, int height, const std::optional<Grip>& grip, const Vec3& up) {
   upload(scene, options);
   view_ = camera.view().cast<float>();
-  projection_ = camera.projection(static_cast<double>(width) / height).cast<float>();
+  projection_ = camera.projection(static_cast<double>(width - left) / height).cast<float>();
   height_ = height;
   set_cut(options, cut_);
   gl_.Viewport(0, 0, width, height);
@@ -165,6 +165,7 @@ void Painter::draw(const ShownScene& scene, const ShowOptions& options, const Or
   gl_.Disable(GL_BLEND);
   sky_.use();
   nothing_.draw(GL_TRIANGLE_STRIP, 4);
+  gl_.Viewport(left, 0, width - left, height);
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthFunc(GL_LESS);
   draw_surfaces(scene, options, false);

@@ -15,9 +15,10 @@ class Painter {
   /// Throws SceneError where OpenGL lacks something.
   explicit Painter(Gl::Load load);
 
-  /// `grip`: from the held place to its goal, where something is held. `up`: of the sky that water mirrors.
-  void draw(const ShownScene& scene, const ShowOptions& options, const OrbitCamera& camera, int width,
-            int height, const std::optional<Grip>& grip, const Vec3& up);
+  /// Into the window from column `left` on. `grip`: from the held place to its goal, where something is held.
+  /// `up`: of the sky that water mirrors.
+  void draw(const ShownScene& scene, const ShowOptions& options, const OrbitCamera& camera, int left,
+            int width, int height, const std::optional<Grip>& grip, const Vec3& up);
   /// Red, green, blue, from the upper left corner, of what was drawn last.
   std::vector<unsigned char> pixels(int width, int height) const;
 

@@ -10,7 +10,7 @@
 namespace oilskin::demo {
 namespace {
 
-constexpr float panel_width = 345, bar_height = 18;  // [pixels]
+constexpr float width_of_panel = panel_width, bar_height = 18;  // [pixels]
 
 using Places = std::map<std::string, std::array<float, 2>>;
 
@@ -34,7 +34,7 @@ void draw_state(const Viewer& viewer, const PanelNumbers& numbers) {
   const LiveScene& live = viewer.live();
   ImGui::Text("%s   t = %.3f s   step %llu", live.scene().name.c_str(), live.time(),
               static_cast<unsigned long long>(live.counts().steps));
-  ImGui::Text("%zu particles   %.0f frames/s   %.2g x real time", live.world().particle_count(),
+  ImGui::Text("%zu particles   %.0f fps   %.2gx real time", live.world().particle_count(),
               numbers.frames_per_second, numbers.real_time);
   const bool verifies = live.scene().contact.verify;
   if (verifies && live.counts().crossings > 0)
@@ -79,7 +79,7 @@ void choices(Viewer& viewer, Places& places, const char* command, E current,
 void draw_legend(const ColourScale& scale) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float width = panel_width - 30, part = width / 5;
+  const float width = width_of_panel - 30, part = width / 5;
   const auto colour = [](int i) {
     const double* c = water_colour_stops[i];
     return ImGui::GetColorU32(
@@ -132,7 +132,7 @@ void draw_switches(Viewer& viewer, Places& places, SwitchGroup group, const char
   for (const Switch& row : switches()) {
     if (row.group != group) continue;
     const int choice = choice_in(row, viewer.live().settings());
-    if (row.is_toggle && column % 2 == 1) ImGui::SameLine(0.5f * panel_width);
+    if (row.is_toggle && column % 2 == 1) ImGui::SameLine(0.5f * width_of_panel);
     row.is_toggle ? draw_toggle(viewer, row, choice) : draw_combo(viewer, row, choice);
     note_place(places, row.key);
     column = row.is_toggle ? column + 1 : 0;
@@ -144,7 +144,7 @@ void draw_bar(const std::vector<CostPart>& parts, const char* title) {
   ImGui::Text("%s %.1f ms", title, 1e3 * sum);
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float width = panel_width - 30;
+  const float width = width_of_panel - 30;
   float x = at.x;
   for (const CostPart& part : parts) {
     const float w = sum > 0 ? width * static_cast<float>(part.seconds / sum) : 0;
@@ -161,7 +161,7 @@ void draw_names(const std::vector<CostPart>& parts) {
   int column = 0;
   for (const CostPart& part : parts) {
     if (part.seconds <= 0) continue;
-    if (column % 2 == 1) ImGui::SameLine(0.5f * panel_width);
+    if (column % 2 == 1) ImGui::SameLine(0.5f * width_of_panel);
     const ImVec2 at = ImGui::GetCursorScreenPos();
     list->AddRectFilled({at.x, at.y + 2}, {at.x + 10, at.y + 12},
                         IM_COL32(part.colour[0], part.colour[1], part.colour[2], 255));
@@ -182,7 +182,7 @@ void draw_costs(const Viewer& viewer, const PanelNumbers& numbers) {
 }
 
 void draw_notes(const Viewer& viewer, const PanelNumbers& numbers) {
-  ImGui::PushTextWrapPos(panel_width - 15);
+  ImGui::PushTextWrapPos(width_of_panel - 15);
   if (!viewer.message().empty()) ImGui::TextUnformatted(viewer.message().c_str());
   if (!numbers.mesh_refusal.empty()) ImGui::Text("no water mesh: %s", numbers.mesh_refusal.c_str());
   for (const std::string& text : flag_texts(viewer.live().counts().flags))
@@ -195,8 +195,8 @@ void draw_notes(const Viewer& viewer, const PanelNumbers& numbers) {
 Places draw_panel(Viewer& viewer, const PanelNumbers& numbers) {
   Places places;
   if (!viewer.panel()) return places;
-  ImGui::SetNextWindowPos({8, 8}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({panel_width, static_cast<float>(viewer.height()) - 16}, ImGuiCond_Always);
+  ImGui::SetNextWindowPos({0, 0}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({width_of_panel, static_cast<float>(viewer.height())}, ImGuiCond_Always);
   ImGui::SetNextWindowBgAlpha(0.82f);
   ImGui::Begin("oilskin", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);

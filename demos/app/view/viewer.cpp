@@ -33,11 +33,18 @@ void Viewer::use_view(std::size_t number) {
   if (shown_.slice.normal.dot(view.eye - shown_.slice.point) < 0) shown_.slice.normal *= -1;
 }
 
+int Viewer::left() const {
+  return panel_ && width_ >= 2 * panel_width ? panel_width : 0;
+}
+
+Ray Viewer::ray(double x, double y) const {
+  return camera_.ray(x - left(), y, width_ - left(), height_);
+}
+
 bool Viewer::grab(double x, double y, bool even_static) {
   let_go();
   const std::optional<Picked> picked =
-      pick(live_.simulation(), live_.scene(), camera_.ray(x, y, width_, height_),
-           shown_.bodies == BodyLook::solid);
+      pick(live_.simulation(), live_.scene(), ray(x, y), shown_.bodies == BodyLook::solid);
   if (!picked || (picked->is_body && !even_static)) return false;
   Status status;
   if (picked->is_body)
@@ -54,8 +61,7 @@ bool Viewer::grab(double x, double y, bool even_static) {
 }
 
 void Viewer::drag(double x, double y) {
-  const std::optional<Vec3> goal =
-      hit_on_plane(camera_.ray(x, y, width_, height_), plane_point_, plane_normal_);
+  const std::optional<Vec3> goal = hit_on_plane(ray(x, y), plane_point_, plane_normal_);
   if (goal) live_.simulation().pull_to(*goal);
 }
 

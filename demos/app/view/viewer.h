@@ -22,6 +22,9 @@ struct ScriptLine {
 /// SceneError for lines that are no such line. The commands are not checked.
 std::vector<ScriptLine> parse_script(const std::string& text, const std::string& name);
 
+/// Of the panel [pixels].
+constexpr int panel_width = 345;
+
 class Viewer {
  public:
   Viewer(LiveScene& live, int width, int height);
@@ -37,6 +40,8 @@ class Viewer {
   /// Takes hold of what lies there. False where nothing does that can be held; static bodies can only with
   /// `even_static`.
   bool grab(double x, double y, bool even_static);
+  /// Through a pixel of the window.
+  Ray ray(double x, double y) const;
   void drag(double x, double y);
   void let_go();
   void orbit(double dx, double dy);
@@ -54,6 +59,8 @@ class Viewer {
   const OrbitCamera& camera() const { return camera_; }
   ShowOptions& shown() { return shown_; }
   const ShowOptions& shown() const { return shown_; }
+  /// Where the picture of the scene begins: beside the panel, where there is space for both [pixels].
+  int left() const;
   int width() const { return width_; }
   int height() const { return height_; }
   bool paused() const { return paused_; }

@@ -48,6 +48,7 @@ class Window {
     }
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);
+    glfwGetCursorPos(window_, &x_, &y_);
     listen();
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
@@ -110,7 +111,6 @@ class Window {
       return;
     }
     if (ImGui::GetIO().WantCaptureMouse) return;
-    glfwGetCursorPos(window_, &x_, &y_);
     if (button == GLFW_MOUSE_BUTTON_MIDDLE)
       hand_ = Hand::moves;
     else if (button == GLFW_MOUSE_BUTTON_LEFT && viewer_.grab(x_ * scale(), y_ * scale(), shift))
@@ -144,7 +144,7 @@ class Window {
   Viewer& viewer_;
   GLFWwindow* window_ = nullptr;
   Hand hand_ = Hand::none;
-  double x_ = 0, y_ = 0;  ///< of the mouse
+  double x_ = 0, y_ = 0;  ///< of the mouse, as of the event that is handled
 };
 
 /// No script without a file.
@@ -188,8 +188,8 @@ class Show {
     const Clock::time_point start = Clock::now();
     window_.begin_panel();
     const auto places = draw_panel(viewer_, numbers_);
-    painter_.draw(shown_, viewer_.shown(), viewer_.camera(), viewer_.width(), viewer_.height(),
-                  viewer_.live().simulation().grip(), viewer_.views()[viewer_.view()].up);
+    painter_.draw(shown_, viewer_.shown(), viewer_.camera(), viewer_.left(), viewer_.width(),
+                  viewer_.height(), viewer_.live().simulation().grip(), viewer_.views()[viewer_.view()].up);
     window_.draw_panel_over_scene();
     save_pictures(frame);
     log_.write(frame, viewer_, places);
