@@ -182,7 +182,7 @@ class BulletSimulation : public Simulation {
   }
 
   Status set_gravity(const Vec3& gravity) override {
-    const Status status = world().set_gravity(gravity);
+    Status status = world().set_gravity(gravity);
     if (!status.ok()) return status;
     scene_.world.gravity = gravity;
     bullet_.setGravity(to_bullet(gravity));

@@ -67,7 +67,7 @@ class MockSimulation : public Simulation {
     grip_.reset();
   }
   Status set_gravity(const Vec3& gravity) override {
-    const Status status = world_.set_gravity(gravity);
+    Status status = world_.set_gravity(gravity);
     if (status.ok()) scene_.world.gravity = gravity;
     return status;
   }

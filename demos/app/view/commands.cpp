@@ -105,7 +105,7 @@ Status Viewer::obey_word(const std::string& word) {
 
 Status Viewer::set(const std::string& assignment) {
   Change made = Change::live;
-  const Status status = live_.change(assignment, &made);
+  Status status = live_.change(assignment, &made);
   if (!status.ok()) return status;
   if (made == Change::restart) due_ = 0;
   message_ = assignment + (made == Change::restart ? ": the scene began again" : "");

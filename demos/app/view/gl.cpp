@@ -24,7 +24,7 @@ GLuint compile(const Gl& gl, GLenum kind, const std::string& text) {
 Gl::Gl(Load load) {
 #define OILSKIN_GL_LOAD(type, name)                             \
   name = reinterpret_cast<PFNGL##type##PROC>(load("gl" #name)); \
-  if (name == nullptr) throw SceneError("view: OpenGL has no gl" #name);
+  if ((name) == nullptr) throw SceneError("view: OpenGL has no gl" #name);
   OILSKIN_GL_FUNCTIONS(OILSKIN_GL_LOAD)
 #undef OILSKIN_GL_LOAD
 }
