@@ -191,22 +191,30 @@ MockBody::MockBody(const Body& body, const Box& kill_box)
   v_.assign(x_.size(), Vec3::Zero());
 }
 
+void MockBody::displace(const Vec3& velocity, double dt) {
+  displaced_ += velocity * dt;
+  pull_ = velocity;
+}
+
 void MockBody::advance(double t) {
-  if (!prescribed_.moves() && displaced_.isZero(0)) return;
+  const bool is_pulled = !pull_.isZero(0);
+  if (!prescribed_.moves() && !is_pulled && !was_pulled_) return;
   for (std::size_t i = 0; i < x_.size(); ++i) {
     x_[i] = moved(prescribed_, mesh_.vertices[i], t) + displaced_;
-    v_[i] = velocity_at(prescribed_, mesh_.vertices[i], t);
+    v_[i] = velocity_at(prescribed_, mesh_.vertices[i], t) + pull_;
   }
+  ++revision_;
+  was_pulled_ = is_pulled;
+  pull_.setZero();
 }
 
 Gathered MockBody::gather(double, SurfaceMotion& motion) {
-  constexpr std::uint64_t number_at_rest = 1;
   Gathered result;
-  if (motion.revision == number_at_rest && !fresh_) {
+  if (motion.revision == revision_ && !fresh_) {
     result.unchanged = true;
     return result;
   }
-  motion.revision = prescribed_.moves() ? 0 : number_at_rest;
+  motion.revision = prescribed_.moves() ? 0 : revision_;
   result.new_surface = fresh_;
   fresh_ = false;
   if (result.new_surface) {

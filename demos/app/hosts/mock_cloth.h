@@ -49,8 +49,8 @@ class MockBody : public SurfaceHost {
   explicit MockBody(const Body& body, const Box& kill_box);
 
   void advance(double t);
-  /// From now on it is farther by `way` [m].
-  void displace(const Vec3& way) { displaced_ += way; }
+  /// In the next step, of dt [s], it moves with this velocity [m/s] as well.
+  void displace(const Vec3& velocity, double dt);
 
   Gathered gather(double dt, SurfaceMotion& motion) override;
   void scatter(SurfaceMotion& motion) override;
@@ -58,7 +58,9 @@ class MockBody : public SurfaceHost {
  private:
   Mesh mesh_;
   Motion prescribed_;
-  Vec3 displaced_ = Vec3::Zero();
+  Vec3 displaced_ = Vec3::Zero(), pull_ = Vec3::Zero();  ///< [m], [m/s]
+  bool was_pulled_ = false;
+  std::uint64_t revision_ = 1;  ///< of its places
   std::vector<Vec3> x_, v_;
   bool fresh_ = true;
 };

@@ -36,7 +36,7 @@ class MockSimulation : public Simulation {
       cloths_[i]->advance(t, dt, scene_.world.gravity, holds_cloth(i) ? &*grip_ : nullptr);
     if (grip_ && grip_->is_body) {
       grip_->advance(dt);
-      bodies_[grip_->index]->displace(grip_->velocity * dt);
+      bodies_[grip_->index]->displace(grip_->velocity, dt);
     }
     for (auto& body : bodies_) body->advance(t + dt);
     time_.add(dt);

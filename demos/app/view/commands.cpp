@@ -38,9 +38,9 @@ Status choose_of(const std::string& command, const std::string& word, const std:
                  E& choice) {
   const int count = static_cast<int>(words.size());
   const int place = word == "next" ? (static_cast<int>(choice) + 1) % count : place_of(word, words);
-  std::string all = "next";
-  for (const std::string& known : words) all = known + ", " + all;
-  if (place < 0) return needs(command, "one of " + all);
+  std::string all = "one of next";
+  for (const std::string& known : words) all.append(", ").append(known);
+  if (place < 0) return needs(command, all);
   choice = static_cast<E>(place);
   return Status::accepted();
 }
