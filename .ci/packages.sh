@@ -7,6 +7,9 @@ oilskin_check_packages=(clang-format clang-tidy doxygen python3)
 oilskin_benchmark_packages=(libbenchmark-dev)
 # For `oilskin mesh` and `surface` of scenes: files in glTF and OpenVDB. Without them these formats are refused.
 oilskin_format_packages=(libtinygltf-dev libopenvdb-dev)
+# For `oilskin view`. Without them the command is refused. xdotool is for its slow test alone.
+oilskin_window_packages=(libglfw3-dev libimgui-dev libpng-dev libgl-dev libgl1-mesa-dri)
+oilskin_window_test_packages=(xvfb xauth xdotool)
 # For the plots of `demos/run study` and `demos/run validate`.
 oilskin_plot_packages=(python3-matplotlib)
 # For the slow test tests/farm alone.

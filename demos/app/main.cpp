@@ -1,4 +1,4 @@
-/// The program `oilskin`: list, run, ccd, mesh, effects, validate, study.
+/// The program `oilskin`: list, run, view, ccd, mesh, effects, validate, study.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -21,6 +21,7 @@
 #include "study/run/case_run.h"
 #include "study/study_command.h"
 #include "study/validate_command.h"
+#include "view/view_options.h"
 
 namespace oilskin::demo {
 namespace {
@@ -50,6 +51,13 @@ int run(RunOptions& options, char** argv) {
   return run_scene(scene, options, make_simulation);
 }
 
+int view(const ViewOptions& options, char** argv) {
+  const Scene scene = load_scene(options.run);
+  if (scene.host != HostKind::mock && scene.host != built_in_host())
+    become_the_other_precision(scene.host, argv);
+  return view_scene(scene, options, make_simulation);
+}
+
 StepRange parse_steps(const std::string& text) {
   StepRange range;
   char end = 0;
@@ -63,9 +71,10 @@ StepRange parse_steps(const std::string& text) {
 
 struct CommandLine {
   CLI::App app{"Leak-free water for Bullet's cloth", "oilskin"};
-  CLI::App *list = nullptr, *run = nullptr, *ccd = nullptr, *mesh = nullptr, *effects = nullptr,
-           *validate = nullptr, *study = nullptr;
+  CLI::App *list = nullptr, *run = nullptr, *view = nullptr, *ccd = nullptr, *mesh = nullptr,
+           *effects = nullptr, *validate = nullptr, *study = nullptr;
   RunOptions options;
+  ViewOptions view_options;
   MeshOptions mesh_options;
   EffectsOptions effects_options;
   ValidateOptions validate_options;
@@ -75,6 +84,7 @@ struct CommandLine {
   std::vector<std::string> ccd_files;
 
   CommandLine();
+  void add_view();
   void add_mesh();
   void add_effects();
   void add_validate();
@@ -107,10 +117,31 @@ CommandLine::CommandLine() {
       ->take_all();
   run->add_flag("--quiet", options.quiet, "print nothing but errors");
   run->add_option("--seed", options.seed, "of everything random");
+  add_view();
   add_mesh();
   add_effects();
   add_validate();
   add_study();
+}
+
+void CommandLine::add_view() {
+  ViewOptions& v = view_options;
+  view = app.add_subcommand("view", "shows a scene in a window: see, stop, pull and change it while it runs");
+  view->add_option("SCENE", v.run.scene, "a name from `oilskin list`, or a path to a scene file")->required();
+  view->add_option("--set", v.run.set, "KEY=VALUE, one key of the scene; may be repeated")
+      ->expected(1)
+      ->take_all();
+  view->add_option("--dt", v.run.dt, "step of fluid and contact [s]");
+  view->add_option("--seed", v.run.seed, "of everything random");
+  view->add_option("--threads", v.run.threads, "0 = all hardware threads")->check(CLI::Range(0, 1024));
+  view->add_option("--width", v.width, "of the window [pixels] (default 1280)")->check(CLI::Range(64, 16384));
+  view->add_option("--height", v.height, "of the window [pixels] (default 800)")
+      ->check(CLI::Range(64, 16384));
+  view->add_option("--frames", v.frames, "end after so many frames, each 1/30 s of simulated time at speed 1")
+      ->check(CLI::PositiveNumber);
+  view->add_option("--screenshot", v.screenshot, "PNG file of the last frame");
+  view->add_option("--script", v.script, "file of commands and the frames at which they are obeyed");
+  view->add_option("--log", v.log, "file for a line of JSON per frame");
 }
 
 void CommandLine::add_mesh() {
@@ -208,6 +239,7 @@ int dispatch(CommandLine& line, char** argv) {
     return 0;
   }
   if (*line.ccd) return ccd_command(line.ccd_files, std::cout, std::cerr);
+  if (*line.view) return view(line.view_options, argv);
   if (*line.mesh) return mesh_command(line.mesh_options);
   if (*line.effects) return effects_command(line.effects_options);
   if (*line.validate) {

@@ -39,6 +39,17 @@ TEST(BadInput, a_scene_file_that_is_not_there_is_named) {
   EXPECT_NE(outcome.err.find("/nowhere/scene.json"), std::string::npos) << outcome.err;
 }
 
+TEST(BadInput, a_window_without_a_display_is_refused_in_words) {
+  const Outcome outcome = oilskin({"view", "vee"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("view: "), std::string::npos) << outcome.err;
+  EXPECT_TRUE(outcome.err.find("no display") != std::string::npos ||
+              outcome.err.find("built without a window") != std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(oilskin({"view", "vee", "--frames", "0"}).exit_code, 2);
+  EXPECT_EQ(oilskin({"view", "vee", "--width", "10"}).exit_code, 2);
+}
+
 TEST(BadInput, an_unknown_key_names_its_path_and_the_nearest) {
   expect_refused(R"({"cloth": [{"thicknes": 0.001}]})", {"cloth.0.thicknes", "not known", "\"thickness\""});
   expect_refused(R"({"fluid": {"spacig": 0.001}})", {"fluid.spacig", "\"spacing\""});

@@ -53,6 +53,7 @@ const std::map<std::string, std::set<std::string>> app_may_see = {
     {"output", {"scene", "geometry", "hosts"}},
     {"checks", {"scene", "geometry", "hosts", "output"}},
     {"render", {"scene", "geometry", "output"}},
+    {"view", {"scene", "geometry", "hosts", "output"}},
     {"run", {"scene", "hosts", "output", "checks", "render"}},
 };
 
@@ -82,6 +83,7 @@ const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>>
     {{"nlohmann/"}, {"demos/app/scene/fields.h"}},
     {{"CLI/"}, {"demos/app/main.cpp"}},
     {{"vtk"}, {"demos/app/render/"}},
+    {{"GLFW/", "imgui", "backends/imgui", "GL/", "png.h"}, {"demos/app/view/"}},
     {{"tiny_gltf"}, {"demos/app/output/gltf_file.cpp"}},
     {{"openvdb/"}, {"demos/app/output/vdb_file.cpp"}},
 };
@@ -265,6 +267,8 @@ TEST(Structure, the_test_itself_catches_back_edges_in_demos) {
   EXPECT_EQ(faults_with("demos/app/a.cpp", "#include <btBulletDynamicsCommon.h>"), 1u);
   EXPECT_EQ(faults_with("demos/app/checks/a.cpp", "#include \"oilskin/bullet.h\""), 1u);
   EXPECT_EQ(faults_with("demos/app/output/a.cpp", "#include <vtkActor.h>"), 1u);
+  EXPECT_EQ(faults_with("demos/app/output/a.cpp", "#include <GLFW/glfw3.h>"), 1u);
+  EXPECT_EQ(faults_with("demos/app/view/a.cpp", "#include \"run/runner.h\""), 1u);
   EXPECT_EQ(faults_with("demos/app/scene/a.cpp", "#include <nlohmann/json.hpp>"), 1u);
   EXPECT_EQ(faults_with("demos/app/run/a.cpp", "#include <CLI/CLI.hpp>"), 1u);
   EXPECT_EQ(faults_with("demos/study/cases/a.cpp", "#include \"study/run/case_run.h\""), 1u);
@@ -294,6 +298,7 @@ TEST(Structure, the_test_itself_lets_forward_edges_pass) {
   EXPECT_EQ(faults_with("demos/study/cases/a.cpp", "#include \"checks/check.h\""), 0u);
   EXPECT_EQ(faults_with("demos/app/ccd_command.h", "#include \"ccd/point_triangle.h\""), 0u);
   EXPECT_EQ(faults_with("demos/app/render/a.cpp", "#include <vtkActor.h>"), 0u);
+  EXPECT_EQ(faults_with("demos/app/view/a.cpp", "#include <imgui.h>"), 0u);
   EXPECT_EQ(faults_with("demos/app/hosts/bullet_simulation.cpp", "#include \"oilskin/bullet.h\""), 0u);
   EXPECT_EQ(faults_with("demos/examples/a.cpp", "#include \"oilskin/bullet.h\""), 0u);
   EXPECT_EQ(faults_with("demos/examples/a.cpp", "#include <BulletSoftBody/btSoftBody.h>"), 0u);

@@ -23,6 +23,10 @@ btVector3 to_bullet(const Vec3& v) {
   return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())};
 }
 
+Vec3 from_bullet(const btVector3& v) {
+  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
+
 btQuaternion to_bullet(const std::array<double, 4>& q) {
   return {btScalar(q[0]), btScalar(q[1]), btScalar(q[2]), btScalar(q[3])};
 }
@@ -54,6 +58,7 @@ struct BulletBody {
   std::unique_ptr<btCollisionShape> shape;
   std::unique_ptr<btRigidBody> body;
   Vec3 origin = Vec3::Zero();
+  Vec3 displaced = Vec3::Zero();  ///< by grips [m]
   btQuaternion turned{0, 0, 0, 1};
 };
 
@@ -84,7 +89,7 @@ BulletBody make_shape(const Body& body) {
 class BulletSimulation : public Simulation {
  public:
   BulletSimulation(const Scene& scene, const SimulationOptions& options)
-      : scene_(scene),
+      : Simulation(scene),
         fluid_(scene.fluid, world_settings(scene, options), scene.contact),
         dispatcher_(&configuration_),
         bullet_(&dispatcher_, &broadphase_, &constraints_, &configuration_, &solver_),
@@ -103,9 +108,7 @@ class BulletSimulation : public Simulation {
     for (std::size_t i = 0; i < scene.cloth.size(); ++i) add_cloth(i);
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) add_body(i);
     if (options.emitters) add_emitters(scene, fluid_.getWorld());
-    std::vector<SurfaceId> ids;
-    for (const auto& cloth : cloths_) ids.push_back(coupling().getSurfaceId(cloth.get()));
-    effects_ = add_effects(scene, ids, fluid_.getWorld());
+    effects_ = add_effects(scene, handles(), fluid_.getWorld());
   }
 
   ~BulletSimulation() override {
@@ -128,6 +131,7 @@ class BulletSimulation : public Simulation {
       const double t = begin + sub_dt * (s + 1);
       for (std::size_t i = 0; i < cloths_.size(); ++i) prescribe(i, t);
       for (std::size_t i = 0; i < bodies_.size(); ++i) prescribe_body(i, t);
+      if (grip_) pull(sub_dt, t);
       // 0: exactly one sub-step, whatever is left over in Bullet's clock.
       bullet_.stepSimulation(btScalar(sub_dt), 0);
     }
@@ -144,7 +148,55 @@ class BulletSimulation : public Simulation {
   double host_seconds() const override { return host_seconds_; }
   const char* precision() const override { return sizeof(btScalar) == 4 ? "float32" : "float64"; }
 
+  Status grab_cloth(std::size_t i, const Vec3& point) override {
+    std::vector<Vec3> x;
+    std::vector<bool> follows;
+    for (std::size_t k = 0; k < models_[i].rest.size(); ++k) {
+      x.push_back(from_bullet(cloths_[i]->m_nodes[int(k)].m_x));
+      const int g = models_[i].pin_group[k];
+      follows.push_back(g != not_pinned && models_[i].groups[std::size_t(g)].motion.moves());
+    }
+    std::optional<Grip> grip = grip_of_cloth(i, models_[i], x, follows, point);
+    if (!grip) return Status::refused(grip_refused);
+    let_go();
+    grip_ = std::move(grip);
+    return Status::accepted();
+  }
+
+  void grab_body(std::size_t i, const Vec3& point) override {
+    let_go();
+    btRigidBody& body = *bodies_[i].body;
+    // A static body that is moved: Bullet then updates what it keeps of it.
+    body.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    body.setActivationState(DISABLE_DEACTIVATION);
+    grip_ = grip_of_body(i, point);
+  }
+
+  void let_go() override {
+    if (!grip_) return;
+    if (grip_->is_body)
+      bodies_[grip_->index].body->setLinearVelocity(btVector3(0, 0, 0));
+    else
+      free_nodes(*grip_);
+    grip_.reset();
+  }
+
+  Status set_gravity(const Vec3& gravity) override {
+    Status status = world().set_gravity(gravity);
+    if (!status.ok()) return status;
+    scene_.world.gravity = gravity;
+    bullet_.setGravity(to_bullet(gravity));
+    bullet_.getWorldInfo().m_gravity = to_bullet(gravity);  // setGravity() does not reach soft bodies
+    return status;
+  }
+
  private:
+  std::vector<SurfaceId> cloth_ids() const override { return handles(); }
+  std::vector<SurfaceId> handles() const {
+    std::vector<SurfaceId> ids;
+    for (const auto& cloth : cloths_) ids.push_back(coupling().getSurfaceId(cloth.get()));
+    return ids;
+  }
   const bullet::btFluidCoupling& coupling() const { return solver_.getCoupling(); }
 
   void set_up_world() {
@@ -210,7 +262,7 @@ class BulletSimulation : public Simulation {
       btSoftBody::Node& node = cloths_[i]->m_nodes[int(k)];
       node.m_im = 0;
       node.m_v = node.m_vn = btVector3(0, 0, 0);
-      model.anchor[k] = Vec3(node.m_x.x(), node.m_x.y(), node.m_x.z());
+      model.anchor[k] = from_bullet(node.m_x);
     }
     cloths_[i]->updateLinkConstants();
     held_[i][g] = true;
@@ -246,18 +298,65 @@ class BulletSimulation : public Simulation {
     }
   }
 
+  /// What is held goes with the grip, whatever was prescribed.
+  void pull(double sub_dt, double t) {
+    grip_->advance(sub_dt);
+    if (!grip_->is_body) return hold_nodes(*grip_);
+    bodies_[grip_->index].displaced += grip_->velocity * sub_dt;
+    place_body(grip_->index, t);
+  }
+
+  void hold_nodes(const Grip& grip) {
+    btSoftBody& cloth = *cloths_[grip.index];
+    bool has_changed = false;
+    for (std::size_t n = 0; n < grip.nodes.size(); ++n) {
+      btSoftBody::Node& node = cloth.m_nodes[int(grip.nodes[n])];
+      has_changed |= node.m_im != 0;
+      node.m_im = 0;
+      node.m_x = to_bullet(grip.place + grip.offsets[n]);
+      node.m_v = node.m_vn = btVector3(0, 0, 0);  // Bullet would carry a pinned node on
+    }
+    if (has_changed) cloth.updateLinkConstants();
+  }
+
+  /// Pins of the scene stay where they are.
+  void free_nodes(const Grip& grip) {
+    ClothModel& model = models_[grip.index];
+    btSoftBody& cloth = *cloths_[grip.index];
+    for (const std::size_t k : grip.nodes) {
+      btSoftBody::Node& node = cloth.m_nodes[int(k)];
+      if (is_pin(grip.index, k)) {
+        model.anchor[k] = from_bullet(node.m_x);
+        continue;
+      }
+      node.m_im = btScalar(1 / model.mass[k]);  // not setMass(): it makes the stretched shape the rest shape
+      node.m_v = node.m_vn = to_bullet(grip.velocity);
+    }
+    cloth.updateLinkConstants();
+  }
+
+  bool is_pin(std::size_t i, std::size_t k) const {
+    const int g = models_[i].pin_group[k];
+    if (g == not_pinned) return false;
+    return !released_[i][std::size_t(g)] && (held_[i][std::size_t(g)] || models_[i].pinned_at_start(k));
+  }
+
   void prescribe_body(std::size_t i, double t) {
+    if (scene_.bodies[i].motion.moves()) place_body(i, t);
+  }
+
+  void place_body(std::size_t i, double t) {
     const Motion& motion = scene_.bodies[i].motion;
-    if (!motion.moves()) return;
     const BulletBody& body = bodies_[i];
     const btQuaternion turn(to_bullet(motion.spin_axis.normalized()),
                             btScalar(motion.spin_rate * motion_time(motion, t)));
-    body.body->setWorldTransform(btTransform(turn * body.turned, to_bullet(moved(motion, body.origin, t))));
-    body.body->setLinearVelocity(to_bullet(velocity_at(motion, body.origin, t)));
+    body.body->setWorldTransform(
+        btTransform(turn * body.turned, to_bullet(moved(motion, body.origin, t) + body.displaced)));
+    Vec3 velocity = velocity_at(motion, body.origin, t);
+    if (grip_ && grip_->is_body && grip_->index == i) velocity += grip_->velocity;
+    body.body->setLinearVelocity(to_bullet(velocity));
   }
 
-  const Scene scene_;
-  EffectList effects_;  // must outlive the fluid's world
   bullet::btFluid fluid_;
   btSoftBodyRigidBodyCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;

@@ -51,11 +51,45 @@ void MockCloth::project_links() {
   }
 }
 
-void MockCloth::advance(double t, double dt, const Vec3& gravity) {
+std::vector<bool> MockCloth::follows() const {
+  std::vector<bool> follows;
+  for (const int g : model_.pin_group)
+    follows.push_back(g != not_pinned && model_.groups[std::size_t(g)].motion.moves());
+  return follows;
+}
+
+void MockCloth::hold(const Grip& grip) {
+  for (std::size_t n = 0; n < grip.nodes.size(); ++n) {
+    const std::size_t k = grip.nodes[n];
+    inverse_mass_[k] = 0;
+    x_[k] = grip.place + grip.offsets[n];
+    v_[k] = grip.velocity;
+  }
+}
+
+void MockCloth::let_go(const Grip& grip) {
+  for (const std::size_t k : grip.nodes) {
+    const int g = model_.pin_group[k];
+    const bool is_pin =
+        g != not_pinned && !released_[std::size_t(g)] && (held_[std::size_t(g)] || model_.pinned_at_start(k));
+    if (is_pin) {
+      model_.anchor[k] = x_[k];
+      v_[k] = Vec3::Zero();
+    } else {
+      inverse_mass_[k] = 1 / wet_mass(k);
+    }
+  }
+}
+
+void MockCloth::advance(double t, double dt, const Vec3& gravity, Grip* grip) {
   const double sub_dt = dt / substeps_;
   for (int s = 0; s < substeps_; ++s) {
     const std::vector<Vec3> before = x_;
     prescribe(t + sub_dt * (s + 1));
+    if (grip != nullptr) {
+      grip->advance(sub_dt);
+      hold(*grip);
+    }
     for (std::size_t i = 0; i < x_.size(); ++i)
       if (inverse_mass_[i] > 0) x_[i] += (v_[i] + gravity * sub_dt) * sub_dt;
     for (int k = 0; k < iterations_; ++k) project_links();
@@ -157,22 +191,30 @@ MockBody::MockBody(const Body& body, const Box& kill_box)
   v_.assign(x_.size(), Vec3::Zero());
 }
 
+void MockBody::displace(const Vec3& velocity, double dt) {
+  displaced_ += velocity * dt;
+  pull_ = velocity;
+}
+
 void MockBody::advance(double t) {
-  if (!prescribed_.moves()) return;
+  const bool is_pulled = !pull_.isZero(0);
+  if (!prescribed_.moves() && !is_pulled && !was_pulled_) return;
   for (std::size_t i = 0; i < x_.size(); ++i) {
-    x_[i] = moved(prescribed_, mesh_.vertices[i], t);
-    v_[i] = velocity_at(prescribed_, mesh_.vertices[i], t);
+    x_[i] = moved(prescribed_, mesh_.vertices[i], t) + displaced_;
+    v_[i] = velocity_at(prescribed_, mesh_.vertices[i], t) + pull_;
   }
+  ++revision_;
+  was_pulled_ = is_pulled;
+  pull_.setZero();
 }
 
 Gathered MockBody::gather(double, SurfaceMotion& motion) {
-  constexpr std::uint64_t number_at_rest = 1;
   Gathered result;
-  if (motion.revision == number_at_rest && !fresh_) {
+  if (motion.revision == revision_ && !fresh_) {
     result.unchanged = true;
     return result;
   }
-  motion.revision = prescribed_.moves() ? 0 : number_at_rest;
+  motion.revision = prescribed_.moves() ? 0 : revision_;
   result.new_surface = fresh_;
   fresh_ = false;
   if (result.new_surface) {

@@ -1,6 +1,7 @@
 /// Surfaces without an engine: cloth by position-based dynamics, and meshes that move as prescribed.
 #pragma once
 
+#include "hosts/grip.h"
 #include "oilskin/surface_motion.h"
 #include "scene/cloth_model.h"
 #include "scene/scene.h"
@@ -13,14 +14,21 @@ class MockCloth : public SurfaceHost {
  public:
   MockCloth(const Cloth& settings, ClothModel model);
 
-  /// From t to t + dt [s].
-  void advance(double t, double dt, const Vec3& gravity);
+  /// From t to t + dt [s]. `grip`: what holds this cloth; null = nothing.
+  void advance(double t, double dt, const Vec3& gravity, Grip* grip = nullptr);
+
+  const std::vector<Vec3>& positions() const { return x_; }
+  /// Per node: moves as the scene prescribes.
+  std::vector<bool> follows() const;
+  /// Frees the nodes that a grip held, but for pins of the scene, which stay where they are.
+  void let_go(const Grip& grip);
 
   Gathered gather(double dt, SurfaceMotion& motion) override;
   void scatter(SurfaceMotion& motion) override;
 
  private:
   void prescribe(double t);
+  void hold(const Grip& grip);
   void project_links();
   double wet_mass(std::size_t node) const {
     return model_.mass[node] + (absorbed_.empty() ? 0 : absorbed_[node]);
@@ -41,6 +49,8 @@ class MockBody : public SurfaceHost {
   explicit MockBody(const Body& body, const Box& kill_box);
 
   void advance(double t);
+  /// In the next step, of dt [s], it moves with this velocity [m/s] as well.
+  void displace(const Vec3& velocity, double dt);
 
   Gathered gather(double dt, SurfaceMotion& motion) override;
   void scatter(SurfaceMotion& motion) override;
@@ -48,6 +58,9 @@ class MockBody : public SurfaceHost {
  private:
   Mesh mesh_;
   Motion prescribed_;
+  Vec3 displaced_ = Vec3::Zero(), pull_ = Vec3::Zero();  ///< [m], [m/s]
+  bool was_pulled_ = false;
+  std::uint64_t revision_ = 1;  ///< of its places
   std::vector<Vec3> x_, v_;
   bool fresh_ = true;
 };

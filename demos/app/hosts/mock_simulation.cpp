@@ -12,7 +12,7 @@ namespace {
 class MockSimulation : public Simulation {
  public:
   MockSimulation(const Scene& scene, const SimulationOptions& options)
-      : scene_(scene), world_(world_settings(scene, options), scene.fluid, scene.contact) {
+      : Simulation(scene), world_(world_settings(scene, options), scene.fluid, scene.contact) {
     require(world_.status(), "scene");
     for (std::size_t i = 0; i < scene.cloth.size(); ++i) {
       const std::string key = "cloth." + std::to_string(i);
@@ -32,7 +32,12 @@ class MockSimulation : public Simulation {
   const StepReport& step(double dt) override {
     const auto start = std::chrono::steady_clock::now();
     const double t = time_.value();
-    for (auto& cloth : cloths_) cloth->advance(t, dt, scene_.world.gravity);
+    for (std::size_t i = 0; i < cloths_.size(); ++i)
+      cloths_[i]->advance(t, dt, scene_.world.gravity, holds_cloth(i) ? &*grip_ : nullptr);
+    if (grip_ && grip_->is_body) {
+      grip_->advance(dt);
+      bodies_[grip_->index]->displace(grip_->velocity, dt);
+    }
     for (auto& body : bodies_) body->advance(t + dt);
     time_.add(dt);
     host_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -45,12 +50,35 @@ class MockSimulation : public Simulation {
   double host_seconds() const override { return host_seconds_; }
   const char* precision() const override { return "float64"; }
 
+  Status grab_cloth(std::size_t i, const Vec3& point) override {
+    const MockCloth& cloth = *cloths_[i];
+    std::optional<Grip> grip = grip_of_cloth(i, models_[i], cloth.positions(), cloth.follows(), point);
+    if (!grip) return Status::refused(grip_refused);
+    let_go();
+    grip_ = std::move(grip);
+    return Status::accepted();
+  }
+  void grab_body(std::size_t i, const Vec3& point) override {
+    let_go();
+    grip_ = grip_of_body(i, point);
+  }
+  void let_go() override {
+    if (grip_ && !grip_->is_body) cloths_[grip_->index]->let_go(*grip_);
+    grip_.reset();
+  }
+  Status set_gravity(const Vec3& gravity) override {
+    Status status = world_.set_gravity(gravity);
+    if (status.ok()) scene_.world.gravity = gravity;
+    return status;
+  }
+
  private:
-  const Scene scene_;
-  // Hosts and effects must outlive the world that they are attached to.
+  std::vector<SurfaceId> cloth_ids() const override { return cloth_ids_; }
+  bool holds_cloth(std::size_t i) const { return grip_ && !grip_->is_body && grip_->index == i; }
+
+  // Hosts must outlive the world that they are attached to, as effects do.
   std::vector<std::unique_ptr<MockCloth>> cloths_;
   std::vector<std::unique_ptr<MockBody>> bodies_;
-  EffectList effects_;
   World world_;
   std::vector<SurfaceId> cloth_ids_, body_ids_;
   double host_seconds_ = 0;

@@ -34,6 +34,14 @@ struct AddEmitter {
 
 }  // namespace
 
+void Simulation::pull_to(const Vec3& goal) {
+  if (grip_ && goal.allFinite()) grip_->goal = goal;
+}
+
+void Simulation::set_effects(const SceneEffects& effects) {
+  scene_.effects = change_effects(scene_, effects, cloth_ids(), world(), effects_);
+}
+
 void require(const Status& status, const std::string& key) {
   if (!status.ok()) throw SceneError(key + ": " + status.message);
 }

@@ -4,6 +4,8 @@
 #include <functional>
 #include <memory>
 
+#include "hosts/grip.h"
+#include "hosts/scene_effects.h"
 #include "hosts/step_plan.h"
 #include "oilskin/world.h"
 #include "scene/cloth_model.h"
@@ -30,12 +32,36 @@ class Simulation {
   virtual double host_seconds() const = 0;
   virtual const char* precision() const = 0;
 
+  /// Takes hold of cloth i where it is nearest to `point`, and lets go of what was held. Refused for nodes
+  /// that move as the scene prescribes.
+  virtual Status grab_cloth(std::size_t i, const Vec3& point) = 0;
+  /// Takes hold of body i, which keeps its orientation while it is held and stays where it is left.
+  virtual void grab_body(std::size_t i, const Vec3& point) = 0;
+  /// Where the held place is to be; nothing while nothing is held.
+  void pull_to(const Vec3& goal);
+  /// What is held goes on with the velocity of its place.
+  virtual void let_go() = 0;
+  const std::optional<Grip>& grip() const { return grip_; }
+
+  /// [m/s²], of the water and of the host. Refuses numbers that are not finite.
+  virtual Status set_gravity(const Vec3& gravity) = 0;
+  /// Uses other effects from the next step on. The numbers of effects that stay as they are remain. Throws
+  /// SceneError for what is refused.
+  void set_effects(const SceneEffects& effects);
+
   const std::vector<ClothModel>& models() const { return models_; }
   const SimulatedTime& time() const { return time_; }
 
  protected:
+  explicit Simulation(Scene scene) : scene_(std::move(scene)) {}
+  /// The handles of the scene's cloth, in its order.
+  virtual std::vector<SurfaceId> cloth_ids() const = 0;
+
+  Scene scene_;
   SimulatedTime time_;
   std::vector<ClothModel> models_;
+  std::optional<Grip> grip_;
+  EffectList effects_;
 };
 
 /// Makes a simulation of a scene; throws SceneError for what is refused.

@@ -16,9 +16,9 @@
 #include <cmath>
 #include <map>
 
-#include "geometry/nearest_surface.h"
 #include "render/picture_cut.h"
 #include "render/vtk_convert.h"
+#include "scene/views.h"
 
 namespace oilskin::demo {
 namespace {
@@ -59,10 +59,9 @@ void colour_surface(vtkActor* actor, bool is_cloth) {
 vtkSmartPointer<vtkColorTransferFunction> water_colours(double from, double to) {
   auto colours = vtkSmartPointer<vtkColorTransferFunction>::New();
   colours->SetColorSpaceToLab();
-  const double stops[6][3] = {{0.06, 0.13, 0.34}, {0.08, 0.30, 0.58}, {0.13, 0.49, 0.74},
-                              {0.30, 0.68, 0.83}, {0.58, 0.84, 0.88}, {0.90, 0.97, 0.95}};
   for (int i = 0; i < 6; ++i)
-    colours->AddRGBPoint(from + (to - from) * i / 5, stops[i][0], stops[i][1], stops[i][2]);
+    colours->AddRGBPoint(from + (to - from) * i / 5, water_colour_stops[i][0], water_colour_stops[i][1],
+                         water_colour_stops[i][2]);
   return colours;
 }
 
@@ -147,33 +146,11 @@ void DrawnWater::fill(Part& part, const Points& points, vtkColorTransferFunction
   part.actor->SetVisibility(!points.position.empty());
 }
 
-namespace {
-
-/// How far a flat drop may spread before it comes through a fold or the rim of a sheet.
-double spread(const NearestSurface& nearest, const Vec3& p, const Vec3& n, double height, double maximum) {
-  double r = maximum;
-  while (r > height && !nearest.is_clear(p, n, height, r)) r *= 0.8;
-  return std::max(r, std::min(maximum, height));
-}
-
-}  // namespace
-
 void DrawnWater::update(const FrameData& frame) {
-  const double radius = 0.5 * spacing_;
-  NearestSurface nearest(radius);
-  for (const SurfaceMotion* cloth : frame.cloth)
-    if (cloth != nullptr) nearest.add(*cloth, 0);
-  for (const SurfaceMotion* body : frame.bodies)
-    if (body != nullptr) nearest.add(*body, 1);
+  std::vector<const SurfaceMotion*> surfaces = frame.cloth;
+  surfaces.insert(surfaces.end(), frame.bodies.begin(), frame.bodies.end());
   frame_ = frame;
-  shapes_.assign(frame.position.size(), Shape());
-  for (std::size_t i = 0; i < frame.position.size(); ++i) {
-    NearestSurface::Hit hit;
-    if (!nearest.find(frame.position[i], &hit) || hit.point.distance == 0) continue;
-    const Vec3 n = hit.point.offset / hit.point.distance;
-    const double height = 0.8 * hit.point.distance;  // touching would shine through
-    shapes_[i] = {false, n, height, spread(nearest, frame.position[i], n, height, radius)};
-  }
+  shapes_ = particle_shapes(frame.position, surfaces, spacing_);
 }
 
 void DrawnWater::hide() {
@@ -187,7 +164,7 @@ void DrawnWater::show(const std::optional<Slice>& slice, WaterColour colour,
   for (std::size_t i = 0; i < shapes_.size(); ++i) {
     const Vec3& x = frame_.position[i];
     if (slice && std::abs(height_over(*slice, x)) > 0.5 * slice->thickness) continue;
-    const Shape& shape = shapes_[i];
+    const ParticleShape& shape = shapes_[i];
     Points& points = shape.ball ? balls : film;
     points.position.push_back(x);
     points.value->InsertNextValue(static_cast<float>(value_of(frame_, colour, i)));

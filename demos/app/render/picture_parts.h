@@ -11,6 +11,7 @@
 
 #include <optional>
 
+#include "geometry/particle_shapes.h"
 #include "output/frames.h"
 
 namespace oilskin::demo {
@@ -37,17 +38,11 @@ class DrawnWater {
     vtkNew<vtkActor> actor;
   };
   struct Points;
-  /// How a particle is drawn: a ball, or a drop flat along `normal`.
-  struct Shape {
-    bool ball = true;
-    Vec3 normal = Vec3::Zero();
-    double height = 0, radius = 0;
-  };
   void fill(Part& part, const Points& points, vtkColorTransferFunction* colours);
 
   double spacing_;
   FrameData frame_;
-  std::vector<Shape> shapes_;
+  std::vector<ParticleShape> shapes_;
   Part balls_, film_;
 };
 
