@@ -14,6 +14,10 @@ oilskin_window_test_packages=(xvfb xauth xdotool)
 oilskin_plot_packages=(python3-matplotlib)
 # For the slow test tests/farm alone.
 oilskin_farm_packages=(slurmctld slurmd slurm-client slurm-wlm-basic-plugins munge python3)
+# For `demos/run page`: the compiler for WebAssembly, and dpkg-source for the sources of Bullet and FCL.
+oilskin_page_packages=(emscripten dpkg-dev python3)
+# For the slow test tests/web alone: a browser, and the socket to drive it through.
+oilskin_browser_packages=(chromium python3-websocket)
 # xvfb-run needs xauth, and a renderer to draw with.
 oilskin_picture_packages=(libvtk9-dev xvfb xauth libgl1-mesa-dri)
 
