@@ -243,7 +243,8 @@ TEST(Boundary, light_walls_yield_and_heavy_ones_keep_their_motion) {
     water.fill(12, 1, Layer::dx / 2);
     water.find();
     const std::vector<float> still = water.boundary.normal_flux();
-    water.boundary.compliance().predict_wall_velocity(std::vector<float>(still.size(), 0.01f), water.workers);
+    water.boundary.compliance().predict_wall_velocity(std::vector<float>(still.size(), 0.01f), {},
+                                                      water.workers);
     for (std::size_t k = 0; k < still.size(); ++k) {
       const WallPoint& p = water.boundary.points()[k];
       EXPECT_NEAR(still[k], 0.2f * p.gamma.y(), 1e-4f);
@@ -276,7 +277,7 @@ TEST(Boundary, the_response_of_light_walls_is_solved_for) {
     for (Eigen::Index l = 0; l < n; ++l) {
       std::vector<float> theta(static_cast<std::size_t>(n), 0);
       theta[static_cast<std::size_t>(l)] = 1;
-      water.boundary.compliance().predict_wall_velocity(theta, water.workers);
+      water.boundary.compliance().predict_wall_velocity(theta, {}, water.workers);
       for (Eigen::Index k = 0; k < n; ++k) {
         const auto at = static_cast<std::size_t>(k);
         a(k, l) = scale * (still[at] - water.boundary.normal_flux()[at]);
