@@ -29,16 +29,16 @@ int main() {
   btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &constraints, &configuration, &solver);
   world.setGravity(btVector3(0, btScalar(-9.81), 0));
 
-  // A tank of 30 × 20 cm, whose floor is at y = 0.
-  const btScalar t = btScalar(0.02), h = btScalar(0.15), wide = btScalar(0.15), deep = btScalar(0.1);
+  // A tank of 24 × 14 cm, whose floor is at y = 0.
+  const btScalar t = btScalar(0.02), h = btScalar(0.15), wide = btScalar(0.12), deep = btScalar(0.07);
   btBoxShape floorShape(btVector3(wide + 2 * t, t, deep + 2 * t)), sideShape(btVector3(t, h, deep + 2 * t)),
       endShape(btVector3(wide, h, t));
   btRigidBody tank[] = {make_box(floorShape, 0, {0, -t, 0}), make_box(sideShape, 0, {-wide - t, h, 0}),
                         make_box(sideShape, 0, {wide + t, h, 0}), make_box(endShape, 0, {0, h, -deep - t}),
                         make_box(endShape, 0, {0, h, deep + t})};
   btBoxShape crateShape(btVector3(btScalar(0.035), btScalar(0.03), btScalar(0.035)));
-  btRigidBody light = make_box(crateShape, btScalar(0.2), {btScalar(-0.07), btScalar(0.15), 0}),
-              heavy = make_box(crateShape, btScalar(0.7), {btScalar(0.07), btScalar(0.15), 0});
+  btRigidBody light = make_box(crateShape, btScalar(0.2), {btScalar(-0.06), btScalar(0.14), 0}),
+              heavy = make_box(crateShape, btScalar(0.7), {btScalar(0.06), btScalar(0.14), 0});
   const btScalar thickness = btScalar(0.002);  // [m]
 
   oilskin::bullet::btFluid water(btScalar(0.01));  // rest distance of the particles [m]
@@ -53,7 +53,7 @@ int main() {
     world.addRigidBody(crate);
     if (!accepted(solver.addRigidBody(crate, thickness))) return 1;  // the water moves it, and it the water
   }
-  if (!accepted(water.addBox({-wide, 0, -deep}, {wide, btScalar(0.09), deep}))) return 1;
+  if (!accepted(water.addBox({-wide, 0, -deep}, {wide, btScalar(0.08), deep}))) return 1;
 
   const btScalar dt = btScalar(0.004);                        // [s]
   for (int i = 0; i < 200; ++i) world.stepSimulation(dt, 0);  // they drop in and come to rest
@@ -63,14 +63,14 @@ int main() {
               100 * double(floating), 100 * double(sunk));
 
   const btScalar before = light.getWorldTransform().getOrigin().x();
-  if (!accepted(water.addJet({btScalar(-0.14), floating + btScalar(0.02), 0}, {1, 0, 0}, btScalar(2),
+  if (!accepted(water.addJet({btScalar(-0.115), floating + btScalar(0.02), 0}, {1, 0, 0}, btScalar(2),
                              btScalar(0.012))))
     return 1;
   for (int i = 0; i < 60; ++i) world.stepSimulation(dt, 0);
   const btScalar pushed = light.getWorldTransform().getOrigin().x() - before;
   std::printf("the jet pushes it by %.1f cm\n", 100 * double(pushed));
 
-  const bool right = floating > btScalar(0.085) && sunk < btScalar(0.045) && pushed > btScalar(0.01);
+  const bool right = floating > btScalar(0.075) && sunk < btScalar(0.045) && pushed > btScalar(0.01);
   for (btRigidBody* crate : {&light, &heavy}) world.removeRigidBody(crate);
   for (btRigidBody& wall : tank) world.removeRigidBody(&wall);
   return right ? 0 : 1;

@@ -120,7 +120,11 @@ double target_gap(double distance, double thickness) {
 }  // namespace
 
 Vec3 relative_velocity(const Context& context, const Contact& c) {
-  return context.particles->velocity[c.particle] - velocity_of(*context.surfaces[c.surface], c);
+  const SurfaceMotion& s = *context.surfaces[c.surface];
+  Vec3 v = context.particles->velocity[c.particle];
+  if (s.body) return v - velocity_of(s, c);
+  for (int k = 0; k < 3; ++k) v -= c.weights[k] * s.velocity[c.nodes[k]];
+  return v;
 }
 
 ContactConstraint make_constraint(const Context& context, const Contact& contact) {
@@ -133,7 +137,8 @@ ContactConstraint make_constraint(const Context& context, const Contact& contact
   constraint.normal_active = comes_within_thickness(context, contact);
   constraint.friction_active = friction_may_act(context, contact);
   constraint.k_position = constraint.k = context.particles->inverse_mass[contact.particle];
-  constraint.k += inverse_mass_of_nodes(s, contact);
+  for (int k = 0; k < 3; ++k)
+    constraint.k += contact.weights[k] * contact.weights[k] * s.inverse_mass[contact.nodes[k]];
   constraint.k_tangent = constraint.k;
   if (s.body) add_body(*s.body, arm_of(s, contact), constraint);
   if (s.nodes_movable && !s.body) constraint.k_position = constraint.k;
