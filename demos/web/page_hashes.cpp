@@ -1,5 +1,6 @@
-// page_hashes SCENE.json STEPS EVERY [KEY=VALUE …]: runs the scene of the page on this machine, through the functions
-// that the page calls, and prints a JSON object: the state hash after each EVERY steps, and what was counted.
+// page_hashes SCENE.json STEPS EVERY [KEY=VALUE …]: runs the scene of the page on this machine, through the
+// functions that the page calls, and prints a JSON object: the state hash after each EVERY steps, and what
+// was counted.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>

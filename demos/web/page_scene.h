@@ -12,9 +12,9 @@ namespace oilskin::demo {
 /// Sums over the steps since the scene began.
 struct PageCounts {
   std::uint64_t steps = 0;
-  std::uint64_t certified = 0;      ///< steps that end with the certificate
-  std::uint64_t crossings = 0;      ///< found by contact.verify
-  std::uint64_t verified_pairs = 0; ///< tested by contact.verify
+  std::uint64_t certified = 0;       ///< steps that end with the certificate
+  std::uint64_t crossings = 0;       ///< found by contact.verify
+  std::uint64_t verified_pairs = 0;  ///< tested by contact.verify
   std::uint64_t emitted = 0, removed = 0;
 };
 

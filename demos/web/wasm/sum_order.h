@@ -1,6 +1,6 @@
-// Included before every source of the page's module. Where Eigen has vectors of two doubles, as on x86-64 and ARM, it
-// adds three doubles as (a + b) + c; where it has none, as here, as a + (b + c). With this the sums are those of the
-// desktop. Sums of floats stay as they are: three do not fill a vector there.
+// Included before every source of the page's module. Where Eigen has vectors of two doubles, as on x86-64 and
+// ARM, it adds three doubles as (a + b) + c; where it has none, as here, as a + (b + c). With this the sums
+// are those of the desktop. Sums of floats stay as they are: three do not fill a vector there.
 #pragma once
 
 #ifdef __cplusplus

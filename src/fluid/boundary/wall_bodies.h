@@ -21,7 +21,7 @@ struct Wrench {
   double dot(const Wrench& o) const { return linear.dot(o.linear) + angular.dot(o.angular); }
 };
 
-/// How walls of bodies answer: what the nodes of sheets do each for itself, the nodes of a body do together.
+/// How walls of bodies respond: what the nodes of sheets do each for itself, the nodes of a body do together.
 class WallBodies {
  public:
   /// particle_mass [kg], dt of the interval [s].
