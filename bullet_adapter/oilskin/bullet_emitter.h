@@ -28,7 +28,7 @@ class btFluidEmitter {
 
   /// The speed at which water leaves [m/s], ≥ 0.
   Status setSpeed(btScalar speed);
-  /// With a speed [m/s].
+  /// [m/s]
   btScalar getSpeed() const { return m_speed; }
   /// Whether water leaves (default). The phase is kept meanwhile.
   Status setEnabled(bool enabled);
@@ -36,7 +36,7 @@ class btFluidEmitter {
   bool isEnabled() const { return m_enabled; }
   /// The velocity of what carries the emitter [m/s], added to that of the water; 0 at first.
   Status setInheritedVelocity(const btVector3& velocity);
-  /// With a speed [m/s].
+  /// [m/s]
   const btVector3& getInheritedVelocity() const { return m_inheritedVelocity; }
 
   /// The volume of what has come from it [m³], in all fluids that it was in.
