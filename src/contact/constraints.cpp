@@ -137,6 +137,7 @@ ContactConstraint make_constraint(const Context& context, const Contact& contact
   constraint.normal_active = comes_within_thickness(context, contact);
   constraint.friction_active = friction_may_act(context, contact);
   constraint.k_position = constraint.k = context.particles->inverse_mass[contact.particle];
+  // Not a sum of its own: the order of these sums decides the last bits.
   for (int k = 0; k < 3; ++k)
     constraint.k += contact.weights[k] * contact.weights[k] * s.inverse_mass[contact.nodes[k]];
   constraint.k_tangent = constraint.k;
@@ -149,7 +150,6 @@ ContactConstraint make_constraint(const Context& context, const Contact& contact
 
 void split_gap_between_opposing_contacts(const Context& context,
                                          std::vector<ContactConstraint>& constraints) {
-  constexpr double opposing_cosine = -0.5;  // normals within 60° of opposite
   for (std::size_t begin = 0, end = 0; begin < constraints.size(); begin = end) {
     while (end < constraints.size() &&
            constraints[end].contact.particle == constraints[begin].contact.particle)
@@ -159,8 +159,7 @@ void split_gap_between_opposing_contacts(const Context& context,
       double gap = context.surfaces[c.surface]->thickness;
       for (std::size_t o = begin; o < end; ++o) {
         const Contact& other = constraints[o].contact;
-        if (c.normal.dot(other.normal) < opposing_cosine)
-          gap = std::min(gap, 0.5 * (c.distance + other.distance));
+        if (are_opposing(c, other)) gap = std::min(gap, 0.5 * (c.distance + other.distance));
       }
       constraints[k].target_gap = target_gap(c.distance, gap);
       OILSKIN_ASSERT(constraints[k].target_gap >= std::min(c.distance, gap));

@@ -35,6 +35,11 @@ struct ContactConstraint {
   double friction_load() const { return load() + spare_load; }
 };
 
+/// Two contacts of a particle whose normals are within 60° of opposite.
+inline bool are_opposing(const Contact& a, const Contact& b) {
+  return a.normal.dot(b.normal) < -0.5;
+}
+
 /// The constraint of a contact at the start positions.
 ContactConstraint make_constraint(const Context& context, const Contact& contact);
 

@@ -9,8 +9,6 @@ namespace oilskin::contact {
 
 namespace {
 
-constexpr double opposing_cosine = -0.5;  // normals within 60° of opposite
-
 Vec3 end_of(const SurfaceMotion& s, const Contact& c) {
   Vec3 x = Vec3::Zero();
   for (int k = 0; k < 3; ++k) x += c.weights[k] * s.x_t1[c.nodes[k]];
@@ -29,6 +27,9 @@ Vec3 gravity_of(const SurfaceMotion& s, double dt) {
 }  // namespace
 
 Squeezes::Squeezes(const Context& context, const std::vector<ContactConstraint>& constraints) {
+  if (std::none_of(context.surfaces.begin(), context.surfaces.end(),
+                   [](auto* s) { return s->body.has_value(); }))
+    return;
   for (std::size_t begin = 0, end = 0; begin < constraints.size(); begin = end) {
     const std::uint32_t particle = constraints[begin].contact.particle;
     while (end < constraints.size() && constraints[end].contact.particle == particle) ++end;
@@ -42,7 +43,7 @@ Squeezes::Squeezes(const Context& context, const std::vector<ContactConstraint>&
 void Squeezes::add(const Context& context, const Contact& a, const Contact& b) {
   const SurfaceMotion &above = *context.surfaces[a.surface], &below = *context.surfaces[b.surface];
   if (!above.body && !below.body) return;
-  if (a.surface == b.surface || !(a.normal.dot(b.normal) < opposing_cosine)) return;
+  if (a.surface == b.surface || !are_opposing(a, b)) return;
   Squeeze s;
   s.above = a;
   s.below = b;
