@@ -21,7 +21,7 @@ file(GLOB fcl_sources ${fcl_root}/src/geometry/bvh/*.cpp ${fcl_root}/src/geometr
      ${fcl_root}/src/math/bv/*.cpp)
 add_library(fcl STATIC ${fcl_sources} ${fcl_root}/src/geometry/collision_geometry.cpp ${fcl_root}/src/math/geometry.cpp
             ${fcl_root}/src/math/constants.cpp ${fcl_root}/src/math/triangle.cpp)
-target_include_directories(fcl SYSTEM PUBLIC ${CMAKE_BINARY_DIR}/fcl/include ${fcl_root}/include /usr/include/eigen3)
+target_include_directories(fcl SYSTEM PUBLIC ${CMAKE_BINARY_DIR}/fcl/include ${fcl_root}/include ${page_eigen})
 target_compile_options(fcl PRIVATE -ffp-contract=off -w PUBLIC -DEIGEN_MAX_ALIGN_BYTES=16)
 
 file(WRITE ${CMAKE_BINARY_DIR}/fcl/fcl-config.cmake "# The target fcl is part of this build.\n")
