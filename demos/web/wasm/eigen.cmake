@@ -15,6 +15,12 @@ if(NOT EXISTS ${page_eigen}/done)
   endif()
   file(WRITE ${packets} "${changed}")
   file(WRITE ${page_eigen}/mmintrin.h "")
+  # The package that find_package(Eigen3) finds in this build.
+  file(WRITE ${page_eigen}/Eigen3Config.cmake
+       "if(NOT TARGET Eigen3::Eigen)\n  add_library(Eigen3::Eigen INTERFACE IMPORTED)\n"
+       "  target_include_directories(Eigen3::Eigen SYSTEM INTERFACE ${page_eigen})\nendif()\n")
+  file(WRITE ${page_eigen}/Eigen3ConfigVersion.cmake "set(PACKAGE_VERSION 3.4)\nset(PACKAGE_VERSION_COMPATIBLE TRUE)\n")
   file(TOUCH ${page_eigen}/done)
 endif()
+set(Eigen3_DIR ${page_eigen} CACHE PATH "" FORCE)
 add_compile_options(-msse2 "SHELL:-isystem ${page_eigen}")
