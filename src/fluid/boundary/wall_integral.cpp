@@ -27,9 +27,9 @@ F4 half_space_mass(F4 z) {
   return F4(8.0f / 15) * (u2 * u2 * u * (F4(1.0f) + F4(2.0f) * z) - v2 * v2 * v * (F4(2.0f) + F4(8.0f) * z));
 }
 
-/// The angle of (x, y) from the first axis, y ≥ 0, not both 0, to the precision of float. Not std::atan2, whose
-/// last bits depend on the C library: this has the same bits everywhere. The angle is halved twice, so that
-/// the series converges by 0.17 a term.
+/// The angle of (x, y) from the first axis, y ≥ 0, not both 0, to the precision of float. Not std::atan2,
+/// whose last bits depend on the C library: this has the same bits everywhere. The angle is halved twice, so
+/// that the series converges by 0.17 a term.
 float angle_of(double x, double y) {
   const double length = std::sqrt(x * x + y * y);
   const double half = y / (length + std::abs(x));  // tangent of half the angle from ±x, 0 … 1
