@@ -246,7 +246,8 @@ TEST(RigidBody, that_is_crushed_in_water_lets_nothing_through) {
       w.run(0.005, 0.005);
       lost += w.solver.getReport().contact.removed;
     }
-    EXPECT_LT(lost, 30u) << "what the press closes on may be removed, and is counted";
+    // 0.06 · 0.06 · 0.04 m³ of water, 144 particles, lie below the body; most of them must get out.
+    EXPECT_LT(lost, 48u) << "what the press closes on may be removed, and is counted";
     EXPECT_TRUE(to_vec3(body->getWorldTransform().getOrigin()).allFinite());
   }
 }
