@@ -26,6 +26,14 @@ class CollisionObjectHost : public SurfaceHost {
   /// The motion up to the next gather is a teleport, and the shape is read again.
   void forget_motion() { forget_motion_ = true; }
 
+  /// What the host remembers from step to step.
+  struct State {
+    bool forget_motion = true;
+    btTransform start = btTransform::getIdentity();  ///< of a dynamic body, as the last step left it
+  };
+  virtual State state() const { return {forget_motion_, btTransform::getIdentity()}; }
+  virtual void set_state(const State& state) { forget_motion_ = state.forget_motion; }
+
  protected:
   /// The next gather computes them again.
   void forget_positions() { world_.clear(); }

@@ -44,6 +44,8 @@ struct btFluidCoupling::Impl {
   Listening listening;
   std::optional<ParticlesBefore> particles_before;  // with sensors, during a step
   std::uint64_t next_number = 1;
+  int pending = 0;          // Bullet's sub-steps since the solver's last coupling
+  double pending_time = 0;  // their length [s]
 
   World* world() const { return fluid ? &fluid->getWorld() : nullptr; }
   Attachment* find(const btCollisionObject* object);
@@ -51,6 +53,9 @@ struct btFluidCoupling::Impl {
   Status attach(Attachment& attachment);
   void detach(Attachment& attachment);
   void remove(const btCollisionObject* object);
+  /// Of each attachment, whether `present` has it.
+  template <class Objects>
+  std::vector<char> present_in(const Objects& present) const;
   template <class Objects>
   void detach_absent(const Objects& present, bool cloth_only);
   void detach_absent();
@@ -63,6 +68,9 @@ struct btFluidCoupling::Impl {
   Status follow_gravity();
   std::optional<Vec3> gravity_of_cloth() const;
   const StepReport& refuse(std::string why);
+
+  /// Refuses to save and restore where that is not possible.
+  Status check_between_steps() const;
 
   // coupling_listen.cpp
   const btCollisionObject* object_of(std::uint64_t number) const;

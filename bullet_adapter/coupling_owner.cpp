@@ -45,8 +45,7 @@ void btFluidCoupling::Impl::detach_deleted(std::size_t attachment) {
 
 /// Never looks at an attached object before `present` has it: it may have been deleted.
 template <class Objects>
-void btFluidCoupling::Impl::detach_absent(const Objects& present, bool cloth_only) {
-  if (attachments.empty()) return;
+std::vector<char> btFluidCoupling::Impl::present_in(const Objects& present) const {
   std::vector<std::pair<const btCollisionObject*, std::size_t>> sorted;
   for (std::size_t i = 0; i < attachments.size(); ++i) sorted.emplace_back(attachments[i].object, i);
   std::sort(sorted.begin(), sorted.end());
@@ -57,12 +56,30 @@ void btFluidCoupling::Impl::detach_absent(const Objects& present, bool cloth_onl
     if (it != sorted.end() && it->first == object)
       is_present[it->second] = attachments[it->second].mark->is_on(*object);
   }
+  return is_present;
+}
+
+template <class Objects>
+void btFluidCoupling::Impl::detach_absent(const Objects& present, bool cloth_only) {
+  if (attachments.empty()) return;
+  const std::vector<char> is_present = present_in(present);
   for (std::size_t i = attachments.size(); i-- > 0;)
     if (!is_present[i] && (attachments[i].cloth || !cloth_only)) detach_deleted(i);
 }
 
 void btFluidCoupling::Impl::detach_absent() {
   if (collision_world) detach_absent(collision_world->getCollisionObjectArray(), false);
+}
+
+Status btFluidCoupling::Impl::check_between_steps() const {
+  if (listening.is_telling)
+    return Status::refused("a listener may not save or restore: leave that until the call has returned");
+  if (!collision_world) return Status::accepted();
+  const std::vector<char> is_present = present_in(collision_world->getCollisionObjectArray());
+  const auto absent = std::find(is_present.begin(), is_present.end(), 0);
+  if (absent == is_present.end()) return Status::accepted();
+  return Status::refused("object " + std::to_string(absent - is_present.begin() + 1) +
+                         " is not in its world, or was deleted: remove it from the coupling first");
 }
 
 void btFluidCoupling::detachAbsent(const btAlignedObjectArray<btSoftBody*>& bodies) {

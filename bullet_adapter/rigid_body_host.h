@@ -20,6 +20,12 @@ class RigidBodyHost : public CollisionObjectHost {
   /// Wakes the body where it received an impulse.
   void scatter(SurfaceMotion& motion) override;
 
+  State state() const override { return {CollisionObjectHost::state().forget_motion, start_}; }
+  void set_state(const State& state) override {
+    CollisionObjectHost::set_state(state);
+    start_ = state.start;
+  }
+
  private:
   bool is_dynamic() const;
   void hold(const SurfaceMotion& motion);

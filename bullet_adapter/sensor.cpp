@@ -70,6 +70,13 @@ void Sensor::begin(const World& world) {
   std::sort(inside_.begin(), inside_.end());
 }
 
+void Sensor::set_state(State state) {
+  to_local_ = state.to_local;
+  teleported_ = state.teleported;
+  inside_ = std::move(state.inside);
+  reading_ = state.reading;
+}
+
 btFluidFlow Sensor::end(const World& world, const ParticlesBefore& before) {
   const Eigen::Affine3d now = *inverse_of(object_->getWorldTransform());
   const Eigen::Affine3d then = teleported_ ? now : *to_local_;

@@ -37,6 +37,16 @@ class Sensor {
 
   const btFluidReading& reading() const { return reading_; }
 
+  /// What a sensor remembers from step to step.
+  struct State {
+    std::optional<Eigen::Affine3d> to_local;
+    bool teleported = false;
+    std::vector<std::uint64_t> inside;
+    btFluidReading reading;
+  };
+  State state() const { return {to_local_, teleported_, inside_, reading_}; }
+  void set_state(State state);
+
  private:
   using Inside = std::vector<std::uint64_t>;  // ids, sorted
 

@@ -310,4 +310,34 @@ void SoftBodyHost::scatter(SurfaceMotion& motion) {
   for (std::size_t i = 0; i < n; ++i) motion.x_t1[contact_node_[i]] = to_vec3(node(i).m_x);
 }
 
+SoftBodyHost::State SoftBodyHost::state() const {
+  return {forget_motion_, contact_node_, contact_nodes_, node_impulse_, dry_mass_, weighed_};
+}
+
+Status SoftBodyHost::check(const State& state) const {
+  const auto nodes = static_cast<std::size_t>(body_->m_nodes.size());
+  const auto has = [nodes](std::size_t size) { return size == nodes || size == 0; };
+  bool valid = has(state.contact_node.size()) && has(state.node_impulse.size()) &&
+               has(state.dry_mass.size()) && state.weighed.size() == state.dry_mass.size();
+  std::vector<char> found(valid && state.contact_nodes <= nodes ? state.contact_nodes : 0, 0);
+  for (std::uint32_t c : state.contact_node) {
+    valid = valid && c < found.size();
+    if (valid) found[c] = 1;
+  }
+  valid =
+      valid && std::count(found.begin(), found.end(), 1) == static_cast<std::ptrdiff_t>(state.contact_nodes);
+  return valid ? Status::accepted() : Status::refused("has other nodes than the saved cloth");
+}
+
+void SoftBodyHost::set_state(State state) {
+  read_faces();
+  forget_motion_ = state.forget_motion;
+  contact_node_ = std::move(state.contact_node);
+  contact_nodes_ = static_cast<std::size_t>(state.contact_nodes);
+  count_copies();
+  node_impulse_ = std::move(state.node_impulse);
+  dry_mass_ = std::move(state.dry_mass);
+  weighed_ = std::move(state.weighed);
+}
+
 }  // namespace oilskin::bullet

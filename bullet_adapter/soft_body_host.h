@@ -42,6 +42,20 @@ class SoftBodyHost : public SurfaceHost {
   /// Which nodes, in Bullet's order, have liquid; empty = none. `absorbed` has one value per contact node
   /// [kg].
   std::vector<bool> wet_nodes(Span<const double> absorbed) const;
+  /// What the host remembers from step to step.
+  struct State {
+    bool forget_motion = true;
+    std::vector<std::uint32_t> contact_node;
+    std::uint64_t contact_nodes = 0;
+    std::vector<Vec3> node_impulse;
+    std::vector<double> dry_mass;
+    std::vector<btScalar> weighed;
+  };
+  State state() const;
+  /// Refuses a state of another body.
+  Status check(const State& state) const;
+  /// Of a body with the elements that it had then.
+  void set_state(State state);
   /// Impulse of the last scatter on each node in Bullet's order [N s].
   const std::vector<Vec3>& node_impulses() const { return node_impulse_; }
 

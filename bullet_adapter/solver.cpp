@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "oilskin/bullet.h"
+#include "coupling_impl.h"
 
 namespace oilskin::bullet {
 
@@ -24,18 +24,20 @@ void btFluidSoftBodySolver::optimize(btAlignedObjectArray<btSoftBody*>& softBodi
 /// The only call with the length of a sub-step. Bullet passes it as a float in both precisions, and advances
 /// its soft bodies by that.
 void btFluidSoftBodySolver::predictMotion(btScalar solverdt) {
-  m_pendingTime += static_cast<double>(solverdt);
+  m_coupling.m_impl->pending_time += static_cast<double>(solverdt);
   btDefaultSoftBodySolver::predictMotion(solverdt);
 }
 
 /// The last call of a sub-step: links, contacts and self-collision are solved, normals are not updated yet.
 /// Bullet does not overwrite what is written from here on.
 void btFluidSoftBodySolver::updateSoftBodies() {
-  ++m_pending;
-  if (m_pending >= m_interval && m_pendingTime > 0) {
-    if (m_coupling.getFluid()) m_coupling.couple(m_pendingTime, /*updateNormals=*/false);
-    m_pending = 0;
-    m_pendingTime = 0;
+  int& pending = m_coupling.m_impl->pending;
+  double& pending_time = m_coupling.m_impl->pending_time;
+  ++pending;
+  if (pending >= m_interval && pending_time > 0) {
+    if (m_coupling.getFluid()) m_coupling.couple(pending_time, /*updateNormals=*/false);
+    pending = 0;
+    pending_time = 0;
   }
   btDefaultSoftBodySolver::updateSoftBodies();
   m_coupling.tellListeners();  // Bullet reads no soft body after this

@@ -272,6 +272,21 @@ class btFluidCoupling : public btActionInterface {
   /// The object of a Contact::surface of the last step; null where it was removed since.
   const btCollisionObject* getObject(std::uint32_t surface) const;
 
+  /// Writes the state that determines all further steps: that of the fluid (World::save()), of the emitters
+  /// that were added with btFluid::addEmitter(), and of each attached object what Bullet's steps change; with
+  /// readings of sensors, touches, impulses, reports and messages that were not taken yet. Call it between
+  /// two calls of stepSimulation() that leave no remaining time. What the game sets is not written: settings
+  /// of objects, gravity of Bullet's worlds, effects themselves. Nor is what Bullet keeps of pairs of objects
+  /// (docs/manual/saving.md). Refuses null, calls by a listener, objects whose state is not finite, soft
+  /// bodies with clusters or joints, and bodies of the deformable solver. A refusal leaves `out` as it is.
+  Status saveState(std::vector<std::uint8_t>* out) const;
+  /// Gives the fluid, the emitters and all attached objects the state that was saved, here or in another
+  /// process: the same build and precision, with the same objects and emitters, added in the same order.
+  /// Refuses, and changes nothing, where the bytes are damaged or of another version, or where objects,
+  /// emitters, their number, their meshes or their masses are others. Spans, reports and contacts of the
+  /// fluid's world are invalid after it.
+  Status restoreState(Span<const std::uint8_t> saved);
+
   /// Does nothing: actions run before Bullet solves the cloth.
   void updateAction(btCollisionWorld*, btScalar) override {}
   /// Wireframe: particles as short lines along their motion, from dark blue (at rest) to white (fast).
@@ -352,6 +367,11 @@ class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
   /// btFluidCoupling::takeReport().
   StepReport takeReport() { return m_coupling.takeReport(); }
 
+  /// btFluidCoupling::saveState().
+  Status saveState(std::vector<std::uint8_t>* out) const { return m_coupling.saveState(out); }
+  /// btFluidCoupling::restoreState().
+  Status restoreState(Span<const std::uint8_t> saved) { return m_coupling.restoreState(saved); }
+
   /// btFluidCoupling::setCarriesWater().
   void setCarriesWater(bool carries) { m_coupling.setCarriesWater(carries); }
   /// btFluidCoupling::getCarriesWater().
@@ -377,8 +397,6 @@ class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
  private:
   btFluidCoupling m_coupling;
   int m_interval = 1;
-  int m_pending = 0;         // Bullet's sub-steps since the last coupling
-  double m_pendingTime = 0;  // their length [s]
 };
 
 }  // namespace oilskin::bullet

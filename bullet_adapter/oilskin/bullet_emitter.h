@@ -56,6 +56,7 @@ class btFluidEmitter {
 
  private:
   friend class btFluid;
+  friend struct EmitterMemory;
   /// Adds it with the speed 1 m/s.
   virtual Status addTo(World& world, const EmitterPose& pose, EmitterId* id) const = 0;
   /// The centre of the emitter in its own frame [m].
@@ -131,6 +132,7 @@ class btFluidRainEmitter : public btFluidEmitter {
   btScalar getDropsPerSecond() const { return m_dropsPerSecond; }
 
  private:
+  friend struct EmitterMemory;
   Status addTo(World& world, const EmitterPose& pose, EmitterId* id) const override;
   btScalar m_halfX, m_halfZ, m_dropsPerSecond, m_dropRadius;
 };

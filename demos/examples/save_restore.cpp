@@ -1,5 +1,4 @@
-// A saved game: the fluid's world as bytes, the cloth's nodes as Bullet has them. Restored into new objects,
-// the water goes on bit for bit.
+// A saved game: water and cloth as bytes. Restored into new objects, both go on bit for bit.
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
@@ -52,28 +51,12 @@ int main() {
     return 1;
   played.run(150);
 
-  // Save.
   std::vector<std::uint8_t> bytes;
-  if (!accepted(played.water.getWorld().save(&bytes))) return 1;
-  std::vector<btSoftBody::Node> nodes;
-  nodes.reserve(std::size_t(played.cloth->m_nodes.size()));
-  for (int i = 0; i < played.cloth->m_nodes.size(); ++i) nodes.push_back(played.cloth->m_nodes[i]);
+  if (!accepted(played.softSolver.saveState(&bytes))) return 1;
 
-  // Restore: build the same cloth, give it its nodes back, then the water.
+  // Restored into objects that were built in the same way.
   Game loaded;
-  if (!loaded.create()) return 1;
-  btSoftBody& cloth = *loaded.cloth;
-  cloth.updateConstants();       // rest lengths are those of the cloth as built;
-  cloth.m_bUpdateRtCst = false;  // Bullet would measure them again in its first step
-  for (int i = 0; i < cloth.m_nodes.size(); ++i) {
-    btSoftBody::Node& node = cloth.m_nodes[i];
-    const btSoftBody::Node& from = nodes[std::size_t(i)];
-    node.m_x = from.m_x, node.m_q = from.m_q, node.m_v = from.m_v, node.m_vn = from.m_vn;
-    node.m_f = from.m_f, node.m_n = from.m_n, node.m_im = from.m_im;
-  }
-  cloth.updateNormals();
-  cloth.updateBounds();
-  if (!accepted(loaded.water.getWorld().restore(bytes))) return 1;
+  if (!loaded.create() || !accepted(loaded.softSolver.restoreState(bytes))) return 1;
 
   const int before = loaded.water.getNumParticles();
   for (int i = 0; i < 10; ++i)

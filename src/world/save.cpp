@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/body_motion.h"
-#include "core/hash.h"
+#include "core/frame.h"
 #include "world/carried_mass.h"
 #include "world/numeric_range.h"
 #include "world/world_impl.h"
@@ -132,54 +132,16 @@ namespace world {
 
 namespace {
 
-constexpr char magic[8] = {'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'};
-constexpr std::uint32_t byte_order = 0x01020304, swapped_byte_order = 0x04030201;
-constexpr std::uint32_t version = 7;
-constexpr std::size_t frame_bytes = 32;
-
-std::uint64_t check_sum(Span<const std::uint8_t> bytes) {
-  Hash64 hash;
-  hash.add(static_cast<std::uint64_t>(bytes.size()));
-  for (std::size_t at = 0; at < bytes.size(); at += 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes.data() + at, std::min<std::size_t>(8, bytes.size() - at));
-    hash.add(word);
-  }
-  return hash.value();
-}
+constexpr FrameKind saved_world = {{'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'}, 7, "saved world"};
 
 }  // namespace
 
 std::vector<std::uint8_t> framed(Span<const std::uint8_t> content) {
-  std::vector<std::uint8_t> saved(magic, magic + sizeof magic);
-  saved.reserve(frame_bytes + content.size());
-  std::uint32_t order = byte_order, number = version;
-  std::uint64_t length = content.size(), sum = check_sum(content);
-  Archive(saved).values(order, number, length, sum);
-  saved.insert(saved.end(), content.begin(), content.end());
-  return saved;
+  return oilskin::framed(saved_world, content);
 }
 
 Status unframe(Span<const std::uint8_t> saved, Span<const std::uint8_t>* content) {
-  if (saved.size() < frame_bytes || std::memcmp(saved.data(), magic, sizeof magic) != 0)
-    return Status::refused("the bytes are not a saved world");
-  std::uint32_t order = 0, number = 0;
-  std::uint64_t length = 0, sum = 0;
-  Archive in(Span<const std::uint8_t>(saved.data() + sizeof magic, frame_bytes - sizeof magic));
-  in.values(order, number, length, sum);
-  if (order == swapped_byte_order)
-    return Status::refused("the saved world comes from a machine with the other byte order");
-  if (order != byte_order) return Status::refused("the saved world is damaged: its byte order is unknown");
-  if (number != version)
-    return Status::refused("the saved world has version " + std::to_string(number) +
-                           "; this library reads version " + std::to_string(version));
-  *content = {saved.data() + frame_bytes, saved.size() - frame_bytes};
-  if (length != content->size())
-    return Status::refused("the saved world has " + std::to_string(content->size()) + " bytes of " +
-                           std::to_string(length));
-  if (sum != check_sum(*content))
-    return Status::refused("the saved world is damaged: its check sum is wrong");
-  return {};
+  return oilskin::unframe(saved_world, saved, content);
 }
 
 void Attachments::visit(Archive& archive) {
