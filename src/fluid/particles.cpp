@@ -1,6 +1,7 @@
 #include "fluid/particles.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "core/assert.h"
@@ -54,6 +55,7 @@ void Particles::reserve_more(std::size_t count) {
   reserve_array(pressure, count);
   reserve_array(spare_load, count);
   if (mass_varies) reserve_array(mass_ratio, count);
+  if (ends) reserve_array(end_time, count);
   for (std::vector<double>& v : values) reserve_array(v, count);
 }
 
@@ -76,6 +78,12 @@ void Particles::let_mass_vary() {
   mass_varies = true;
 }
 
+void Particles::let_end() {
+  if (ends) return;
+  end_time.assign(size(), std::numeric_limits<double>::infinity());
+  ends = true;
+}
+
 void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density) {
   OILSKIN_ASSERT(new_id != 0 && rest_density > 0);
   id.push_back(new_id);
@@ -86,6 +94,7 @@ void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, do
   pressure.push_back(0);
   spare_load.push_back(Vec3::Zero());
   if (mass_varies) mass_ratio.push_back(1);
+  if (ends) end_time.push_back(new_end);
   for (std::size_t k = 0; k < values.size(); ++k) values[k].push_back(value_start[k]);
 }
 
@@ -100,6 +109,7 @@ void Particles::compress(Span<const std::uint8_t> keep) {
   compress_array(pressure, keep, first);
   compress_array(spare_load, keep, first);
   if (mass_varies) compress_array(mass_ratio, keep, first);
+  if (ends) compress_array(end_time, keep, first);
   for (std::vector<double>& v : values) compress_array(v, keep, first);
   compress_array(id, keep, first);
   OILSKIN_ASSERT(position.size() == size() && velocity.size() == size() && motion.size() == size());
@@ -115,6 +125,7 @@ void Particles::permute(Span<const std::uint32_t> order, const Workers& workers,
   permute_array(pressure, order, workers, scratch.scalars);
   permute_array(spare_load, order, workers, scratch.vectors);
   if (mass_varies) permute_array(mass_ratio, order, workers, scratch.ratios);
+  if (ends) permute_array(end_time, order, workers, scratch.scalars);
   for (std::vector<double>& v : values) permute_array(v, order, workers, scratch.scalars);
   permute_array(id, order, workers, scratch.ids);
 }
@@ -122,7 +133,7 @@ void Particles::permute(Span<const std::uint32_t> order, const Workers& workers,
 void Particles::copy_to(Particles& to, const Workers& workers) const {
   // Names every field, so that a new one does not compile until it is copied.
   auto& [id_, position_, velocity_, motion_, density_, pressure_, spare_load_, mass_varies_, mass_ratio_,
-         values_, value_start_] = to;
+         ends_, end_time_, new_end_, values_, value_start_] = to;
   copy_array(id, workers, id_);
   copy_array(position, workers, position_);
   copy_array(velocity, workers, velocity_);
@@ -132,6 +143,9 @@ void Particles::copy_to(Particles& to, const Workers& workers) const {
   copy_array(spare_load, workers, spare_load_);
   mass_varies_ = mass_varies;
   copy_array(mass_ratio, workers, mass_ratio_);
+  ends_ = ends;
+  copy_array(end_time, workers, end_time_);
+  new_end_ = new_end;
   values_.resize(values.size());
   for (std::size_t k = 0; k < values.size(); ++k) copy_array(values[k], workers, values_[k]);
   value_start_ = value_start;
@@ -146,6 +160,9 @@ void Particles::visit(Archive& archive) {
   archive.values(mass_varies, mass_ratio);
   archive.require(mass_ratio.size() == (mass_varies ? n : 0), "the number of masses");
   for (float ratio : mass_ratio) archive.require(ratio > 0 && ratio <= 1, "the mass of a particle");
+  archive.values(ends, end_time);
+  archive.require(end_time.size() == (ends ? n : 0), "the number of ends");
+  for (double end : end_time) archive.require(!std::isnan(end), "the end of a particle");
   // The kinds are those of the world's effects, which are compared before.
   for (std::vector<double>& v : values) {
     archive.value(v);

@@ -20,6 +20,10 @@ struct Particles {
   bool mass_varies = false;
   std::vector<float> mass_ratio;  ///< if mass_varies: mass over that of a new particle, (0, 1]
 
+  bool ends = false;
+  std::vector<double> end_time;  ///< if ends: when each ends [s]; infinite = not by age
+  double new_end = std::numeric_limits<double>::infinity();  ///< of particles that are added now [s]
+
   std::vector<std::vector<double>> values;  ///< of effects: per kind of value, one per particle
   std::vector<double> value_start;          ///< per kind, in a new particle
 
@@ -32,6 +36,8 @@ struct Particles {
   Vec3 sum_of_velocities(const Workers& workers) const;
   /// From now on masses may differ.
   void let_mass_vary();
+  /// From now on particles may end by age; those that are there do not.
+  void let_end();
   void push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, double rest_density);
   /// The next `count` calls of push_back() do not throw.
   void reserve_more(std::size_t count);

@@ -42,6 +42,8 @@ struct EmitterState {
   double speed = 0;
   /// Added to their velocity [m/s].
   Vec3 inherited_velocity = Vec3::Zero();
+  /// World::set_emitter_max_age() [s].
+  double max_age = std::numeric_limits<double>::infinity();
   /// How many have come from it.
   std::uint64_t particles = 0;
   /// Their volume at the rest density [m³].

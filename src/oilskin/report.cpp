@@ -92,10 +92,10 @@ void StepReport::add(const StepReport& next) {
   const bool is_first = dt == 0;
   const double made_before = energy.made_in_step, speed_before = energy.max_speed;
   const auto& [status_, messages_, step_, time_, dt_, substeps_, needed, seconds_, fluid_, contact_, alive_,
-               emitted_, removed_, absorbed_, released_, invalid, too_fast, blocked, limited, mass_emitted_,
-               mass_removed_, mass_absorbed_, mass_released_, mass_dried_, mass_lost_, before, after,
-               momentum_emitted_, momentum_removed_, momentum_absorbed_, momentum_released_, gravity, effects,
-               energy_, owed, carried, load, flags_] = next;
+               emitted_, removed_, by_sinks, by_age, absorbed_, released_, invalid, too_fast, blocked,
+               limited, mass_emitted_, mass_removed_, mass_absorbed_, mass_released_, mass_dried_, mass_lost_,
+               before, after, momentum_emitted_, momentum_removed_, momentum_absorbed_, momentum_released_,
+               gravity, effects, energy_, owed, carried, load, flags_] = next;
   static_cast<void>(status_), static_cast<void>(messages_);
   step = step_, time = time_, alive = alive_, momentum_after = after, energy = energy_;
   energy.made_in_step += made_before;
@@ -106,6 +106,7 @@ void StepReport::add(const StepReport& next) {
   seconds += seconds_;
   dt += dt_, substeps += substeps_;
   emitted += emitted_, removed += removed_, absorbed += absorbed_, released += released_;
+  removed_by_sinks += by_sinks, removed_by_age += by_age;
   removed_invalid += invalid, removed_too_fast += too_fast;
   blocked_starts += blocked, limited_starts += limited;
   mass_emitted += mass_emitted_, mass_removed += mass_removed_, mass_absorbed += mass_absorbed_;

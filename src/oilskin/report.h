@@ -238,9 +238,13 @@ struct StepReport {
   std::uint64_t alive = 0;
   /// Particles that emitters added.
   std::uint64_t emitted = 0;
-  /// Particles removed by the kill box, by contact, at a new surface, or by the caller since the step before
-  /// (World::remove_particles(), World::clear()).
+  /// Particles removed by the kill box, by sinks, by age, by contact, at a new surface, or by the caller
+  /// since the step before (World::remove_particles(), World::clear()).
   std::uint64_t removed = 0;
+  /// Those of them that ended in a sink.
+  std::uint64_t removed_by_sinks = 0;
+  /// Those of them that ended by age.
+  std::uint64_t removed_by_age = 0;
   /// Particles that surfaces absorbed as a whole.
   std::uint64_t absorbed = 0;
   /// Particles that surfaces released.

@@ -10,6 +10,7 @@
 #include "oilskin/emitter.h"
 #include "oilskin/report.h"
 #include "oilskin/settings.h"
+#include "oilskin/sink.h"
 #include "oilskin/surface_motion.h"
 #include "oilskin/trace.h"
 
@@ -144,6 +145,34 @@ class World {
   std::uint64_t remove_particles(Span<const std::uint64_t> ids);
   /// The same for all particles.
   void clear();
+
+  // --- sinks
+  /// Adds a sink: from the next step on, particles that are in the region at the end of an interval (a step
+  /// or a fluid sub-step) end there. The report counts them in StepReport::removed and removed_by_sinks, with
+  /// mass, momentum and energy. A particle in several sinks ends in the one that was added first. A particle
+  /// that passes through within an interval is not taken: with FluidSettings::cfl and enough fluid sub-steps,
+  /// none passes through what is thicker than cfl spacings. `id`: its handle; null: none is kept. Refuses a
+  /// region that is out of range.
+  Status add_sink(const Region& region, SinkId* id = nullptr);
+  /// Gives a sink another region, from the next step on. Refuses an unknown handle, as do the next two.
+  Status set_sink_region(SinkId id, const Region& region);
+  /// Puts the region of a sink elsewhere: Region::pose.
+  Status move_sink(SinkId id, const EmitterPose& pose);
+  /// Whether a sink takes particles.
+  Status set_sink_enabled(SinkId id, bool enabled);
+  /// Removes a sink. Returns whether there was one.
+  bool remove_sink(SinkId id);
+  /// What a sink does; none for an unknown handle.
+  std::optional<SinkState> sink(SinkId id) const;
+  /// The age [s], > 0, at which particles end; infinity: none does (default). Present particles live for
+  /// `seconds` from now, later ones from their start. The report of the step in which one ends counts it in
+  /// StepReport::removed and removed_by_age, with mass, momentum and energy.
+  Status set_max_age(double seconds);
+  /// [s]; infinity: no limit.
+  double max_age() const;
+  /// The same for particles that come from an emitter from now on; the smaller of both limits holds. Refuses
+  /// an unknown handle.
+  Status set_emitter_max_age(EmitterId id, double seconds);
 
   /// The number of particles.
   std::size_t particle_count() const;

@@ -1,4 +1,6 @@
 /// The starts of emitters in a step.
+#include <algorithm>
+
 #include "core/assert.h"
 #include "world/particle_limit.h"
 #include "world/world_impl.h"
@@ -51,6 +53,9 @@ void World::Impl::emit(IntervalContext& interval) {
     OILSKIN_ASSERT(start.remaining >= 0 && start.remaining <= interval.dt);
     particles.push_back(state.next_particle_id++, start.position, start.velocity,
                         fluid_settings.rest_density);
+    if (particles.ends)
+      particles.end_time.back() =
+          interval.begin + interval.dt - start.remaining + std::min(start.max_age, state.max_age);
     interval.remaining.push_back(start.remaining);
     step.ledger.emitted(start.velocity);
     step.energy.enter(start.position, start.velocity, interval.dt);

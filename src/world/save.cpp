@@ -132,7 +132,7 @@ namespace world {
 
 namespace {
 
-constexpr FrameKind saved_world = {{'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'}, 7, "saved world"};
+constexpr FrameKind saved_world = {{'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'}, 8, "saved world"};
 
 }  // namespace
 
@@ -218,7 +218,7 @@ Status Attachments::take_hosts(Attachments& from) {
 /// Counters come first: ids are checked against them.
 void World::Impl::visit_state(Archive& archive) {
   auto& [particles, next_particle_id, step_count, interval_count, time, last_dt, max_acceleration, energy,
-         withdrawn] = state;
+         withdrawn, sinks, max_age] = state;
   archive.values(next_particle_id, step_count, interval_count, time, last_dt, max_acceleration);
   archive.values(withdrawn.count, withdrawn.mass_ratio, withdrawn.momentum);
   archive.require(
@@ -227,6 +227,9 @@ void World::Impl::visit_state(Archive& archive) {
   archive.require(max_acceleration >= 0, "the largest acceleration");
   archive.require(time >= 0 && std::isfinite(time) && last_dt >= 0 && std::isfinite(last_dt), "the time");
   energy.visit(archive);
+  sinks.visit(archive);
+  archive.value(max_age);
+  archive.require(max_age > 0, "the largest age");
   effects.visit(archive);
   particles.visit(archive);
   if (archive.reading())
@@ -272,7 +275,8 @@ Status World::Impl::restore(Span<const std::uint8_t> saved) {
 }
 
 void world::WorldState::copy_to(WorldState& to, const Workers& copiers) const {
-  auto& [particles_, next_id, steps, intervals, time_, last_dt_, max_acceleration_, energy_, withdrawn_] = to;
+  auto& [particles_, next_id, steps, intervals, time_, last_dt_, max_acceleration_, energy_, withdrawn_,
+         sinks_, max_age_] = to;
   particles.copy_to(particles_, copiers);
   next_id = next_particle_id;
   steps = step_count;
@@ -282,6 +286,8 @@ void world::WorldState::copy_to(WorldState& to, const Workers& copiers) const {
   max_acceleration_ = max_acceleration;
   energy_ = energy;
   withdrawn_ = withdrawn;
+  sinks_ = sinks;
+  max_age_ = max_age;
 }
 
 Status World::save(std::vector<std::uint8_t>* out) const {

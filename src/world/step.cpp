@@ -58,6 +58,7 @@ void World::Impl::run_step(StepContext& step) {
   OILSKIN_ASSERT(step.dt > 0 && fluid && emission);
   RollBack<Impl> roll_back_on_exception(*this);
   book_withdrawn(step);
+  state.particles.new_end = state.time + state.max_age;
   gather(step);  // surfaces: x_t0 → proposed x_t1
   remove_invalid_particles(step);
   choose_substeps(step);
@@ -275,6 +276,7 @@ void World::Impl::commit(IntervalContext& interval) {
   OILSKIN_ASSERT(interval.x_t1.size() == particles.size() && interval.velocity.size() == particles.size());
   OILSKIN_ASSERT(all_finite(interval.x_t1) && all_finite(interval.velocity));
   std::vector<std::uint8_t> keep(particles.size(), 1);
+  if (state.sinks.act()) interval.taken_by.assign(particles.size(), world::Sinks::none);
   step.energy.touch(step.surfaces.motion, interval.dt);
   const world::EndSums all = workers->ordered_sum(particles.size(), chunk_size, world::EndSums(),
                                                   [&](std::size_t begin, std::size_t end) {
@@ -293,9 +295,11 @@ void World::Impl::commit(IntervalContext& interval) {
   step.ledger.end_interval(all.ledger);
   step.energy.end_interval(all.energy, state.next_particle_id, interval.dt);
   step.report.removed += interval.report.removed + all.removed;
+  step.report.removed_by_age += all.removed_by_age;
   step.report.removed_too_fast += all.removed_too_fast;
   step.report.absorbed += all.absorbed;
   step.report.contact.add(interval.report);
+  count_taken(interval, keep);
   particles.compress(keep);
   step.report.alive = particles.size();
 }
@@ -317,13 +321,13 @@ bool World::Impl::commit_particle(IntervalContext& interval, std::size_t i, worl
     energy.drive(particles.relative_mass(i), interval.acceleration[i],
                  0.5 * (motion_before + particles.motion[i]), interval.dt, sums.energy);
   if (!interval.mass_left.empty() && !keep_mass(interval, i, sums)) return false;
-  if (inside) {
+  if (inside && !takes(interval, i, sums)) {
     energy.stay(particles, i, interval.dt, sums.energy);
     return true;
   }
   energy.leave(particles, i, interval.dt, sums.energy);
   ++sums.removed;
-  if (energy.is_too_fast(particles, i)) ++sums.removed_too_fast;
+  if (!inside && energy.is_too_fast(particles, i)) ++sums.removed_too_fast;
   return false;
 }
 
@@ -352,6 +356,7 @@ void World::Impl::release(StepContext& step) {
 void World::Impl::scatter(StepContext& step) {
   StageTimer timer(step.report.seconds.gather);
   step.paths.end();
+  state.particles.new_end = state.time + step.dt + state.max_age;
   release(step);
   fluid->record_load(step.dt, step.surfaces.motion);
   for (world::Attachment* a : step.surfaces.attachment)

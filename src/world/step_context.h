@@ -53,8 +53,9 @@ struct IntervalContext {
   std::vector<std::uint8_t> removed;
   Span<const std::vector<std::uint32_t>> near;  // per surface: triangles within H of the fluid, at least
   std::vector<fluid::PredictionContact> prediction;
-  std::vector<Vec3> acceleration;  // by effects; empty = there are none [m/s²]
-  std::vector<float> mass_left;    // where surfaces absorbed: relative masses at the end; empty = nowhere
+  std::vector<Vec3> acceleration;       // by effects; empty = there are none [m/s²]
+  std::vector<std::uint32_t> taken_by;  // per particle: the sink, or Sinks::none; empty = no sink acts
+  std::vector<float> mass_left;  // where surfaces absorbed: relative masses at the end; empty = nowhere
 
   // Output
   ContactReport report;

@@ -148,6 +148,7 @@ Status World::add_particles(Span<const Vec3> positions, Span<const Vec3> velocit
       return Status::refused("particle " + std::to_string(i) + " is not finite");
   const std::vector<std::uint8_t> is_blocked = world::find_blocked_points(
       impl_->attachments.between_steps(impl_->fluid_settings), positions, *impl_->workers);
+  impl_->state.particles.new_end = time() + impl_->state.max_age;
   impl_->state.particles.reserve_more(positions.size());
   const std::uint64_t limit = world::particle_limit(impl_->settings);
   std::uint64_t count = 0;

@@ -9,6 +9,7 @@
 #include "world/attachments.h"
 #include "world/effects.h"
 #include "world/energy.h"
+#include "world/sinks.h"
 #include "world/step_context.h"
 
 namespace oilskin {
@@ -26,12 +27,13 @@ struct Withdrawn {
 struct EndSums {
   EnergyBalance::Sums energy;
   Ledger::Sums ledger;
-  std::uint64_t removed = 0, removed_too_fast = 0, absorbed = 0;
+  std::uint64_t removed = 0, removed_by_age = 0, removed_too_fast = 0, absorbed = 0;
 
   void operator+=(const EndSums& o) {
     energy += o.energy;
     ledger += o.ledger;
     removed += o.removed;
+    removed_by_age += o.removed_by_age;
     removed_too_fast += o.removed_too_fast;
     absorbed += o.absorbed;
   }
@@ -48,6 +50,8 @@ struct WorldState {
   double max_acceleration = 0;  // by the fluid's own forces in the last interval [m/s²]
   EnergyState energy;
   Withdrawn withdrawn;
+  Sinks sinks;
+  double max_age = std::numeric_limits<double>::infinity();  // of particles that are added [s]
 
   void copy_to(WorldState& to, const Workers& copiers) const;
 };
@@ -109,6 +113,10 @@ struct World::Impl {
   std::uint64_t remove_where(Chosen chosen);
   void withdraw(std::size_t particle);
   void book_withdrawn(world::StepContext& step);
+
+  // Sinks (sinks.cpp)
+  bool takes(world::IntervalContext& interval, std::size_t particle, world::EndSums& sums) const;
+  void count_taken(world::IntervalContext& interval, Span<const std::uint8_t> keep);
 
   // Null for what there is not
   std::vector<double>* particle_values(const Effect& effect, std::size_t channel);

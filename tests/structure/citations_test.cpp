@@ -20,6 +20,7 @@ const std::map<char, std::string> page_of = {{'F', "fluid.md"},
                                              {'C', "contact.md"},
                                              {'T', "continuous_test.md"},
                                              {'R', "reconstruction.md"},
+                                             {'G', "effects_forces.md"},
                                              {'S', "effects_tension.md"},
                                              {'V', "effects_viscosity.md"},
                                              {'W', "effects_wetting.md"}};
@@ -38,9 +39,9 @@ void add_matches(const std::string& text, const std::regex& pattern, std::set<st
 
 /// Numbers of equations within parentheses, ends of a range included, and keys of references within brackets.
 std::set<std::string> cited_in(const std::string& line) {
-  static const std::regex parentheses("(\\([FBCTRSVW]\\.[0-9][^()]*\\))");
+  static const std::regex parentheses("(\\([FBCGTRSVW]\\.[0-9][^()]*\\))");
   static const std::regex brackets("(\\[[A-Z][A-Za-z]+[0-9]{4}[a-z]?([,;][^\\]]*)?\\])");
-  static const std::regex number("\\b([FBCTRSVW]\\.[0-9]+)");
+  static const std::regex number("\\b([FBCGTRSVW]\\.[0-9]+)");
   static const std::regex key("\\b([A-Z][A-Za-z]+[0-9]{4}[a-z]?)\\b");
   std::set<std::string> groups, found;
   add_matches(line, parentheses, groups);
@@ -54,7 +55,7 @@ std::set<std::string> cited_in(const std::string& line) {
 /// How often each number and key is defined. An equation of its letter's page ends its line with the number,
 /// set off by blanks or \qquad; a reference begins a line of references.md.
 std::map<std::string, int> defined_in(const fs::path& theory) {
-  static const std::regex number("(?:  |quad ?)\\(([FBCTRSVW]\\.[0-9]+)\\)[$`\\s]*$");
+  static const std::regex number("(?:  |quad ?)\\(([FBCGTRSVW]\\.[0-9]+)\\)[$`\\s]*$");
   static const std::regex key("^[^A-Za-z]*([A-Z][A-Za-z]+[0-9]{4}[a-z]?)\\b.*");
   std::map<std::string, int> found;
   std::smatch match;

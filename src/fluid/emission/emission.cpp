@@ -69,7 +69,7 @@ struct Emission::Impl {
   /// The source at `time` of an interval of dt.
   PlacedSource at(const Source& source, double time, double dt) const;
   void emit(std::size_t source, const PlacedSource& placed, std::size_t site, double remaining) {
-    starts.push_back({placed.place_of(site), placed.velocity_of(site), remaining});
+    starts.push_back({placed.place_of(site), placed.velocity_of(site), remaining, sources[source].max_age});
     origins.push_back({static_cast<std::uint32_t>(source), static_cast<std::uint32_t>(site)});
   }
   void emit_waiting(std::size_t source, double time, double dt);
@@ -191,6 +191,13 @@ Status Emission::set_inherited_velocity(std::uint64_t id, const Vec3& velocity) 
   });
 }
 
+Status Emission::set_max_age(std::uint64_t id, double seconds) {
+  return impl_->change(id, [&](Source& s) {
+    s.max_age = seconds;
+    return Status();
+  });
+}
+
 bool Emission::remove(std::uint64_t id) {
   const auto has_id = [id](const auto& e) { return e.id == id; };
   const auto erase = [&](auto& all) {
@@ -216,6 +223,7 @@ std::optional<EmitterState> Emission::state(std::uint64_t id) const {
   state.pose = source->to;
   state.speed = source->velocity.norm();
   state.inherited_velocity = source->inherited_velocity;
+  state.max_age = source->max_age;
   return state;
 }
 

@@ -14,6 +14,7 @@ struct Start {
   Vec3 position = Vec3::Zero();  ///< [m], where the certified path of the particle begins
   Vec3 velocity = Vec3::Zero();  ///< [m/s]
   double remaining = 0;          ///< time from the emission to the end of the interval [s], 0 … dt
+  double max_age = std::numeric_limits<double>::infinity();  ///< after which it ends [s]
 };
 
 /// What became of a start.
@@ -46,6 +47,8 @@ class Emission {
   Status set_drops_per_second(std::uint64_t id, double rate, double time);
   Status set_enabled(std::uint64_t id, bool enabled, double time);
   Status set_inherited_velocity(std::uint64_t id, const Vec3& velocity);
+  /// Of particles that start from now on [s].
+  Status set_max_age(std::uint64_t id, double seconds);
   /// Whether there was such an emitter.
   bool remove(std::uint64_t id);
   /// None for an unknown handle.

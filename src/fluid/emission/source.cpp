@@ -193,15 +193,15 @@ Status place(const char* emitter, const Vec3& velocity, const InitialState& init
 
 void visit(Archive& archive, Source& source) {
   auto& [kind, sites, velocities, velocity, fastest, direction, layer, shake, seed, rain, schedule, enabled,
-         begun, next, waiting, placed, center, from, to, move_begin, move_length, inherited_velocity, id,
-         is_held, emitted] = source;
+         begun, next, waiting, placed, center, from, to, move_begin, move_length, inherited_velocity, max_age,
+         id, is_held, emitted] = source;
   archive.values(kind, sites, velocities, velocity, fastest, direction, layer, shake, seed);
   visit(archive, rain);
   visit(archive, schedule);
   archive.values(enabled, begun, next, waiting, placed, center);
   visit(archive, from);
   visit(archive, to);
-  archive.values(move_begin, move_length, inherited_velocity, id, is_held, emitted);
+  archive.values(move_begin, move_length, inherited_velocity, max_age, id, is_held, emitted);
 }
 
 namespace {
@@ -228,6 +228,7 @@ bool is_series_in_range(const Source& s, double time) {
 
 bool is_in_range(const Source& s, double time) {
   if (!s.velocity.allFinite() || !s.direction.allFinite() || !s.center.allFinite()) return false;
+  if (!(s.max_age > 0)) return false;
   if (!(s.fastest >= 0) || !std::isfinite(s.shake) || !s.inherited_velocity.allFinite()) return false;
   if (!all_finite(s.sites) || !all_finite(s.velocities)) return false;
   if (!s.velocities.empty() && s.velocities.size() != s.sites.size()) return false;

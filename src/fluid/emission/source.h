@@ -51,11 +51,12 @@ struct Source {
   std::vector<std::uint8_t> waiting;  // nozzle: per site
 
   // Where it is. All above is as it was given to add().
-  bool placed = false;                     // false: as given
-  Vec3 center = Vec3::Zero();              // as given [m]
-  EmitterPose from, to;                    // of its motion; equal: it rests
-  double move_begin = 0, move_length = 0;  // [s]; length 0: the motion takes the next step
-  Vec3 inherited_velocity = Vec3::Zero();  // [m/s]
+  bool placed = false;                                       // false: as given
+  Vec3 center = Vec3::Zero();                                // as given [m]
+  EmitterPose from, to;                                      // of its motion; equal: it rests
+  double move_begin = 0, move_length = 0;                    // [s]; length 0: the motion takes the next step
+  Vec3 inherited_velocity = Vec3::Zero();                    // [m/s]
+  double max_age = std::numeric_limits<double>::infinity();  // of its particles [s]
 
   std::uint64_t id = 0;
   bool is_held = false;  // the user has its handle
