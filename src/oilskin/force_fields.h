@@ -77,8 +77,8 @@ struct ForceState {
 
 /// An effect that consists of force fields. They act in the order in which they were added, each on the
 /// velocity that the earlier ones leave. Between steps they can be added, changed and removed; the saved
-/// world has them, with their handles. StepReport::momentum_effects and EnergyReport::work_outside count what they
-/// give.
+/// world has them, with their handles. StepReport::momentum_effects and EnergyReport::work_outside count what
+/// they give.
 class ForceFields final : public Effect {
  public:
   /// Without any.

@@ -172,8 +172,8 @@ TEST(Wind, is_stable_at_any_speed_step_and_spacing) {
         ASSERT_TRUE(w.add_effect(fields).ok());
         // Two winds, of which each alone would bring a particle to its velocity.
         for (int k = 0; k < 2; ++k) ASSERT_TRUE(fields.add(wind(Vec3(speed, 0, 0), 10, 10)).ok());
-        std::vector<Vec3> x;
-        for (int k = 0; k < 20; ++k) x.push_back(Vec3(0, 3 * k * spacing, 0));
+        std::vector<Vec3> x(20, Vec3::Zero());
+        for (std::size_t k = 0; k < x.size(); ++k) x[k].y() = 3 * static_cast<double>(k) * spacing;
         ASSERT_TRUE(w.add_particles(x, std::vector<Vec3>(20, Vec3::Zero())).ok());
         double before = 0;
         for (int k = 0; k < 5 && w.particle_count() == 20; ++k) {

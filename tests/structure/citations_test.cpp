@@ -15,15 +15,10 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The page that numbers its equations with a letter.
-const std::map<char, std::string> page_of = {{'F', "fluid.md"},
-                                             {'B', "boundary.md"},
-                                             {'C', "contact.md"},
-                                             {'T', "continuous_test.md"},
-                                             {'R', "reconstruction.md"},
-                                             {'G', "effects_forces.md"},
-                                             {'S', "effects_tension.md"},
-                                             {'V', "effects_viscosity.md"},
-                                             {'W', "effects_wetting.md"}};
+const std::map<char, std::string> page_of = {
+    {'F', "fluid.md"},           {'B', "boundary.md"},          {'C', "contact.md"},
+    {'T', "continuous_test.md"}, {'R', "reconstruction.md"},    {'G', "effects_forces.md"},
+    {'S', "effects_tension.md"}, {'V', "effects_viscosity.md"}, {'W', "effects_wetting.md"}};
 
 std::vector<std::string> lines_of(const fs::path& file) {
   std::ifstream in(file);
