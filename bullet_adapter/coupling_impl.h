@@ -48,6 +48,7 @@ struct btFluidCoupling::Impl {
   double pending_time = 0;  // their length [s]
 
   World* world() const { return fluid ? &fluid->getWorld() : nullptr; }
+  std::vector<const btCollisionObject*> attached_objects() const;
   Attachment* find(const btCollisionObject* object);
   Status add(Attachment attachment);
   Status attach(Attachment& attachment);

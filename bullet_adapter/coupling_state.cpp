@@ -6,6 +6,7 @@
 #include "coupling_impl.h"
 #include "emitter_state.h"
 #include "object_state.h"
+#include "pair_state.h"
 #include "report_archive.h"
 
 namespace oilskin::bullet {
@@ -39,6 +40,7 @@ struct CouplingState {
   double pending_time = 0, touch_hold = 0;
   std::vector<std::string> messages;
   StepReport refused, sum;
+  std::optional<PairState> contacts;  // of the world
 };
 
 AttachmentState::Kind kind_of(const Attachment& a) {
@@ -109,7 +111,7 @@ void visit_attachment(Archive& archive, AttachmentState& state) {
 
 void visit_state(Archive& archive, CouplingState& state) {
   auto& [has_fluid, world, emitters, attachments, use_cloth_gravity, carries_water, stepped_by_solver,
-         followed_gravity, pending, pending_time, touch_hold, messages, refused, sum] = state;
+         followed_gravity, pending, pending_time, touch_hold, messages, refused, sum, contacts] = state;
   constexpr std::size_t of_emitter = 50, of_attachment = 100;  // at least [bytes]
   std::uint8_t scalar = sizeof(btScalar);
   archive.value(scalar);
@@ -126,6 +128,7 @@ void visit_state(Archive& archive, CouplingState& state) {
   visit(archive, messages);
   visit(archive, refused);
   visit(archive, sum);
+  visit_optional(archive, contacts, [&](PairState& pairs) { pairs.visit(archive); });
 }
 
 // --- the state of what is there
@@ -201,7 +204,13 @@ Status check_emitters(const std::vector<EmitterMemory>& saved, const std::vector
 
 }  // namespace
 
-Status btFluidCoupling::saveState(std::vector<std::uint8_t>* out) const {
+std::vector<const btCollisionObject*> btFluidCoupling::Impl::attached_objects() const {
+  std::vector<const btCollisionObject*> objects;
+  for (const Attachment& a : attachments) objects.push_back(a.object);
+  return objects;
+}
+
+Status btFluidCoupling::saveState(std::vector<std::uint8_t>* out, btCollisionWorld* world) const {
   if (!out) return Status::refused("saveState() needs a vector to write to, and `out` is null");
   const Impl& c = *m_impl;
   if (Status s = c.check_between_steps(); !s.ok()) return s;
@@ -221,6 +230,8 @@ Status btFluidCoupling::saveState(std::vector<std::uint8_t>* out) const {
   state.stepped_by_solver = c.stepped_by_solver, state.followed_gravity = c.followed_gravity;
   state.pending = c.pending, state.pending_time = c.pending_time, state.touch_hold = c.listening.touch_hold;
   state.messages = c.messages, state.refused = c.refused, state.sum = c.listening.sum;
+  if (world)
+    if (Status s = state.contacts.emplace().capture(*world, c.attached_objects()); !s.ok()) return s;
   std::vector<std::uint8_t> content;
   Archive archive(content);
   visit_state(archive, state);
@@ -229,7 +240,7 @@ Status btFluidCoupling::saveState(std::vector<std::uint8_t>* out) const {
   return Status::accepted();
 }
 
-Status btFluidCoupling::restoreState(Span<const std::uint8_t> saved) {
+Status btFluidCoupling::restoreState(Span<const std::uint8_t> saved, btCollisionWorld* world) {
   Impl& c = *m_impl;
   if (Status s = c.check_between_steps(); !s.ok()) return s;
   Span<const std::uint8_t> content;
@@ -242,10 +253,14 @@ Status btFluidCoupling::restoreState(Span<const std::uint8_t> saved) {
   if (state.has_fluid != (c.fluid != nullptr))
     return Status::refused(c.fluid ? "the saved state has no fluid"
                                    : "the saved state has a fluid: call addFluid() first");
+  if (state.contacts.has_value() != (world != nullptr))
+    return Status::refused(world ? "the saved state has no contacts of a world"
+                                 : "the saved state has the contacts of a world: give the world, too");
   Status status = check_attachments(state.attachments, c.attachments);
   const std::vector<btFluidEmitter*> emitters =
       c.fluid ? c.fluid->m_emitters : std::vector<btFluidEmitter*>();
   if (status.ok()) status = check_emitters(state.emitters, emitters);
+  if (status.ok() && world) status = state.contacts->check(*world, c.attached_objects());
   if (status.ok() && c.fluid) status = c.world()->restore(state.world);
   if (!status.ok()) return status;
 
@@ -257,6 +272,10 @@ Status btFluidCoupling::restoreState(Span<const std::uint8_t> saved) {
   c.messages = std::move(state.messages), c.refused = std::move(state.refused);
   c.listening.sum = std::move(state.sum);
   c.listening.due.clear();
+  const std::size_t lost = world ? state.contacts->apply(*world) : 0;
+  if (lost > 0)
+    c.note("the contacts of " + std::to_string(lost) +
+           " pairs could not be restored, and Bullet finds them anew");
   return status;
 }
 

@@ -32,9 +32,9 @@ std::vector<btDbvtNode*> sorted_inner(const std::vector<btDbvtNode*>& nodes) {
   return inner;
 }
 
-/// Are these the numbers 0 … size − 1 in any order?
-bool is_permutation(const std::vector<std::size_t>& numbers) {
-  std::vector<char> found(numbers.size(), 0);
+/// Are these numbers below `limit`, each at most once?
+bool are_distinct(const std::vector<std::size_t>& numbers, std::size_t limit) {
+  std::vector<char> found(limit, 0);
   for (std::size_t number : numbers) {
     if (number >= found.size() || found[number]) return false;
     found[number] = 1;
@@ -42,7 +42,7 @@ bool is_permutation(const std::vector<std::size_t>& numbers) {
   return true;
 }
 
-bool is_tree(const TreeState& state, std::size_t leaves) {
+bool is_tree(const TreeState& state, std::size_t leaves, bool is_complete) {
   if (state.nodes.empty()) return true;
   std::vector<std::size_t> data, ranks;
   std::size_t open = 1;  // subtrees that are to come
@@ -55,7 +55,8 @@ bool is_tree(const TreeState& state, std::size_t leaves) {
     else
       ranks.push_back(node.rank);
   }
-  return open == 0 && data.size() == leaves && is_permutation(data) && is_permutation(ranks);
+  return open == 0 && (!is_complete || data.size() == leaves) && are_distinct(data, leaves) &&
+         are_distinct(ranks, ranks.size());
 }
 
 btDbvtNode* new_node() {
@@ -83,7 +84,8 @@ struct Pool {
 
 }  // namespace
 
-Status capture(const btDbvt& tree, std::size_t leaves, const LeafNumber& number, TreeState& state) {
+Status capture(const btDbvt& tree, std::size_t leaves, const LeafNumber& number, TreeState& state,
+               bool is_complete) {
   const std::vector<btDbvtNode*> nodes = nodes_of(tree), inner = sorted_inner(nodes);
   state.nodes.clear();
   for (const btDbvtNode* node : nodes) {
@@ -103,10 +105,11 @@ Status capture(const btDbvt& tree, std::size_t leaves, const LeafNumber& number,
   }
   state.lookahead = tree.m_lkhd;
   state.path = tree.m_opath;
-  return is_tree(state, leaves) ? Status::accepted() : Status::refused("a tree does not have each leaf once");
+  return is_tree(state, leaves, is_complete) ? Status::accepted()
+                                             : Status::refused("a tree does not have each leaf once");
 }
 
-void visit(Archive& archive, TreeState& state, std::size_t leaves) {
+void visit(Archive& archive, TreeState& state, std::size_t leaves, bool is_complete) {
   constexpr std::size_t min_bytes = 6 * sizeof(btScalar) + 8;
   archive.values(state.lookahead, state.path);
   archive.list(state.nodes, min_bytes, [&](TreeState::Node& node) {
@@ -114,7 +117,7 @@ void visit(Archive& archive, TreeState& state, std::size_t leaves) {
     visit(archive, node.max);
     archive.values(node.leaf, node.rank);
   });
-  archive.require(is_tree(state, leaves), "a tree");
+  archive.require(is_tree(state, leaves, is_complete), "a tree");
 }
 
 void apply(const TreeState& state, btDbvt& tree, const LeafPlaces& place) {

@@ -34,10 +34,12 @@ struct LeafPlace {
 };
 using LeafPlaces = std::function<LeafPlace(std::size_t number)>;
 
-/// Reads a tree. Refuses one whose leaves are neither none nor each of `leaves` data once.
-Status capture(const btDbvt& tree, std::size_t leaves, const LeafNumber& number, TreeState& state);
-/// Writes or reads; when reading, refuses what is no tree of each of `leaves` data once, unless it is empty.
-void visit(Archive& archive, TreeState& state, std::size_t leaves);
+/// Reads a tree. Refuses one whose leaves are not some of `leaves` data, each once. A complete one has none
+/// or all.
+Status capture(const btDbvt& tree, std::size_t leaves, const LeafNumber& number, TreeState& state,
+               bool is_complete = true);
+/// Writes or reads; when reading, refuses what is no such tree.
+void visit(Archive& archive, TreeState& state, std::size_t leaves, bool is_complete = true);
 /// Makes `tree` the saved one. Uses the nodes that it has, if their number is right.
 void apply(const TreeState& state, btDbvt& tree, const LeafPlaces& place);
 

@@ -276,16 +276,22 @@ class btFluidCoupling : public btActionInterface {
   /// that were added with btFluid::addEmitter(), and of each attached object what Bullet's steps change; with
   /// readings of sensors, touches, impulses, reports and messages that were not taken yet. Call it between
   /// two calls of stepSimulation() that leave no remaining time. What the game sets is not written: settings
-  /// of objects, gravity of Bullet's worlds, effects themselves. Nor is what Bullet keeps of pairs of objects
-  /// (docs/manual/saving.md). Refuses null, calls by a listener, objects whose state is not finite, soft
-  /// bodies with clusters or joints, and bodies of the deformable solver. A refusal leaves `out` as it is.
-  Status saveState(std::vector<std::uint8_t>* out) const;
+  /// of objects, gravity of Bullet's worlds, effects themselves (docs/manual/saving.md). Refuses null, calls
+  /// by a listener, objects whose state is not finite, soft bodies with clusters or joints, and bodies of the
+  /// deformable solver. A refusal leaves `out` as it is.
+  ///
+  /// With a world, the contact points, impulses, pairs and broadphase that it keeps from step to step are
+  /// written, too: those of all its objects. Without them rigid bodies that touch each other go on slightly
+  /// differently. Refuses worlds without btDbvtBroadphase and btCollisionDispatcher.
+  Status saveState(std::vector<std::uint8_t>* out, btCollisionWorld* world = nullptr) const;
   /// Gives the fluid, the emitters and all attached objects the state that was saved, here or in another
   /// process: the same build and precision, with the same objects and emitters, added in the same order.
   /// Refuses, and changes nothing, where the bytes are damaged or of another version, or where objects,
   /// emitters, their number, their meshes or their masses are others. Spans, reports and contacts of the
   /// fluid's world are invalid after it.
-  Status restoreState(Span<const std::uint8_t> saved);
+  /// The world is to be given if it was given to saveState(), with the same objects in the same order; the
+  /// states of those that are not attached are the caller's, to be set before.
+  Status restoreState(Span<const std::uint8_t> saved, btCollisionWorld* world = nullptr);
 
   /// Does nothing: actions run before Bullet solves the cloth.
   void updateAction(btCollisionWorld*, btScalar) override {}
@@ -368,9 +374,13 @@ class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
   StepReport takeReport() { return m_coupling.takeReport(); }
 
   /// btFluidCoupling::saveState().
-  Status saveState(std::vector<std::uint8_t>* out) const { return m_coupling.saveState(out); }
+  Status saveState(std::vector<std::uint8_t>* out, btCollisionWorld* world = nullptr) const {
+    return m_coupling.saveState(out, world);
+  }
   /// btFluidCoupling::restoreState().
-  Status restoreState(Span<const std::uint8_t> saved) { return m_coupling.restoreState(saved); }
+  Status restoreState(Span<const std::uint8_t> saved, btCollisionWorld* world = nullptr) {
+    return m_coupling.restoreState(saved, world);
+  }
 
   /// btFluidCoupling::setCarriesWater().
   void setCarriesWater(bool carries) { m_coupling.setCarriesWater(carries); }

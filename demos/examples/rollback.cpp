@@ -86,7 +86,7 @@ int main() {
   bool wasWrong = false, wentBack = false;
   for (int frame = 0; frame < frames; ++frame) {
     if (!knowing.play(input(frame))) return 1;
-    if (frame % 10 == 0 && !accepted(game.softSolver.saveState(&saved[frame]))) return 1;
+    if (frame % 10 == 0 && !accepted(game.softSolver.saveState(&saved[frame], &game.world))) return 1;
     const btScalar guess = input(frame < late ? 0 : frame - late);
     if (!game.play(guess)) return 1;
     if (guess == input(frame)) continue;
@@ -94,7 +94,7 @@ int main() {
     if (input(frame - late + 1) == guess) continue;
     // The inputs up to this frame are known now, and were not what was guessed.
     const auto last = std::prev(saved.upper_bound(frame - late));
-    if (!accepted(game.softSolver.restoreState(last->second))) return 1;
+    if (!accepted(game.softSolver.restoreState(last->second, &game.world))) return 1;
     for (int again = last->first; again <= frame; ++again)
       if (!game.play(input(again))) return 1;
     wentBack = true;
