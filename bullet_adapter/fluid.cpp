@@ -47,6 +47,7 @@ btFluid::btFluid(const FluidSettings& fluid, const WorldSettings& world, const C
 
 btFluid::~btFluid() {
   releaseEmitters();
+  releaseSinksAndForces();
   if (m_coupling) m_coupling->removeFluid(this);
 }
 

@@ -47,6 +47,40 @@ std::optional<Eigen::Affine3d> inverse_of(const btTransform& transform) {
   return to_local;
 }
 
+Status read_pose(const btTransform& transform, EmitterPose* pose) {
+  Eigen::Matrix3d basis;
+  for (int row = 0; row < 3; ++row) basis.row(row) = to_vec3(transform.getBasis().getRow(row));
+  const Vec3 position = to_vec3(transform.getOrigin());
+  if (!basis.allFinite() || !position.allFinite()) return Status::refused("the transform is not finite");
+  if (!(basis * basis.transpose()).isIdentity(1e-3) || basis.determinant() < 0)
+    return Status::refused("the transform scales or mirrors; it must turn and shift only");
+  pose->position = position;
+  pose->rotation = Rotation(basis).normalized();
+  return Status::accepted();
+}
+
+Status read_region(const btConvexShape* shape, Region* region) {
+  if (!shape) return Status::refused("the shape is null");
+  const std::optional<ConvexRegion> found = ConvexRegion::of(*shape);
+  if (!found) return Status::refused("the shape has no volume: it must be convex and finite");
+  Region read = found->region();
+  Status status = read.validate();
+  if (status.ok()) *region = std::move(read);
+  return status;
+}
+
+Region ConvexRegion::region() const {
+  Region region;
+  if (is_round_) {
+    region.capsule = Capsule{-half_length_ * axis_, half_length_ * axis_, radius_};
+    return region;
+  }
+  region.box = box_;
+  region.half_spaces.reserve(planes_.size());
+  for (const Plane& plane : planes_) region.half_spaces.push_back({plane.point, plane.normal});
+  return region;
+}
+
 std::optional<ConvexRegion> ConvexRegion::of(const btConvexShape& shape) {
   ConvexRegion region;
   const int type = shape.getShapeType();

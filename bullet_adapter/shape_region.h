@@ -5,12 +5,17 @@
 
 #include <optional>
 
-#include "oilskin/types.h"
+#include "oilskin/region.h"
 
 namespace oilskin::bullet {
 
 /// From the world to the frame of `transform`, in double precision; none if there is no finite one.
 std::optional<Eigen::Affine3d> inverse_of(const btTransform& transform);
+
+/// Refuses a transform that is not finite, scales or mirrors.
+Status read_pose(const btTransform& transform, EmitterPose* pose);
+/// A convex shape as a region around the origin. Refuses null and shapes without a volume.
+Status read_region(const btConvexShape* shape, Region* region);
 
 /// The points of a convex shape, surface included, in the frame of its body.
 class ConvexRegion {
@@ -18,6 +23,8 @@ class ConvexRegion {
   /// None for a shape without a volume.
   static std::optional<ConvexRegion> of(const btConvexShape& shape);
 
+  /// The same points.
+  Region region() const;
   bool contains(const Vec3& x) const;
   /// Whether the segment between two points has a point of the shape.
   bool meets(const Vec3& a, const Vec3& b) const;

@@ -75,14 +75,30 @@ Scene everything() {
   plane.shape = PlaneShape();
   body.shape = *mesh.mesh;
   box.motion.stop = 3;
-  scene.bodies = {box, sphere, plane, body, tank};
+  Body raft;
+  raft.shape = CompoundShape{{BoxShape(), BoxShape()}};
+  raft.density = 300;
+  Body floating;
+  floating.mass = 2;
+  scene.bodies = {box, sphere, plane, body, tank, raft, floating};
+  grid.anchors.push_back({5, pin.within});
+  grid.wind = Vec3(3, 0, 0);
+  scene.cloth = {grid, mesh};
+  Region both = ball_region(Vec3(1, 2, 3), 0.5);
+  both.box = pin.within;
+  scene.sinks = {both, box_region(pin.within)};
+  scene.max_age = 3;
+  WindForce wind;
+  wind.region = both;
+  scene.effects.forces = {UniformForce(), VortexForce(), wind};
   scene.effects.surface_tension.emplace().contact_angle = 40;
   scene.acceptance = Json::parse(R"({
     "min_emitted": 1, "min_over_rim": 1, "vertical_momentum": 0.03, "sag_below_dry": 0.02, "max_stretch": 2,
     "slip_ratio": {}, "pin_reaction": {}, "dry_shadow": {}, "pool_level": {}, "pool_calm": {},
     "at_rest": [{"within": {"min": [0, 0, 0], "max": [1, 1, 1]}, "from": 0.5, "to": 1, "speed": 0.02}],
     "dam_break": {"height": 0.05}, "inside_constant": {}, "enclosed_volume": {"at_most": 2},
-    "energy_decay": {}, "close_layers": {}, "memory_growth": 0.05, "wetting": {}})");
+    "energy_decay": {}, "close_layers": {}, "memory_growth": 0.05, "wetting": {}, "drained": {},
+    "floats": [{"body": 6, "tank": 4, "travel": 0.1}, {"body": 5}]})");
   scene.pictures.views.emplace_back();
   scene.pictures.views.back().slice.emplace();
   scene.pictures.views.back().colour = WaterColour::density;

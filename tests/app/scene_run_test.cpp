@@ -29,7 +29,10 @@ const Short shortened[] = {{"jet", "0.1"},
                            {"bag", "0.2", "fluid.spacing=0.012"},
                            {"drop", "0.012"},
                            {"wet", "0.3"},
-                           {"crumple", "0.2", "cloth.0.center=[0, 0.225, 0]"}};
+                           {"crumple", "0.2", "cloth.0.center=[0, 0.225, 0]"},
+                           {"float", "0.12", "fluid.spacing=0.02"},
+                           {"drain", "0.1", "emitters.0.velocity=[0, -1, 0]"},
+                           {"raft", "0.12", "fluid.spacing=0.02"}};
 
 std::string name_of(const testing::TestParamInfo<Short>& info) {
   return info.param.scene;
@@ -175,6 +178,38 @@ TEST(Checks, water_that_hangs_over_its_pool_is_seen) {
   EXPECT_EQ(check_of(scene, {"gravity=[0, -1, 0]"}, "pool_calm"), true) << "it has hardly begun to fall";
   EXPECT_EQ(check_of(scene, {"emitters.0.velocity=[0, 0.5, 0]"}, "pool_calm"), false);
   EXPECT_EQ(check_of(scene, {"cloth.0.bowl_depth=0"}, "pool_level"), false) << "a flat sheet is no basin";
+}
+
+// A box that has not come to rest in the water yet.
+TEST(Checks, what_does_not_float_as_it_should_is_seen) {
+  const Folder folder;
+  const std::string scene =
+      folder.write("box.json", R"({"duration": 0.06, "dt": 0.004, "fluid": {"spacing": 0.01},
+    "emitters": [{"shape": "box", "min": [-0.1, 0, -0.1], "max": [0.1, 0.05, 0.1]}],
+    "bodies": [{"shape": "tank", "min": [-0.1, 0, -0.1], "max": [0.1, 0.3, 0.1]},
+               {"shape": "box", "center": [0, 0.1, 0], "half_extents": [0.03, 0.02, 0.03], "density": 500}],
+    "acceptance": {"floats": [{"body": 1, "tank": 0, "travel": 0.05, "window": 0.02}]}})");
+  const std::string topples =
+      R"(bodies.2={"shape": "box", "center": [0.04, 0.06, 0], "half_extents": [0.03, 0.01, 0.09]})";
+  EXPECT_EQ(check_of(scene, {}, "floats.0.upright"), true);
+  EXPECT_EQ(check_of(scene, {}, "floats.0.draught"), false);
+  EXPECT_EQ(check_of(scene, {}, "floats.0.travel"), false);
+  EXPECT_EQ(check_of(scene, {"acceptance.floats.0.tolerance=20"}, "floats.0.draught"), true);
+  EXPECT_EQ(check_of(scene, {"acceptance.floats.0.along=[0, -1, 0]", "acceptance.floats.0.travel=0.01"},
+                     "floats.0.travel"),
+            true);
+  EXPECT_EQ(check_of(scene, {"duration=0.3", topples}, "floats.0.upright"), false);
+}
+
+// A block that falls into a sink.
+TEST(Checks, water_that_does_not_end_in_a_sink_is_seen) {
+  const Folder folder;
+  const std::string scene = folder.write("fall.json", R"({"host": "mock", "duration": 0.16, "dt": 0.004,
+    "emitters": [{"shape": "box", "min": [0, 0, 0], "max": [0.03, 0.03, 0.03]}],
+    "sinks": [{"box": {"min": [-1, -1, -1], "max": [1, -0.03, 1]}}], "acceptance": {"drained": {}}})");
+  for (const char* check : {"left", "lost", "ledger"}) EXPECT_EQ(check_of(scene, {}, check), true) << check;
+  EXPECT_EQ(check_of(scene, {"gravity=[0, 1, 0]"}, "left"), false);
+  EXPECT_EQ(check_of(scene, {R"(kill_box={"min": [-1, -0.01, -1], "max": [1, 1, 1]})"}, "lost"), false);
 }
 
 // Cloth alone: it falls for good, or it swings from what takes hold of it and calms down.

@@ -76,8 +76,7 @@ const std::map<std::string, std::string> internal_headers_of_demos = {
 /// Libraries and the only places that may include them.
 const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> fenced = {
     {{"bullet/", "Bullet", "btBullet", "LinearMath/", "oilskin/bullet.h"},
-     {"bullet_adapter/", "demos/app/hosts/bullet_simulation.cpp", "demos/examples/",
-      "demos/tools/bullet_ccd_compare.cpp"}},
+     {"bullet_adapter/", "demos/app/hosts/bullet_", "demos/examples/", "demos/tools/bullet_ccd_compare.cpp"}},
     {{"fcl/"}, {"src/proximity/surface_tree.cpp"}},
     {{"tbb/", "oneapi/"}, {"src/core/parallel.cpp"}},
     {{"nlohmann/"}, {"demos/app/scene/fields.h"}},

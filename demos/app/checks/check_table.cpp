@@ -28,6 +28,8 @@ std::unique_ptr<Check> make_close_layers();
 std::unique_ptr<Check> make_memory_growth();
 std::unique_ptr<Check> make_water_meshes();
 std::unique_ptr<Check> make_wetting();
+std::unique_ptr<Check> make_floats();
+std::unique_ptr<Check> make_drained();
 
 Span<const CheckEntry> check_table() {
   static const CheckEntry table[] = {
@@ -55,6 +57,8 @@ Span<const CheckEntry> check_table() {
       {"close_layers", make_close_layers},
       {"memory_growth", make_memory_growth},
       {"wetting", make_wetting},
+      {"floats", make_floats},
+      {"drained", make_drained},
       {nullptr, make_water_meshes},
   };
   return table;

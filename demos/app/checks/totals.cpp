@@ -12,6 +12,8 @@ void Totals::add(const StepReport& r) {
   contact.add(r.contact);
   emitted += r.emitted;
   removed += r.removed;
+  removed_by_sinks += r.removed_by_sinks;
+  removed_by_age += r.removed_by_age;
   removed_invalid += r.removed_invalid;
   blocked_starts += r.blocked_starts;
   limited_starts += r.limited_starts;
@@ -31,7 +33,8 @@ void Totals::add(const StepReport& r) {
   momentum_gravity += r.momentum_gravity;
   momentum_residual += r.momentum_residual();
   momentum_scale += r.momentum_emitted.norm() + r.momentum_removed.norm() + r.momentum_gravity.norm() +
-                    r.contact.impulse_on_free_nodes.norm() + r.contact.impulse_on_prescribed.norm();
+                    r.contact.impulse_on_free_nodes.norm() + r.contact.impulse_on_prescribed.norm() +
+                    r.contact.impulse_on_bodies.norm();
   energy = r.energy;
   max_made = std::max(max_made, r.energy.made);
   max_risen = std::max(max_risen, r.energy.risen);

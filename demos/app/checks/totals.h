@@ -10,7 +10,8 @@ struct Totals {
   double simulated = 0;  ///< [s]
   StageSeconds seconds;
   ContactReport contact;
-  std::uint64_t emitted = 0, removed = 0, removed_invalid = 0, blocked_starts = 0;
+  std::uint64_t emitted = 0, removed = 0, removed_by_sinks = 0, removed_by_age = 0, removed_invalid = 0,
+                blocked_starts = 0;
   std::uint64_t limited_starts = 0;           ///< by WorldSettings::max_particles
   std::uint64_t absorbed = 0, released = 0;   ///< particles, by cloth
   double mass_emitted = 0, mass_removed = 0;  ///< [kg]

@@ -6,30 +6,16 @@
 #include <algorithm>
 #include <chrono>
 
+#include "hosts/bullet_body.h"
 #include "hosts/mock_simulation.h"
 #include "hosts/scene_effects.h"
 #include "oilskin/bullet.h"
 #include "scene/fields.h"
-#include "scene/tank.h"
 
 namespace oilskin::demo {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-constexpr double cloth_margin = 0.005;  // [m]; Bullet's default of 0.25 m is made for furniture
-
-btVector3 to_bullet(const Vec3& v) {
-  return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())};
-}
-
-Vec3 from_bullet(const btVector3& v) {
-  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
-}
-
-btQuaternion to_bullet(const std::array<double, 4>& q) {
-  return {btScalar(q[0]), btScalar(q[1]), btScalar(q[2]), btScalar(q[3])};
-}
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -52,40 +38,6 @@ class TimedSolver : public bullet::btFluidSoftBodySolver {
   double seconds_ = 0;
 };
 
-/// Owner of a Bullet body and its shape.
-struct BulletBody {
-  std::unique_ptr<btTriangleMesh> mesh;
-  std::unique_ptr<btCollisionShape> shape;
-  std::unique_ptr<btRigidBody> body;
-  Vec3 origin = Vec3::Zero();
-  Vec3 displaced = Vec3::Zero();  ///< by grips [m]
-  btQuaternion turned{0, 0, 0, 1};
-};
-
-BulletBody make_shape(const Body& body) {
-  BulletBody made;
-  if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
-    made.shape = std::make_unique<btBoxShape>(to_bullet(box->half_extents));
-    made.origin = box->center;
-    made.turned = to_bullet(box->rotate);
-  } else if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) {
-    made.shape = std::make_unique<btSphereShape>(btScalar(sphere->radius));
-    made.origin = sphere->center;
-  } else if (const auto* plane = std::get_if<PlaneShape>(&body.shape)) {
-    const Vec3 n = plane->normal.normalized();
-    made.shape = std::make_unique<btStaticPlaneShape>(to_bullet(n), btScalar(n.dot(plane->point)));
-  } else {
-    const auto* const tank = std::get_if<TankShape>(&body.shape);
-    const Mesh mesh = tank ? tank_mesh(*tank) : std::get<PlacedMesh>(body.shape).mesh;
-    made.mesh = std::make_unique<btTriangleMesh>(true, false);
-    for (const Triangle& t : mesh.triangles)
-      made.mesh->addTriangle(to_bullet(mesh.vertices[t[0]]), to_bullet(mesh.vertices[t[1]]),
-                             to_bullet(mesh.vertices[t[2]]));
-    made.shape = std::make_unique<btBvhTriangleMeshShape>(made.mesh.get(), true);
-  }
-  return made;
-}
-
 class BulletSimulation : public Simulation {
  public:
   BulletSimulation(const Scene& scene, const SimulationOptions& options)
@@ -107,6 +59,8 @@ class BulletSimulation : public Simulation {
     solver_.setCouplingInterval(substeps_);
     for (std::size_t i = 0; i < scene.cloth.size(); ++i) add_cloth(i);
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) add_body(i);
+    for (std::size_t i = 0; i < scene.cloth.size(); ++i) add_anchors(i);
+    add_sinks(scene, fluid_.getWorld());
     if (options.emitters) add_emitters(scene, fluid_.getWorld());
     effects_ = add_effects(scene, handles(), fluid_.getWorld());
   }
@@ -130,6 +84,8 @@ class BulletSimulation : public Simulation {
     for (int s = 0; s < substeps_; ++s) {
       const double t = begin + sub_dt * (s + 1);
       for (std::size_t i = 0; i < cloths_.size(); ++i) prescribe(i, t);
+      for (std::size_t i = 0; i < cloths_.size(); ++i)
+        if (!scene_.cloth[i].wind.isZero(0)) blow_on(i, sub_dt);
       for (std::size_t i = 0; i < bodies_.size(); ++i) prescribe_body(i, t);
       if (grip_) pull(sub_dt, t);
       // 0: exactly one sub-step, whatever is left over in Bullet's clock.
@@ -240,18 +196,53 @@ class BulletSimulation : public Simulation {
 
   void add_body(std::size_t i) {
     const Body& settings = scene_.bodies[i];
-    BulletBody made = make_shape(settings);
-    made.shape->setMargin(btScalar(std::min(cloth_margin, *settings.surface.thickness)));
-    btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, made.shape.get());
-    info.m_startWorldTransform = btTransform(made.turned, to_bullet(made.origin));
-    made.body = std::make_unique<btRigidBody>(info);
-    if (settings.motion.moves()) {
-      made.body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-      made.body->setActivationState(DISABLE_DEACTIVATION);
-    }
+    const std::string key = "bodies." + std::to_string(i);
+    BulletBody made = make_body(settings, key);
     bullet_.addRigidBody(made.body.get());
-    require(solver_.addCollisionObject(made.body.get(), settings.surface), "bodies." + std::to_string(i));
+    require(settings.is_dynamic() ? solver_.addRigidBody(made.body.get(), settings.surface)
+                                  : solver_.addCollisionObject(made.body.get(), settings.surface),
+            key);
     bodies_.push_back(std::move(made));
+  }
+
+  /// Drag of air on each triangle, ½ ρ_a |u| (u · n) A n with its velocity u relative to the cloth. Bullet's
+  /// own leaves cloth that is at rest where it is. Divided by what keeps a node from overshooting the wind.
+  void blow_on(std::size_t i, double sub_dt) {
+    constexpr double air_density = 1.2;  // [kg/m³]
+    btSoftBody& cloth = *cloths_[i];
+    for (const Triangle& t : models_[i].triangles) {
+      const btSoftBody::Node* n[3];
+      for (int k = 0; k < 3; ++k) n[k] = &cloth.m_nodes[int(t[std::size_t(k)])];
+      const Vec3 a = from_bullet(n[0]->m_x);
+      const Vec3 area = 0.5 * (from_bullet(n[1]->m_x) - a).cross(from_bullet(n[2]->m_x) - a);
+      const Vec3 u = scene_.cloth[i].wind - from_bullet((n[0]->m_v + n[1]->m_v + n[2]->m_v) / 3);
+      if (area.isZero(0)) continue;
+      const double rate = 0.5 * air_density * u.norm() * area.norm() / 3;  // of a node, over its mass [kg/s]
+      const Vec3 normal = area.normalized();
+      for (int k = 0; k < 3; ++k) {
+        if (n[k]->m_im <= 0) continue;
+        const double slowed = rate / (1 + rate * sub_dt * static_cast<double>(n[k]->m_im));
+        cloth.addForce(to_bullet(Vec3(slowed * u.dot(normal) * normal)), int(t[std::size_t(k)]));
+      }
+    }
+  }
+
+  /// Anchored cloth does not collide with its body.
+  void add_anchors(std::size_t i) {
+    for (std::size_t a = 0; a < scene_.cloth[i].anchors.size(); ++a) {
+      const Anchor& anchor = scene_.cloth[i].anchors[a];
+      const std::string key = "cloth." + std::to_string(i) + ".anchors." + std::to_string(a);
+      const auto body = static_cast<std::size_t>(anchor.body);
+      if (body >= bodies_.size() || !scene_.bodies[body].is_dynamic())
+        throw SceneError(key + ".body: is " + std::to_string(anchor.body) +
+                         ", must be the index of a body with a mass or density");
+      const int before = cloths_[i]->m_anchors.size();
+      for (std::size_t k = 0; k < models_[i].rest.size(); ++k)
+        if (anchor.within.contains(models_[i].rest[k]))
+          cloths_[i]->appendAnchor(int(k), bodies_[body].body.get(), true);
+      if (cloths_[i]->m_anchors.size() == before)
+        throw SceneError(key + ".within: there is no node of the cloth in it");
+    }
   }
 
   /// Pins the nodes of a group where they are now.

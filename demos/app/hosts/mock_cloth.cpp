@@ -178,11 +178,26 @@ Mesh plane_mesh(const PlaneShape& plane, const Box& kill_box) {
 
 }  // namespace
 
+namespace {
+
+void append(const Mesh& mesh, Mesh& to) {
+  const auto first = static_cast<std::uint32_t>(to.vertices.size());
+  to.vertices.insert(to.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+  for (const Triangle& t : mesh.triangles) to.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
+}  // namespace
+
 Mesh tessellate(const Body& body, const Box& kill_box) {
   if (const auto* box = std::get_if<BoxShape>(&body.shape)) return box_mesh(*box);
   if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) return sphere_mesh(*sphere);
   if (const auto* plane = std::get_if<PlaneShape>(&body.shape)) return plane_mesh(*plane, kill_box);
   if (const auto* tank = std::get_if<TankShape>(&body.shape)) return tank_mesh(*tank);
+  if (const auto* compound = std::get_if<CompoundShape>(&body.shape)) {
+    Mesh all;
+    for (const BoxShape& box : compound->boxes) append(box_mesh(box), all);
+    return all;
+  }
   return std::get<PlacedMesh>(body.shape).mesh;
 }
 

@@ -16,16 +16,22 @@ class MockSimulation : public Simulation {
     require(world_.status(), "scene");
     for (std::size_t i = 0; i < scene.cloth.size(); ++i) {
       const std::string key = "cloth." + std::to_string(i);
+      if (!scene.cloth[i].anchors.empty() || !scene.cloth[i].wind.isZero(0))
+        throw SceneError(key + ": anchors and wind need the host bullet or bullet64");
       models_.push_back(build_cloth(scene.cloth[i], key));
       cloths_.push_back(std::make_unique<MockCloth>(scene.cloth[i], models_.back()));
       require(world_.attach(*cloths_.back(), scene.cloth[i].surface, &cloth_ids_.emplace_back()), key);
     }
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+      if (scene.bodies[i].is_dynamic())
+        throw SceneError("bodies." + std::to_string(i) +
+                         ": a body that the water moves needs the host bullet or bullet64");
       bodies_.push_back(std::make_unique<MockBody>(scene.bodies[i], scene.world.kill_box));
       require(world_.attach(*bodies_.back(), scene.bodies[i].surface, &body_ids_.emplace_back()),
               "bodies." + std::to_string(i));
     }
     if (options.emitters) add_emitters(scene, world_);
+    add_sinks(scene, world_);
     effects_ = add_effects(scene, cloth_ids_, world_);
   }
 

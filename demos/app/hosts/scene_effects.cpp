@@ -21,13 +21,21 @@ std::unique_ptr<Wetting> make_wetting(const Scene& scene, Span<const SurfaceId> 
 }
 
 /// In the order in which they act.
-constexpr std::array<const char*, 3> effect_keys = {"wetting", "surface_tension", "viscosity"};
+constexpr std::array<const char*, 4> effect_keys = {"wetting", "surface_tension", "forces", "viscosity"};
+
+std::unique_ptr<ForceFields> make_forces(const std::vector<Force>& forces) {
+  auto fields = std::make_unique<ForceFields>();
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    require(fields->add(forces[i]), "effects.forces." + std::to_string(i));
+  return fields;
+}
 
 EffectList make_effects(const Scene& scene, Span<const SurfaceId> cloth) {
   EffectList effects;
   if (scene.effects.wetting) effects.push_back(make_wetting(scene, cloth));
   if (scene.effects.surface_tension)
     effects.push_back(std::make_unique<SurfaceTension>(*scene.effects.surface_tension));
+  if (!scene.effects.forces.empty()) effects.push_back(make_forces(scene.effects.forces));
   // Sees the forces of those before it.
   if (scene.effects.viscosity)
     effects.push_back(std::make_unique<ImplicitViscosity>(*scene.effects.viscosity));

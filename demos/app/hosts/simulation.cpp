@@ -58,4 +58,10 @@ void add_emitters(const Scene& scene, World& world) {
             "emitters." + std::to_string(i));
 }
 
+void add_sinks(const Scene& scene, World& world) {
+  for (std::size_t i = 0; i < scene.sinks.size(); ++i)
+    require(world.add_sink(scene.sinks[i]), "sinks." + std::to_string(i));
+  require(world.set_max_age(scene.max_age), "max_age");
+}
+
 }  // namespace oilskin::demo

@@ -70,6 +70,8 @@ using MakeSimulation =
 
 /// Gives the world its emitters.
 void add_emitters(const Scene& scene, World& world);
+/// Gives it its sinks and its largest age.
+void add_sinks(const Scene& scene, World& world);
 WorldSettings world_settings(const Scene& scene, const SimulationOptions& options);
 /// Throws SceneError with the key in front.
 void require(const Status& status, const std::string& key);

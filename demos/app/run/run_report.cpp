@@ -109,6 +109,7 @@ Json momentum(const RunSummary& s) {
           {"gravity", vec(t.momentum_gravity)},
           {"to_free_nodes", vec(t.contact.impulse_on_free_nodes)},
           {"to_prescribed_nodes", vec(t.contact.impulse_on_prescribed)},
+          {"to_bodies", vec(t.contact.impulse_on_bodies)},
           {"fluid", vec(fluid_momentum(s.simulation.world()))},
           {"residual", vec(t.momentum_residual)},
           {"scale", t.momentum_scale}};
@@ -198,6 +199,8 @@ Json make_report(const RunSummary& s) {
   report["particles"] = {{"emitted", t.emitted},
                          {"alive", s.simulation.world().particle_count()},
                          {"removed", t.removed},
+                         {"removed_by_sinks", t.removed_by_sinks},
+                         {"removed_by_age", t.removed_by_age},
                          {"removed_too_fast", t.removed_too_fast},
                          {"absorbed", t.absorbed},
                          {"released", t.released},

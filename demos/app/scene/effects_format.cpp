@@ -1,5 +1,7 @@
 #include "scene/effects_format.h"
 
+#include "scene/region_format.h"
+
 namespace oilskin::demo {
 namespace {
 
@@ -64,6 +66,8 @@ void describe(Fields& f, SceneEffects& effects) {
                     [](Fields& g, WettingSettings& s) { describe_wetting(g, s); });
   if (f.reading()) refuse_adhesion(f);
   f.optional_object("surface_tension", effects.surface_tension, describe_surface_tension);
+  if (f.reading() || !effects.forces.empty())
+    f.list("forces", effects.forces, [](Fields& g, Force& force) { describe(g, force); });
 }
 
 }  // namespace oilskin::demo

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "oilskin/emitter.h"
+#include "oilskin/force_fields.h"
 #include "oilskin/implicit_viscosity.h"
 #include "oilskin/reconstruction.h"
 #include "oilskin/settings.h"
@@ -66,6 +67,12 @@ struct Pins {
   std::vector<PinBox> boxes;
 };
 
+/// Nodes inside a box of the start positions follow a dynamic body, as if rods held them.
+struct Anchor {
+  int body = 0;
+  Box within;
+};
+
 struct Cloth {
   std::optional<PlacedMesh> mesh;  ///< absent: the grid below
   std::array<int, 2> grid = {57, 57};
@@ -78,6 +85,8 @@ struct Cloth {
   int iterations = 4;
   bool bend_links = false;  ///< links across edges as well
   bool waterproof = false;
+  Vec3 wind = Vec3::Zero();  ///< of the air that drags at the cloth [m/s]; zero: no air
+  std::vector<Anchor> anchors;
   std::optional<Fabric> fabric;  ///< absent: that of effects.wetting
   SurfaceSettings surface;
 };
@@ -101,10 +110,19 @@ struct TankShape {
   std::array<double, 4> rotate = {0, 0, 0, 1};  ///< about the middle of the box
 };
 
+/// Boxes that are one body.
+struct CompoundShape {
+  std::vector<BoxShape> boxes;
+};
+
 struct Body {
-  std::variant<BoxShape, SphereShape, PlaneShape, PlacedMesh, TankShape> shape;
+  std::variant<BoxShape, SphereShape, PlaneShape, PlacedMesh, TankShape, CompoundShape> shape;
+  double mass = 0;     ///< [kg]; 0 = by density
+  double density = 0;  ///< [kg/m³]; 0 and no mass: the water does not move it
   Motion motion;
   SurfaceSettings surface;
+
+  bool is_dynamic() const { return mass > 0 || density > 0; }
 };
 
 enum class FieldKind { linear, rotation, taylor_green, standing_wave };
@@ -199,6 +217,7 @@ struct SceneEffects {
   std::optional<ImplicitViscositySettings> viscosity;
   std::optional<WettingSettings> wetting;
   std::optional<SurfaceTensionSettings> surface_tension;
+  std::vector<Force> forces;
 };
 
 struct Scene {
@@ -218,6 +237,8 @@ struct Scene {
   std::vector<Emitter> emitters;
   std::vector<Cloth> cloth;
   std::vector<Body> bodies;
+  std::vector<Region> sinks;
+  double max_age = never;  ///< of particles [s]
   SceneEffects effects;
   std::optional<WaterMeshSettings> water_mesh;  ///< scene key "surface"
   Json acceptance = Json::object();  ///< the checks of a run, as the file has them (checks/acceptance.h)

@@ -1,9 +1,12 @@
 #include "scene/scene_format.h"
 
 #include "oilskin/presets.h"
+#include "scene/body_format.h"
 #include "scene/effects_format.h"
 #include "scene/emitter_format.h"
 #include "scene/mesh_options.h"
+#include "scene/region_format.h"
+#include "scene/surface_format.h"
 
 namespace oilskin::demo {
 namespace {
@@ -33,35 +36,6 @@ void describe(Fields& f, FluidSettings& s) {
   f.integer("max_substeps", s.max_substeps, between(1, 1000));
 }
 
-void describe(Fields& f, SlipSettings& s) {
-  f.choice("model", s.model,
-           {{"free", SlipModel::free},
-            {"coulomb", SlipModel::coulomb},
-            {"strict_no_slip", SlipModel::sticking},
-            {"viscous_wall", SlipModel::viscous_wall},
-            {"no_slip", SlipModel::viscous_wall}});  // the last name of a value is the one that is written
-  f.number("friction", s.friction, not_negative());
-  f.number("slip_length", s.slip_length, not_negative());
-}
-
-void describe(Fields& f, SurfaceSettings& s) {
-  f.optional_number("thickness", s.thickness, positive());
-  f.object("slip", [&](Fields& g) { describe(g, s.slip); });
-  f.optional_object("slip_back", s.slip_back, [](Fields& g, SlipSettings& back) { describe(g, back); });
-  f.boolean("smooth", s.smooth);
-  f.mask("collision_group", s.collision_group);
-  f.mask("collision_mask", s.collision_mask);
-}
-
-void describe(Fields& f, Motion& m) {
-  f.vec3("velocity", m.velocity);
-  f.vec3("spin_center", m.spin_center);
-  f.direction("spin_axis", m.spin_axis);
-  f.number("spin_rate", m.spin_rate, any_number());
-  f.number("start", m.start, not_negative());
-  f.number("stop", m.stop, not_negative());
-}
-
 void describe(Fields& f, PinBox& p) {
   f.box("within", p.within);
   if (f.reading() && !f.has("within")) f.fail("within", "is missing: the box whose nodes are pinned");
@@ -73,6 +47,12 @@ void describe(Fields& f, PinBox& p) {
     if (g.reading() && p.motion.moves() && p.motion.start < p.hold)
       g.fail("start", "is before \"hold\": nodes that are not held yet cannot be moved");
   });
+}
+
+void describe(Fields& f, Anchor& a) {
+  f.integer("body", a.body, between(0, 1e6));
+  f.box("within", a.within);
+  if (f.reading() && !f.has("within")) f.fail("within", "is missing: the box whose nodes are anchored");
 }
 
 void write_pins(Fields& f, Pins& pins) {
@@ -145,70 +125,9 @@ void describe(Fields& f, Cloth& c) {
   f.boolean("bend_links", c.bend_links);
   f.boolean("waterproof", c.waterproof);
   f.optional_object("fabric", c.fabric, [](Fields& g, Fabric& fabric) { describe(g, fabric); });
+  f.vec3("wind", c.wind);
+  f.list("anchors", c.anchors, [](Fields& g, Anchor& a) { describe(g, a); });
   describe(f, c.surface);
-}
-
-enum class BodyShape { box, sphere, plane, mesh, tank };
-
-void describe(Fields& f, TankShape& t) {
-  f.vec3("min", t.inside.min);
-  f.vec3("max", t.inside.max);
-  if (f.reading() && !(t.inside.min.array() < t.inside.max.array()).all())
-    f.fail("max", "must exceed min in every coordinate");
-  f.vec3("open", t.open);
-  if (f.reading() && (t.open.array() != 0).count() > 1)
-    f.fail("open", "must be along x, y or z, or [0, 0, 0] for a closed box");
-  f.quaternion("rotate", t.rotate);
-}
-
-void describe_shape(Fields& f, Body& b) {
-  auto shape = static_cast<BodyShape>(b.shape.index());
-  f.choice("shape", shape,
-           {{"box", BodyShape::box},
-            {"sphere", BodyShape::sphere},
-            {"plane", BodyShape::plane},
-            {"mesh", BodyShape::mesh},
-            {"tank", BodyShape::tank}});
-  if (f.reading() && !f.has("shape")) f.fail("shape", "is missing: box, sphere, plane, mesh or tank");
-  switch (shape) {
-    case BodyShape::box: {
-      if (f.reading()) b.shape = BoxShape();
-      auto& box = std::get<BoxShape>(b.shape);
-      f.vec3("center", box.center);
-      f.vec3("half_extents", box.half_extents);
-      f.quaternion("rotate", box.rotate);
-      if (f.reading() && !(box.half_extents.array() > 0).all()) f.fail("half_extents", "must be > 0 each");
-      break;
-    }
-    case BodyShape::sphere: {
-      if (f.reading()) b.shape = SphereShape();
-      auto& sphere = std::get<SphereShape>(b.shape);
-      f.vec3("center", sphere.center);
-      f.number("radius", sphere.radius, positive());
-      break;
-    }
-    case BodyShape::plane: {
-      if (f.reading()) b.shape = PlaneShape();
-      auto& plane = std::get<PlaneShape>(b.shape);
-      f.vec3("point", plane.point);
-      f.direction("normal", plane.normal);
-      break;
-    }
-    case BodyShape::mesh:
-      if (f.reading()) b.shape = PlacedMesh();
-      describe(f, std::get<PlacedMesh>(b.shape));
-      break;
-    case BodyShape::tank:
-      if (f.reading()) b.shape = TankShape();
-      describe(f, std::get<TankShape>(b.shape));
-      break;
-  }
-}
-
-void describe(Fields& f, Body& b) {
-  describe_shape(f, b);
-  f.object("motion", [&](Fields& g) { describe(g, b.motion); });
-  describe(f, b.surface);
 }
 
 void describe(Fields& f, ContactSettings& s) {
@@ -346,6 +265,8 @@ void describe(Fields& f, Scene& s) {
   if (!f.reading()) set_thicknesses(s);
   f.list("cloth", s.cloth, [](Fields& g, Cloth& c) { describe(g, c); });
   f.list("bodies", s.bodies, [](Fields& g, Body& b) { describe(g, b); });
+  f.list("sinks", s.sinks, [](Fields& g, Region& r) { describe_sink(g, r); });
+  f.number("max_age", s.max_age, positive());
   if (f.reading()) set_thicknesses(s);
   f.object("contact", [&](Fields& g) { describe(g, s.contact); });
   f.box("kill_box", s.world.kill_box);

@@ -1,0 +1,10 @@
+/// Keys of a body.
+#pragma once
+
+#include "scene/scene.h"
+
+namespace oilskin::demo {
+
+void describe(Fields& f, Body& b);
+
+}  // namespace oilskin::demo
