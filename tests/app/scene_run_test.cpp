@@ -31,7 +31,7 @@ const Short shortened[] = {{"jet", "0.1"},
                            {"wet", "0.3"},
                            {"crumple", "0.2", "cloth.0.center=[0, 0.225, 0]"},
                            {"float", "0.12", "fluid.spacing=0.02"},
-                           {"drain", "0.1", "emitters.0.velocity=[0, -1, 0]"},
+                           {"drain", "0.1", "fluid.spacing=0.008"},
                            {"raft", "0.12", "fluid.spacing=0.02"}};
 
 std::string name_of(const testing::TestParamInfo<Short>& info) {
