@@ -53,9 +53,9 @@ TEST(BulletSink, takes_the_particles_in_its_shape) {
   btSphereShape sphere(bt(0.15));
   btCapsuleShape capsule(bt(0.1), bt(0.2));
   btCylinderShape cylinder(btVector3(bt(0.1), bt(0.2), bt(0.1)));
-  std::vector<Vec3> x;
   oilskin::test::Random random(1);
-  for (int k = 0; k < 2000; ++k) x.push_back(random.in_cube(0.4));
+  std::vector<Vec3> x(2000);
+  for (Vec3& at : x) at = random.in_cube(0.4);
   const btConvexShape* shapes[] = {&hull, &box, &sphere, &capsule, &cylinder};
   for (const btConvexShape* shape : shapes) {
     Water with, without;
