@@ -73,6 +73,10 @@ struct btFluidCoupling::Impl {
   /// Refuses to save and restore where that is not possible.
   Status check_between_steps() const;
 
+  // coupling_translate.cpp
+  void set_planes(const Box& kill_box);
+  Status translate_world(const btVector3& offset);
+
   // coupling_listen.cpp
   const btCollisionObject* object_of(std::uint64_t number) const;
   void prepare_sensors();

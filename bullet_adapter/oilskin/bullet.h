@@ -202,6 +202,13 @@ class btFluidCoupling : public btActionInterface {
   /// states of those that are not attached are the caller's, to be set before.
   Status restoreState(Span<const std::uint8_t> saved, btCollisionWorld* world = nullptr);
 
+  /// Moves everything by `offset` [m], for games far from the origin: the fluid with its kill box, sinks and
+  /// emitters (World::translate()), and all attached objects, with their motion states. Nothing is swept, and
+  /// velocities, loads, touches and sums go on; positions are rounded to btScalar. Forces of
+  /// btFluid::addForce() and the other objects of Bullet's world are the caller's to move. Refuses what
+  /// World::translate() and saveState() refuse, and changes nothing then. Call it between steps.
+  Status translate(const btVector3& offset);
+
   /// Does nothing: actions run before Bullet solves the cloth.
   void updateAction(btCollisionWorld*, btScalar) override {}
   /// Wireframe: particles as short lines along their motion, from dark blue (at rest) to white (fast).
@@ -290,6 +297,9 @@ class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
   Status restoreState(Span<const std::uint8_t> saved, btCollisionWorld* world = nullptr) {
     return m_coupling.restoreState(saved, world);
   }
+
+  /// btFluidCoupling::translate().
+  Status translate(const btVector3& offset) { return m_coupling.translate(offset); }
 
   /// btFluidCoupling::setCarriesWater().
   void setCarriesWater(bool carries) { m_coupling.setCarriesWater(carries); }

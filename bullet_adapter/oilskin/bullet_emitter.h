@@ -56,6 +56,7 @@ class btFluidEmitter {
 
  private:
   friend class btFluid;
+  friend class btFluidCoupling;
   friend struct EmitterMemory;
   /// Adds it with the speed 1 m/s.
   virtual Status addTo(World& world, const EmitterPose& pose, EmitterId* id) const = 0;

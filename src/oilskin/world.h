@@ -200,6 +200,17 @@ class World {
   /// Changes velocities and motions, for example by wind: v += dv, one value per particle in storage order.
   Status add_velocities(Span<const Vec3> dv);
 
+  /// Moves the whole world by `offset` [m], for games far from the origin: particles, surfaces, emitters,
+  /// sinks and the kill box, between steps. It is no motion: velocities, loads, phases and contact factors go
+  /// on. Call it when what the hosts read has been moved by the same offset. Positions are rounded to what
+  /// the hosts store, so distances change by a few units of the last place; particles that rounding brings
+  /// closer than 2 δ to a surface are moved away from it in the next step (ContactReport::relocated). δ grows
+  /// where larger coordinates need it, and never shrinks. Potential energies are relative to the origin: the
+  /// balance counts the change in EnergyReport::entered_potential. Effects, and the observer's files, are the
+  /// caller's to move. Refuses an offset that is not finite, hosts that were not moved, and thicknesses below
+  /// 4 δ at the new place; a refusal changes nothing.
+  Status translate(const Vec3& offset);
+
   // --- effects
   /// Adds an effect, which acts from the next step on. It remains the caller's, and must outlive its stay
   /// here. Effects act in the order in which they were added.

@@ -96,6 +96,10 @@ class Attachments {
   /// The motion of an active surface as checkpoint() found it; if it was refused then, as it is now.
   static const SurfaceMotion& before(const Attachment& a);
 
+  /// The surfaces are elsewhere by `offset` [m], without a motion, as their hosts are already. A refusal
+  /// changes nothing.
+  Status translate(const Vec3& offset, const Box& kill_box);
+
   /// Everything but hosts and handles; when reading, into attachments without hosts.
   void visit(Archive& archive);
   /// Takes over hosts and handles of `from`, whose surfaces must be as many and have the same meshes in the

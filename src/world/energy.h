@@ -48,6 +48,8 @@ struct EnergyState {
 
   /// The caller removes particle i, whose mass is `mass` [kg].
   void withdraw(const fluid::Particles& particles, std::size_t i, double mass);
+  /// The world is elsewhere by `offset` [m], with the water and the free nodes of these masses [kg].
+  void translate(const Vec3& offset, const Vec3& water_mass, const Vec3& node_mass, double withdrawn_mass);
   void visit(Archive& archive);
 };
 

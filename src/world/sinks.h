@@ -31,6 +31,10 @@ class Sinks {
   const Sink* with_id(std::uint64_t id) const;
   bool remove(std::uint64_t id);
 
+  /// All are elsewhere by `offset` [m].
+  void translate(const Vec3& offset) {
+    for (Sink& sink : list_) sink.region.pose.position += offset;
+  }
   void visit(Archive& archive);
 
  private:

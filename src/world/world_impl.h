@@ -132,6 +132,7 @@ struct World::Impl {
   // Between steps (save.cpp)
   void visit_state(Archive& archive);
   Status restore(Span<const std::uint8_t> saved);
+  Status translate(const Vec3& offset);  // translate.cpp
 
   // How long it may be (time_step.cpp)
   world::Speeds speeds(Span<SurfaceMotion* const> moved, double moved_for, double dt) const;

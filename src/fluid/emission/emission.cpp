@@ -101,6 +101,14 @@ Status Emission::Impl::add(const Emitter& emitter, const EmitterPose* pose, std:
   return {};
 }
 
+void Emission::translate(const Vec3& offset) {
+  for (Source& source : impl_->sources) {
+    source.from.position += offset;
+    source.to.position += offset;
+    source.placed = true;
+  }
+}
+
 Status Emission::add(const DiscEmitter& e, const EmitterPose* pose, std::uint64_t* id) {
   return impl_->add(e, pose, id);
 }

@@ -77,6 +77,8 @@ class Emission {
   void roll_back() noexcept;
   void commit(double time) noexcept;
 
+  /// All are elsewhere by `offset` [m], without a motion.
+  void translate(const Vec3& offset);
   /// The emitters with their state between two steps, at `time` [s].
   void visit(Archive& archive, double time);
 
