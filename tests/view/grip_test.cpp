@@ -95,6 +95,29 @@ TEST_P(OnHost, nobody_is_held_after_a_restart_and_goals_without_a_grip_are_ignor
   EXPECT_EQ(live.world().state_hash(), plain.world().state_hash());
 }
 
+/// The water and gravity move it before and afterwards.
+TEST(GripOnBullet, a_floating_body_is_held_and_let_go) {
+  LiveScene live = test::live_scene(small_scene(
+      "bullet", {R"(bodies.1={"shape": "box", "center": [0.3, 0.1, 0], "half_extents": [0.03, 0.03, 0.03],
+                              "density": 500})"}));
+  const auto height = [&] { return live.simulation().body(1)->x_t1[0].y(); };
+  take_steps(live, 10);
+  const double start = height();
+  take_steps(live, 10);
+  EXPECT_LT(height(), start - 1e-4) << "it falls";
+  const double held = height();
+  live.simulation().grab_body(1, Vec3(0.3, 0.1, 0));
+  take_steps(live, 20);
+  EXPECT_NEAR(height(), held, 1e-6);
+  live.simulation().pull_to(Vec3(0.3, 0.2, 0));
+  take_steps(live, 150);
+  EXPECT_NEAR(height(), held + 0.1, 0.001);
+  live.simulation().let_go();
+  take_steps(live, 40);
+  EXPECT_LT(height(), held + 0.099) << "it falls again";
+  EXPECT_EQ(live.counts().crossings, 0u);
+}
+
 INSTANTIATE_TEST_SUITE_P(Grip, OnHost, testing::Values("mock", "bullet"),
                          [](const auto& tested) { return std::string(tested.param); });
 

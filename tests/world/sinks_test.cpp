@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include "support/random.h"
@@ -201,6 +202,31 @@ TEST(Sinks, particles_of_an_emitter_end_at_their_age) {
   const Span<const Vec3> x = w.positions();
   EXPECT_EQ(std::count_if(x.begin(), x.end(), [](const Vec3& p) { return p.x() == 1; }),
             1);  // from no emitter
+}
+
+/// Ages follow their particles when the storage order changes.
+TEST(Sinks, particles_of_another_emitter_live_on) {
+  World w(room());
+  EmitterId mortal, other;
+  DiscEmitter beside = nozzle();
+  beside.center.x() = 0.1;
+  beside.direction = Vec3(0.2, 1, 0);
+  ASSERT_TRUE(w.add_emitter(nozzle(), &mortal).ok());
+  ASSERT_TRUE(w.add_emitter(beside, &other).ok());
+  ASSERT_TRUE(w.set_emitter_max_age(mortal, 0.05).ok());
+  std::map<std::uint64_t, int> birth;
+  for (int k = 0; k < 100; ++k) {
+    ASSERT_TRUE(w.step(1e-3).status.ok());
+    std::uint64_t immortal = 0;
+    for (std::size_t i = 0; i < w.particle_count(); ++i) {
+      const int born = birth.emplace(w.ids()[i], k).first->second;
+      const bool is_mortal = w.positions()[i].x() < 0.05;
+      immortal += !is_mortal;
+      if (is_mortal) EXPECT_LE(k - born, 50);
+    }
+    EXPECT_EQ(immortal, w.emitter(other)->particles);
+  }
+  EXPECT_LT(w.particle_count(), birth.size()) << "none has ended";
 }
 
 TEST(Sinks, all_particles_end_at_the_age_of_the_world) {

@@ -122,6 +122,12 @@ class BulletSimulation : public Simulation {
   void grab_body(std::size_t i, const Vec3& point) override {
     let_go();
     btRigidBody& body = *bodies_[i].body;
+    if (scene_.bodies[i].is_dynamic()) {  // it is held where it is
+      bodies_[i].origin = from_bullet(body.getWorldTransform().getOrigin());
+      bodies_[i].turned = body.getWorldTransform().getRotation();
+      bodies_[i].displaced.setZero();
+      body.setAngularVelocity(btVector3(0, 0, 0));
+    }
     // A static body that is moved: Bullet then updates what it keeps of it.
     body.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
     body.setActivationState(DISABLE_DEACTIVATION);
@@ -131,7 +137,7 @@ class BulletSimulation : public Simulation {
   void let_go() override {
     if (!grip_) return;
     if (grip_->is_body)
-      bodies_[grip_->index].body->setLinearVelocity(btVector3(0, 0, 0));
+      leave_body(*grip_);
     else
       free_nodes(*grip_);
     grip_.reset();
@@ -308,6 +314,14 @@ class BulletSimulation : public Simulation {
       node.m_v = node.m_vn = btVector3(0, 0, 0);  // Bullet would carry a pinned node on
     }
     if (has_changed) cloth.updateLinkConstants();
+  }
+
+  /// What the water moves goes on with the velocity of the grip.
+  void leave_body(const Grip& grip) {
+    btRigidBody& body = *bodies_[grip.index].body;
+    const bool is_dynamic = scene_.bodies[grip.index].is_dynamic();
+    if (is_dynamic) body.setCollisionFlags(0);
+    body.setLinearVelocity(is_dynamic ? to_bullet(grip.velocity) : btVector3(0, 0, 0));
   }
 
   /// Pins of the scene stay where they are.
