@@ -13,7 +13,7 @@ namespace oilskin::bullet {
 
 namespace {
 
-constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 1, "saved state"};
+constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 2, "saved state"};
 
 /// Of one attached object.
 struct AttachmentState {
@@ -41,6 +41,8 @@ struct CouplingState {
   std::vector<std::string> messages;
   StepReport refused, sum;
   std::optional<PairState> contacts;  // of the world
+  std::vector<SinkMemory> sinks;
+  std::vector<ForceMemory> forces;
 };
 
 AttachmentState::Kind kind_of(const Attachment& a) {
@@ -111,7 +113,8 @@ void visit_attachment(Archive& archive, AttachmentState& state) {
 
 void visit_state(Archive& archive, CouplingState& state) {
   auto& [has_fluid, world, emitters, attachments, use_cloth_gravity, carries_water, stepped_by_solver,
-         followed_gravity, pending, pending_time, touch_hold, messages, refused, sum, contacts] = state;
+         followed_gravity, pending, pending_time, touch_hold, messages, refused, sum, contacts, sinks,
+         forces] = state;
   constexpr std::size_t of_emitter = 50, of_attachment = 100;  // at least [bytes]
   std::uint8_t scalar = sizeof(btScalar);
   archive.value(scalar);
@@ -128,6 +131,8 @@ void visit_state(Archive& archive, CouplingState& state) {
   visit(archive, messages);
   visit(archive, refused);
   visit(archive, sum);
+  archive.list(sinks, 24, [&](SinkMemory& sink) { sink.visit(archive); });
+  archive.list(forces, 12, [&](ForceMemory& force) { force.visit(archive); });
   visit_optional(archive, contacts, [&](PairState& pairs) { pairs.visit(archive); });
 }
 
@@ -195,6 +200,13 @@ Status check_attachments(const std::vector<AttachmentState>& saved, const std::v
   return Status::accepted();
 }
 
+Status check_forces(const std::vector<ForceMemory>& saved, const std::vector<btFluidForce*>& here) {
+  if (Status s = check_counts("forces", saved.size(), here.size()); !s.ok()) return s;
+  for (std::size_t i = 0; i < here.size(); ++i)
+    if (Status s = saved[i].check(*here[i]); !s.ok()) return about("force", i, s);
+  return Status::accepted();
+}
+
 Status check_emitters(const std::vector<EmitterMemory>& saved, const std::vector<btFluidEmitter*>& here) {
   if (Status s = check_counts("emitters", saved.size(), here.size()); !s.ok()) return s;
   for (std::size_t i = 0; i < here.size(); ++i)
@@ -219,6 +231,8 @@ Status btFluidCoupling::saveState(std::vector<std::uint8_t>* out, btCollisionWor
   if (c.fluid) {
     if (Status s = c.world()->save(&state.world); !s.ok()) return s;
     for (const btFluidEmitter* emitter : c.fluid->m_emitters) state.emitters.emplace_back().capture(*emitter);
+    for (const btFluidSink* sink : c.fluid->m_sinks) state.sinks.emplace_back().capture(*sink);
+    for (const btFluidForce* force : c.fluid->m_forces) state.forces.emplace_back().capture(*force);
   }
   const std::vector<std::uint64_t> order = surface_order(c.attachments);
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -259,13 +273,19 @@ Status btFluidCoupling::restoreState(Span<const std::uint8_t> saved, btCollision
   Status status = check_attachments(state.attachments, c.attachments);
   const std::vector<btFluidEmitter*> emitters =
       c.fluid ? c.fluid->m_emitters : std::vector<btFluidEmitter*>();
+  const std::vector<btFluidSink*> sinks = c.fluid ? c.fluid->m_sinks : std::vector<btFluidSink*>();
+  const std::vector<btFluidForce*> forces = c.fluid ? c.fluid->m_forces : std::vector<btFluidForce*>();
   if (status.ok()) status = check_emitters(state.emitters, emitters);
+  if (status.ok()) status = check_counts("sinks", state.sinks.size(), sinks.size());
+  if (status.ok()) status = check_forces(state.forces, forces);
   if (status.ok() && world) status = state.contacts->check(*world, c.attached_objects());
   if (status.ok() && c.fluid) status = c.world()->restore(state.world);
   if (!status.ok()) return status;
 
   for (std::size_t i = 0; i < state.attachments.size(); ++i) apply(state.attachments[i], c.attachments[i]);
   for (std::size_t i = 0; i < state.emitters.size(); ++i) state.emitters[i].apply(*emitters[i]);
+  for (std::size_t i = 0; i < sinks.size(); ++i) state.sinks[i].apply(*sinks[i]);
+  for (std::size_t i = 0; i < forces.size(); ++i) state.forces[i].apply(*forces[i]);
   c.use_cloth_gravity = state.use_cloth_gravity, c.carries_water = state.carries_water;
   c.stepped_by_solver = state.stepped_by_solver, c.followed_gravity = state.followed_gravity;
   c.pending = state.pending, c.pending_time = state.pending_time, c.listening.touch_hold = state.touch_hold;

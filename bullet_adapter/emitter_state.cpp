@@ -50,4 +50,30 @@ void EmitterMemory::apply(btFluidEmitter& emitter) const {
   if (auto* rain = dynamic_cast<btFluidRainEmitter*>(&emitter)) rain->m_dropsPerSecond = drops_per_second;
 }
 
+void SinkMemory::capture(const btFluidSink& sink) {
+  id = sink.m_id.value;
+  taken_before = sink.m_takenBefore;
+  volume_before = sink.m_volumeBefore;
+}
+
+void SinkMemory::apply(btFluidSink& sink) const {
+  sink.m_id.value = id;
+  sink.m_takenBefore = taken_before;
+  sink.m_volumeBefore = volume_before;
+}
+
+void ForceMemory::capture(const btFluidForce& force) {
+  id = force.m_id.value;
+  kind = static_cast<std::uint32_t>(force.m_force.index());
+}
+
+Status ForceMemory::check(const btFluidForce& force) const {
+  return kind == force.m_force.index() ? Status::accepted()
+                                       : Status::refused("is of another kind than the saved one");
+}
+
+void ForceMemory::apply(btFluidForce& force) const {
+  force.m_id.value = id;
+}
+
 }  // namespace oilskin::bullet

@@ -41,6 +41,7 @@ class btFluidForce {
 
  private:
   friend class btFluid;
+  friend struct ForceMemory;
   ForceFields* fields() const;
   Force current() const;
   Status attach(btFluid* fluid);

@@ -37,6 +37,7 @@ class btFluidSink {
 
  private:
   friend class btFluid;
+  friend struct SinkMemory;
   Status attach(btFluid* fluid);
   void detach();
   std::optional<SinkState> state() const;

@@ -1,6 +1,8 @@
 // A game saves its whole state, goes on, and goes back: what follows is the same to the bit.
 #include <gtest/gtest.h>
 
+#include "oilskin/bullet_force.h"
+#include "oilskin/bullet_sink.h"
 #include "state_scene.h"
 
 namespace oilskin::bullet {
@@ -94,6 +96,41 @@ TEST(State, what_was_not_taken_yet_is_there_again) {
   EXPECT_EQ(sum_again.energy.made, sum.energy.made);
   EXPECT_EQ(coupling.getTouchHold(), bt(0.1));
   EXPECT_TRUE(coupling.getCarriesWater());
+}
+
+TEST(State, sinks_and_forces_that_were_added_again_are_the_saved_ones) {
+  StateScene scene;
+  EXPECT_TRUE(scene.pour(0.01).ok());
+  btBoxShape shape({bt(0.2), bt(0.02), bt(0.2)});
+  btFluidSink sink(&shape);
+  btFluidUniformForce wind({1, 0, 0});
+  EXPECT_TRUE(sink.setWorldTransform(at(0, 0.01, 0)).ok());
+  EXPECT_TRUE(scene.water.addSink(&sink).ok());
+  EXPECT_TRUE(scene.water.addForce(&wind).ok());
+  scene.play(40, 0);
+  const std::uint64_t taken = sink.getTakenParticles();
+  ASSERT_GT(taken, 10u);
+  const Bytes saved = scene.save();
+  const std::vector<std::string> right = replay(scene, 1);
+  EXPECT_GT(sink.getTakenParticles(), taken);
+
+  scene.water.removeSink(&sink);
+  scene.water.removeForce(&wind);
+  EXPECT_TRUE(has(scene.solver.restoreState(saved).message, "the saved state has 1 sinks, the coupling 0"));
+  EXPECT_TRUE(scene.water.addSink(&sink).ok());
+  EXPECT_TRUE(has(scene.solver.restoreState(saved).message, "the saved state has 1 forces, the coupling 0"));
+  btFluidVortex vortex({0, 0, 0}, {0, 1, 0}, 1, 1);
+  EXPECT_TRUE(scene.water.addForce(&vortex).ok());
+  EXPECT_TRUE(has(scene.solver.restoreState(saved).message, "force 1 is of another kind"));
+  scene.water.removeForce(&vortex);
+  EXPECT_TRUE(scene.water.addForce(&wind).ok());
+  EXPECT_TRUE(wind.setAcceleration({0, 0, 9}).ok());
+  EXPECT_TRUE(sink.setWorldTransform(at(0, 5, 0)).ok());
+  const Status status = scene.solver.restoreState(saved);
+  ASSERT_TRUE(status.ok()) << status.message;
+  EXPECT_EQ(sink.getTakenParticles(), taken);
+  EXPECT_EQ(to_vec3(wind.getAcceleration()), Vec3(1, 0, 0));
+  EXPECT_EQ(replay(scene, 1), right);
 }
 
 TEST(State, a_state_between_two_couplings_goes_on) {
