@@ -180,6 +180,9 @@ class Effect {
   /// Exchanges, after the certificate.
   virtual void exchange(EffectExchange&) {}
 
+  /// World::translate() moves the world by `offset` [m]: places that are the effect's own move with it.
+  virtual void translate(const Vec3& /*offset*/) {}
+
   /// Settings and state beside the numbers above, for saved worlds.
   virtual std::vector<std::uint8_t> save() const { return {}; }
   /// Takes what save() wrote, or refuses and changes nothing.

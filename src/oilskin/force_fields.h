@@ -103,6 +103,8 @@ class ForceFields final : public Effect {
   /// 0.25 √(H/a) with the largest acceleration a, as for pressure (F.45). Wind needs no limit.
   double longest_interval(const FluidSettings& fluid) const override;
   void act(EffectForces& forces) override;
+  /// Moves regions and axes.
+  void translate(const Vec3& offset) override;
   std::vector<std::uint8_t> save() const override;
   Status restore(Span<const std::uint8_t> saved) override;
 

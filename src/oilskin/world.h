@@ -206,9 +206,10 @@ class World {
   /// the hosts store, so distances change by a few units of the last place; particles that rounding brings
   /// closer than 2 δ to a surface are moved away from it in the next step (ContactReport::relocated). δ grows
   /// where larger coordinates need it, and never shrinks. Potential energies are relative to the origin: the
-  /// balance counts the change in EnergyReport::entered_potential. Effects, and the observer's files, are the
-  /// caller's to move. Refuses an offset that is not finite, hosts that were not moved, and thicknesses below
-  /// 4 δ at the new place; a refusal changes nothing.
+  /// balance counts the change in EnergyReport::entered_potential. Effects move what is
+  /// theirs (Effect::translate()); the observer's files are the caller's to move. Refuses an offset that is
+  /// not finite, hosts that were not moved, and thicknesses below 4 δ at the new place; a refusal changes
+  /// nothing.
   Status translate(const Vec3& offset);
 
   // --- effects

@@ -65,6 +65,9 @@ class Effects {
   void act(const EffectInput& input) const;
   void exchange(const EffectInput& input, Span<const Contact> contacts) const;
 
+  void translate(const Vec3& offset) const {
+    for (const Slot& slot : slots_) slot.effect->translate(offset);
+  }
   /// Takes over the effects of `from`. visit() then accepts a world that was saved with the same ones.
   void take_effects(const Effects& from) { slots_ = from.slots_; }
   void visit(Archive& archive);

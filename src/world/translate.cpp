@@ -134,6 +134,7 @@ Status World::Impl::translate(const Vec3& offset) {
   for (Vec3& x : state.particles.position) x += offset;
   emission->translate(offset);
   state.sinks.translate(offset);
+  effects.translate(offset);
   settings = moved;
   return {};
 }

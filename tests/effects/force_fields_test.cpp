@@ -263,7 +263,7 @@ struct Blown {
     EXPECT_TRUE(fields.add(vortex, &vortex_id).ok());
     UniformForce uniform;
     uniform.acceleration = Vec3(0, 1, 0);
-    uniform.region = ball_region(Vec3::Zero(), 0.05);
+    uniform.region = ball_region(Vec3::Zero(), 0.053);
     EXPECT_TRUE(fields.add(uniform).ok());
     add_slab(world, Vec3::Zero(), 8, 8, 8);
   }
@@ -305,6 +305,17 @@ TEST(ForceFields, are_saved_with_the_world_and_their_handles) {
   damaged.pop_back();
   EXPECT_FALSE(fields.restore(damaged).ok());
   EXPECT_EQ(fields.size(), 3u);
+}
+
+TEST(ForceFields, move_with_a_world_that_is_translated) {
+  Blown a, b;
+  const Vec3 offset(0.5, -0.25, 0.125);  // exact in binary
+  ASSERT_TRUE(b.world.translate(offset).ok());
+  a.step(1);
+  b.step(1);
+  EXPECT_LT((a.world.report().momentum_effects - b.world.report().momentum_effects).norm(), 1e-12);
+  const Force moved = b.fields.find(b.vortex_id)->force;
+  EXPECT_EQ(std::get<VortexForce>(moved).center, offset);
 }
 
 TEST(ForceFields, without_fields_no_state_changes) {

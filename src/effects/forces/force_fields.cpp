@@ -184,6 +184,13 @@ void ForceFields::act(EffectForces& forces) {
     if (field.enabled) std::visit([&](const auto& f) { oilskin::act(f, forces); }, field.force);
 }
 
+void ForceFields::translate(const Vec3& offset) {
+  for (Field& field : fields_) {
+    std::visit([&](auto& f) { f.region.pose.position += offset; }, field.force);
+    if (auto* vortex = std::get_if<VortexForce>(&field.force)) vortex->center += offset;
+  }
+}
+
 std::vector<std::uint8_t> ForceFields::save() const {
   std::vector<std::uint8_t> bytes;
   Archive archive(bytes);
