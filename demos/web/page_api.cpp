@@ -78,6 +78,22 @@ int page_set_contact(int on) {
   return attempt([&] { opened().set_contact(on != 0); });
 }
 
+int page_grab(double x, double y, double z) {
+  return attempt([&] { opened().grab({x, y, z}); });
+}
+
+int page_pull(double x, double y, double z) {
+  return attempt([&] { opened().pull({x, y, z}); });
+}
+
+int page_release() {
+  return attempt([&] { opened().release(); });
+}
+
+int page_aim(double x, double y, double z) {
+  return attempt([&] { opened().aim({x, y, z}); });
+}
+
 int page_steps() {
   return scene ? static_cast<int>(scene->counts().steps) : 0;
 }

@@ -19,6 +19,14 @@ OILSKIN_PAGE_CALL int page_open(const char* scene, const char* settings);
 OILSKIN_PAGE_CALL int page_step(int count);
 /// Switches the continuous test and impact zones from the next step on: 1 = on, 0 = off.
 OILSKIN_PAGE_CALL int page_set_contact(int on);
+/// Takes hold of the cloth where it is nearest to a point [m].
+OILSKIN_PAGE_CALL int page_grab(double x, double y, double z);
+/// Where what is held is to be [m].
+OILSKIN_PAGE_CALL int page_pull(double x, double y, double z);
+/// Lets go of what is held.
+OILSKIN_PAGE_CALL int page_release();
+/// Turns the first nozzle to a direction.
+OILSKIN_PAGE_CALL int page_aim(double x, double y, double z);
 /// How many steps the scene has made; 0 without a scene.
 OILSKIN_PAGE_CALL int page_steps();
 /// Why the last call was refused; empty if it was not.

@@ -32,6 +32,14 @@ void append(std::vector<float>& out, const Vec3& x) {
   for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(x[k]));
 }
 
+Json first_nozzle(const Simulation& simulation) {
+  const std::vector<Nozzle> nozzles = simulation.nozzles();
+  if (nozzles.empty()) return {};
+  return {{"center", numbers(nozzles[0].center)},
+          {"direction", numbers(nozzles[0].direction)},
+          {"radius", nozzles[0].radius}};
+}
+
 }  // namespace
 
 PageScene::PageScene(const std::string& text, const std::vector<std::string>& settings)
@@ -60,6 +68,24 @@ void PageScene::set_contact(bool on) {
   settings.ccd = settings.zones = on;
   require(simulation_->world().set_contact_settings(settings), "contact");
   scene_.contact = settings;
+}
+
+void PageScene::grab(const Vec3& point) {
+  if (!point.allFinite()) throw SceneError("the place where the cloth is taken must be finite");
+  require(simulation_->grab_cloth(0, point), "the cloth");
+}
+
+void PageScene::pull(const Vec3& goal) {
+  if (!goal.allFinite()) throw SceneError("the goal of a pull must be finite");
+  simulation_->pull_to(goal);
+}
+
+void PageScene::release() {
+  simulation_->let_go();
+}
+
+void PageScene::aim(const Vec3& direction) {
+  require(simulation_->aim_nozzle(0, direction), "the nozzle");
 }
 
 const std::vector<float>& PageScene::particles() {
@@ -103,25 +129,20 @@ std::string PageScene::report() const {
               {"zone_points", contact.zone_points},
               {"min_distance", contact.verified_pairs > 0 ? Json(contact.min_distance) : Json()},
               {"iterations", last_.fluid.iterations},
+              {"nozzle", first_nozzle(*simulation_)},
               {"milliseconds", milliseconds(last_.seconds, host_seconds_)},
               {"flags", flag_texts(last_.flags)}}
       .dump();
 }
 
 std::string PageScene::description() const {
-  Json nozzle;
-  for (const Emitter& emitter : scene_.emitters)
-    if (const auto* disc = std::get_if<DiscEmitter>(&emitter))
-      nozzle = {{"center", numbers(disc->center)},
-                {"direction", numbers(disc->direction.normalized())},
-                {"radius", disc->radius}};
   return Json{{"name", scene_.name},
               {"description", scene_.description},
               {"dt", scene_.dt},
               {"spacing", scene_.fluid.spacing},
               {"precision", simulation_->precision()},
               {"instruction_set", World::instruction_set()},
-              {"nozzle", nozzle}}
+              {"nozzle", first_nozzle(*simulation_)}}
       .dump();
 }
 

@@ -130,6 +130,47 @@ TEST(Viewer, commands_change_what_they_name) {
   EXPECT_TRUE(o.viewer.wants_to_quit());
 }
 
+constexpr const char* two_nozzles = R"(emitters=[
+  { "shape": "disc", "center": [0, 0.2, 0], "direction": [0, -2, 0], "radius": 0.02, "speed": 1 },
+  { "shape": "box", "min": [-0.03, 0.03, -0.03], "max": [0.03, 0.06, 0.03] },
+  { "shape": "disc", "center": [0.1, 0.2, 0], "direction": [1, 0, 0], "radius": 0.03, "speed": 1 } ])";
+
+TEST(Viewer, the_jet_of_a_nozzle_turns_to_where_the_arrow_points) {
+  LiveScene live = test::live_scene(test::small_scene("bullet", {two_nozzles}));
+  Viewer viewer(live, 640, 480);
+  ASSERT_EQ(live.simulation().nozzles().size(), 2u);
+  const Eigen::Matrix3d axes = viewer.camera().axes();
+  const Vec3 before = live.simulation().nozzles()[0].direction;
+  EXPECT_EQ(before, Vec3(0, -1, 0));
+  for (int k = 0; k < 5; ++k) viewer.press("right");
+  const Vec3 right = live.simulation().nozzles()[0].direction;
+  EXPECT_NEAR(std::acos(right.dot(before)), 15 * 3.14159265358979323846 / 180, 1e-9);
+  EXPECT_NEAR(right.dot(axes.col(0)), std::sin(15 * 3.14159265358979323846 / 180), 1e-9);
+  ASSERT_TRUE(viewer.obey("nozzle 0 8").ok());
+  EXPECT_GT(live.simulation().nozzles()[0].direction.dot(axes.col(1)), right.dot(axes.col(1)) + 0.02);
+  test::take_steps(live, 60);
+  double sideways = 0;
+  for (const Vec3& x : live.world().positions())
+    if (x.y() > 0.1 && x.y() < 0.15 && x.x() < 0.05) sideways = std::max(sideways, x.dot(axes.col(0)));
+  EXPECT_GT(sideways, 0.025) << "a jet straight down stays within 0.02 of its axis";
+}
+
+TEST(Viewer, the_next_nozzle_is_turned_and_none_is_refused) {
+  LiveScene live = test::live_scene(test::small_scene("mock", {two_nozzles}));
+  Viewer viewer(live, 640, 480);
+  viewer.press("n");
+  viewer.press("up");
+  EXPECT_EQ(live.simulation().nozzles()[0].direction, Vec3(0, -1, 0));
+  EXPECT_LT(live.simulation().nozzles()[1].direction.x(), 0.9999);
+  viewer.press("n");
+  for (int k = 0; k < 100; ++k) viewer.press("down");
+  EXPECT_LT((live.simulation().nozzles()[0].direction + viewer.camera().axes().col(1)).norm(), 0.06);
+  for (const char* wrong : {"nozzle", "nozzle 1", "nozzle a b", "nozzle nan 0", "nozzle last"})
+    EXPECT_FALSE(viewer.obey(wrong).ok()) << wrong;
+  Opened without;
+  EXPECT_FALSE(without.viewer.obey("nozzle 1 0").ok());
+}
+
 TEST(Viewer, bad_commands_are_refused_and_change_nothing) {
   Opened o;
   o.advance(0.01);

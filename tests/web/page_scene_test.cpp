@@ -1,6 +1,7 @@
 // The functions that the web page calls, on this machine: the scene that they run is the program's.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -78,6 +79,28 @@ TEST(PageScene, contact_can_be_switched_between_steps) {
   EXPECT_EQ(page_state_hash(), off) << "contact has nothing to do before the water arrives";
 }
 
+TEST(PageScene, the_cloth_is_pulled_and_the_nozzle_turned_and_nothing_passes) {
+  ASSERT_EQ(page_open(jet().c_str(), coarse.c_str()), 1);
+  ASSERT_EQ(page_step(60), 1);
+  std::uint32_t count = 0;
+  const std::vector<float> place = [&] {
+    const float* const x = page_nodes(&count) + 3 * (10 * 29 + 10);
+    return std::vector<float>(x, x + 3);
+  }();
+  ASSERT_EQ(page_grab(place[0], place[1], place[2]), 1) << page_message();
+  ASSERT_EQ(page_pull(place[0], place[1] + 0.1, place[2]), 1);
+  ASSERT_EQ(page_aim(0.3, -1, 0), 1) << page_message();
+  ASSERT_EQ(page_step(100), 1);
+  EXPECT_NEAR(page_nodes(&count)[3 * (10 * 29 + 10) + 1], place[1] + 0.1, 0.02);
+  EXPECT_EQ(report()["crossings"], 0);
+  EXPECT_EQ(report()["certified"], 160);
+  EXPECT_NEAR(report()["nozzle"]["direction"][0].get<double>(), 0.3 / std::hypot(0.3, 1), 1e-12);
+  ASSERT_EQ(page_release(), 1);
+  ASSERT_EQ(page_step(60), 1);
+  EXPECT_LT(page_nodes(&count)[3 * (10 * 29 + 10) + 1], place[1] + 0.08) << "it falls";
+  EXPECT_EQ(report()["crossings"], 0);
+}
+
 TEST(PageScene, gives_what_is_drawn) {
   ASSERT_EQ(page_open(jet().c_str(), coarse.c_str()), 1);
   ASSERT_EQ(page_step(40), 1);
@@ -110,6 +133,10 @@ TEST(PageScene, refuses_bad_input_in_words_and_keeps_the_scene) {
   EXPECT_NE(std::string(page_message()).find("KEY=VALUE"), std::string::npos) << page_message();
   EXPECT_EQ(page_open("{ \"dt\": 0.001 }", ""), 0);
   EXPECT_NE(std::string(page_message()).find("cloth"), std::string::npos) << page_message();
+  EXPECT_EQ(page_grab(NAN, 0, 0), 0);
+  EXPECT_EQ(page_pull(0, HUGE_VAL, 0), 0);
+  EXPECT_EQ(page_aim(0, 0, 0), 0);
+  EXPECT_EQ(page_aim(NAN, 0, 0), 0);
   EXPECT_EQ(page_state_hash(), before);
   EXPECT_EQ(page_step(1), 1);
   EXPECT_STREQ(page_message(), "");

@@ -220,6 +220,27 @@ class Page(unittest.TestCase):
         page.wait_for(lambda: page.number_in('steps') == steps + 2)
         self.assertNotEqual(page.picture(), before)
 
+    def test_the_mouse_pulls_the_cloth_and_arrows_turn_the_nozzle(self):
+        page = self.page
+        self.choose('0.012')
+        page.key(' ')
+        page.wait_for_steps(20)
+        x, y = page.centre('view')
+        start, end = [x + 0.12 * x, y + 20], [x + 0.12 * x, y - 130]
+        page.drag(start, end, hold=3.0)
+        for _ in range(6):
+            page.call('Input.dispatchKeyEvent', type='keyDown', key='ArrowRight', code='ArrowRight')
+            page.call('Input.dispatchKeyEvent', type='keyUp', key='ArrowRight', code='ArrowRight')
+        page.wait_for_steps(page.number_in('steps') + 60)
+        page.drag(start, end, hold=0.2)  # the cloth is elsewhere by now: the view may turn
+        page.key(' ')
+        page.wait_for(lambda: page.text('run') == 'Run')
+        self.assertIn('Not compared', page.text('comparison'))
+        self.assertEqual(page.number_in('crossings'), 0)
+        steps = page.number_in('steps')
+        self.assertTrue(page.text('certificate').startswith(f'Certificate: {steps} of {steps} steps'))
+        page.picture('pulled')
+
     def test_the_mouse_turns_and_the_wheel_zooms(self):
         page = self.page
         middle = page.centre('view')

@@ -61,7 +61,7 @@ class BulletSimulation : public Simulation {
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) add_body(i);
     for (std::size_t i = 0; i < scene.cloth.size(); ++i) add_anchors(i);
     add_sinks(scene, fluid_.getWorld());
-    if (options.emitters) add_emitters(scene, fluid_.getWorld());
+    if (options.emitters) nozzles_ = add_emitters(scene, fluid_.getWorld());
     effects_ = add_effects(scene, handles(), fluid_.getWorld());
   }
 
@@ -97,6 +97,7 @@ class BulletSimulation : public Simulation {
   }
 
   World& world() override { return fluid_.getWorld(); }
+  const World& world() const override { return fluid_.getWorld(); }
   const SurfaceMotion* cloth(std::size_t i) const override { return coupling().getSurface(cloths_[i].get()); }
   const SurfaceMotion* body(std::size_t i) const override {
     return coupling().getSurface(bodies_[i].body.get());

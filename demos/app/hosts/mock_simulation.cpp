@@ -30,7 +30,7 @@ class MockSimulation : public Simulation {
       require(world_.attach(*bodies_.back(), scene.bodies[i].surface, &body_ids_.emplace_back()),
               "bodies." + std::to_string(i));
     }
-    if (options.emitters) add_emitters(scene, world_);
+    if (options.emitters) nozzles_ = add_emitters(scene, world_);
     add_sinks(scene, world_);
     effects_ = add_effects(scene, cloth_ids_, world_);
   }
@@ -51,6 +51,7 @@ class MockSimulation : public Simulation {
   }
 
   World& world() override { return world_; }
+  const World& world() const override { return world_; }
   const SurfaceMotion* cloth(std::size_t i) const override { return world_.surface(cloth_ids_[i]); }
   const SurfaceMotion* body(std::size_t i) const override { return world_.surface(body_ids_[i]); }
   double host_seconds() const override { return host_seconds_; }

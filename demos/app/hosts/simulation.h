@@ -13,6 +13,13 @@
 
 namespace oilskin::demo {
 
+/// A round mouth of water.
+struct Nozzle {
+  Vec3 center = Vec3::Zero();     ///< [m]
+  Vec3 direction = Vec3::Zero();  ///< unit
+  double radius = 0;              ///< [m]
+};
+
 struct SimulationOptions {
   int threads = 0;
   bool emitters = true;  ///< false: the same cloth run dry
@@ -25,6 +32,7 @@ class Simulation {
   /// One coupled step of dt [s].
   virtual const StepReport& step(double dt) = 0;
   virtual World& world() = 0;
+  virtual const World& world() const = 0;
   /// Positions, velocities and impulses as the last step left them; null while a surface is left out.
   virtual const SurfaceMotion* cloth(std::size_t i) const = 0;
   virtual const SurfaceMotion* body(std::size_t i) const = 0;
@@ -45,6 +53,10 @@ class Simulation {
 
   /// [m/s²], of the water and of the host. Refuses numbers that are not finite.
   virtual Status set_gravity(const Vec3& gravity) = 0;
+  /// The scene's nozzles as they are now, in its order; none of a scene that runs dry.
+  std::vector<Nozzle> nozzles() const;
+  /// Nozzle i turns to `direction`, of any length > 0, within the next 0.05 s. Refuses what is not finite.
+  Status aim_nozzle(std::size_t i, const Vec3& direction);
   /// Uses other effects from the next step on. The numbers of effects that stay as they are remain. Throws
   /// SceneError for what is refused.
   void set_effects(const SceneEffects& effects);
@@ -61,6 +73,7 @@ class Simulation {
   SimulatedTime time_;
   std::vector<ClothModel> models_;
   std::optional<Grip> grip_;
+  std::vector<EmitterId> nozzles_;  ///< of the discs among the emitters
   EffectList effects_;
 };
 
@@ -68,8 +81,8 @@ class Simulation {
 using MakeSimulation =
     std::function<std::unique_ptr<Simulation>(const Scene& scene, const SimulationOptions& options)>;
 
-/// Gives the world its emitters.
-void add_emitters(const Scene& scene, World& world);
+/// Gives the world its emitters, and returns the handles of nozzles.
+std::vector<EmitterId> add_emitters(const Scene& scene, World& world);
 /// Gives it its sinks and its largest age.
 void add_sinks(const Scene& scene, World& world);
 WorldSettings world_settings(const Scene& scene, const SimulationOptions& options);

@@ -54,7 +54,9 @@ constexpr Key keys[] = {
     {"space", "pause"},  {"s", "step 1"},      {"r", "restart"},       {"-", "speed /2"},
     {"=", "speed *2"},   {"1", "water balls"}, {"2", "water surface"}, {"3", "water clear"},
     {"4", "water none"}, {"v", "view next"},   {"x", "cut next"},      {"b", "bodies next"},
-    {"h", "panel next"}, {"p", "screenshot"},  {"q", "quit"},          {"escape", "quit"}};
+    {"h", "panel next"}, {"p", "screenshot"},  {"q", "quit"},          {"escape", "quit"},
+    {"left", "nozzle -3 0"}, {"right", "nozzle 3 0"}, {"up", "nozzle 0 3"},  {"down", "nozzle 0 -3"},
+    {"n", "nozzle next"}};
 
 }  // namespace
 
@@ -75,6 +77,7 @@ Status Viewer::obey(const std::string& text) {
   if (word == "view") return look_from(rest);
   if (word == "grab" || word == "grab_static") return grab_at(text);
   if (word == "drag") return drag_to(rest);
+  if (word == "nozzle") return steer(rest);
   if (word == "orbit" || word == "zoom") return turn(text);
   if (word == "screenshot") {
     const std::string number = std::to_string(screenshots_++);
@@ -156,6 +159,26 @@ Status Viewer::turn(const std::string& text) {
   if (!orbits && (n.empty() || n[0] <= 0)) return needs("zoom", "a factor > 0 of the distance");
   orbits ? camera_.orbit(n[0] * pi / 180, n[1] * pi / 180) : camera_.zoom(n[0]);
   return Status::accepted();
+}
+
+/// By angles as seen from the camera: the jet goes where the arrow of the key points.
+Status Viewer::steer(const std::string& text) {
+  const std::vector<Nozzle> nozzles = live_.simulation().nozzles();
+  if (nozzles.empty()) return Status::refused("nozzle: the scene has none");
+  if (text == "next") {
+    nozzle_ = (nozzle_ + 1) % nozzles.size();
+    message_ = "nozzle " + std::to_string(nozzle_);
+    return Status::accepted();
+  }
+  const std::vector<double> n = numbers_of(text, 2);
+  if (n.empty()) return needs("nozzle", "next, or two angles [degrees]: to the right and upwards");
+  nozzle_ = std::min(nozzle_, nozzles.size() - 1);
+  const Vec3 d = nozzles[nozzle_].direction;
+  const Vec3 to = n[0] * camera_.axes().col(0) + n[1] * camera_.axes().col(1);
+  const Vec3 axis = d.cross(to);
+  if (!(axis.norm() > 1e-6 * to.norm())) return Status::accepted();  // it points there already
+  return live_.simulation().aim_nozzle(
+      nozzle_, Eigen::AngleAxisd(to.norm() * pi / 180, axis.normalized()) * d);
 }
 
 Status Viewer::set_speed(const std::string& value) {

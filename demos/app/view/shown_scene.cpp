@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "geometry/nozzle_mesh.h"
 #include "geometry/particle_shapes.h"
 #include "hosts/scene_effects.h"
 #include "output/water_mesh.h"
@@ -73,7 +74,7 @@ void ShownScene::update(const LiveScene& live, const ShowOptions& options, int t
 
 void ShownScene::read_surfaces(const LiveScene& live) {
   const std::vector<const SurfaceMotion*> surfaces = surfaces_of(live);
-  surfaces_.resize(surfaces.size());
+  surfaces_.resize(surfaces.size());  // without the nozzles
   drawn_at_.resize(surfaces.size());
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     if (surfaces[s] == nullptr) {
@@ -85,6 +86,17 @@ void ShownScene::read_surfaces(const LiveScene& live) {
     if (is_body && surfaces[s]->x_t1 == drawn_at_[s]) continue;
     surfaces_[s] = shown_surface(*surfaces[s], is_body, wetness_of(live, s, *surfaces[s]));
     drawn_at_[s] = surfaces[s]->x_t1;
+  }
+  read_nozzles(live);
+}
+
+void ShownScene::read_nozzles(const LiveScene& live) {
+  for (const Nozzle& nozzle : live.simulation().nozzles()) {
+    SurfaceMotion motion;
+    Mesh tube = nozzle_mesh(nozzle.center, nozzle.direction, nozzle.radius);
+    motion.x_t1 = std::move(tube.vertices);
+    motion.triangles = std::move(tube.triangles);
+    surfaces_.push_back(shown_surface(motion, true, {}));
   }
 }
 

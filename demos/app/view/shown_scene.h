@@ -53,7 +53,7 @@ class ShownScene {
   void update(const LiveScene& live, const ShowOptions& options, int threads);
 
   const std::vector<ShownParticle>& particles() const { return particles_; }
-  /// The cloth, then the bodies of the scene; those that are left out are empty.
+  /// The cloth, the bodies and the nozzles of the scene; those that are left out are empty.
   const std::vector<ShownMesh>& surfaces() const { return surfaces_; }
   const ShownMesh& water() const { return water_; }
   /// Grows with each change.
@@ -66,6 +66,7 @@ class ShownScene {
 
  private:
   void read_surfaces(const LiveScene& live);
+  void read_nozzles(const LiveScene& live);
   void read_particles(const LiveScene& live, const ShowOptions& options);
   void make_water(const LiveScene& live, int threads);
 

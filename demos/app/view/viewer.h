@@ -83,13 +83,14 @@ class Viewer {
   Status grab_at(const std::string& pixel);
   Status drag_to(const std::string& pixel);
   Status turn(const std::string& angles);
+  Status steer(const std::string& angles);
   Status set_speed(const std::string& value);
   Status choose(const std::string& word, const std::string& value);
   void use_view(std::size_t number);
 
   LiveScene& live_;
   std::vector<View> views_;
-  std::size_t view_ = 0;
+  std::size_t view_ = 0, nozzle_ = 0;
   OrbitCamera camera_;
   ShowOptions shown_;
   int width_, height_;

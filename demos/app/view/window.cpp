@@ -131,6 +131,10 @@ class Window {
   void on_key(int key, int code) {
     if (key == GLFW_KEY_SPACE) return viewer_.press("space");
     if (key == GLFW_KEY_ESCAPE) return viewer_.press("escape");
+    if (key == GLFW_KEY_LEFT) return viewer_.press("left");
+    if (key == GLFW_KEY_RIGHT) return viewer_.press("right");
+    if (key == GLFW_KEY_UP) return viewer_.press("up");
+    if (key == GLFW_KEY_DOWN) return viewer_.press("down");
     if (const char* name = glfwGetKeyName(key, code)) viewer_.press(name);
   }
 

@@ -7,7 +7,7 @@ export function cross(a, b) {
 }
 export function scaled(a, s) { return [a[0] * s, a[1] * s, a[2] * s]; }
 export function sum(a, b) { return [a[0] + b[0], a[1] + b[1], a[2] + b[2]]; }
-function unit(a) { return scaled(a, 1 / Math.hypot(...a)); }
+export function unit(a) { return scaled(a, 1 / Math.hypot(...a)); }
 
 export class Camera {
   constructor() {
@@ -34,6 +34,11 @@ export class Camera {
     const back = unit(sub(this.eye(), this.target));
     const right = unit(cross([0, 1, 0], back));
     return [right, cross(back, right), back];
+  }
+  /// Through a place of the picture, both coordinates −1 … 1: where it starts and its direction, of length 1.
+  ray(x, y, aspect) {
+    const [r, u, b] = this.axes(), t = Math.tan(this.angle / 2);
+    return [this.eye(), unit(sum(sum(scaled(r, x * t * aspect), scaled(u, y * t)), scaled(b, -1)))];
   }
   view() {
     const eye = this.eye(), [r, u, b] = this.axes();

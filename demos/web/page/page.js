@@ -1,5 +1,6 @@
 // The page: controls, numbers, mouse and keys. The simulation runs in worker.js.
-import {Camera} from './camera.js';
+import {Camera, scaled} from './camera.js';
+import {hit_on_plane, hit_on_sheet, turned_towards} from './pick.js';
 import {View} from './view.js';
 
 const $ = (id) => document.getElementById(id);
@@ -7,7 +8,7 @@ const parts = [['fluid', '#2f7fb5'], ['contact', '#1a7f4b'], ['cloth', '#bd6a4b'
 const off = ['contact.ccd=false', 'contact.zones=false'];
 
 const canvas = $('view'), camera = new Camera();
-let view, worker, scene = '', expected = [], settings = [], wanted = {}, drag = null, redraw = true, running = false;
+let view, worker, scene = '', expected = [], settings = [], wanted = {}, drag = null, held = null, redraw = true, running = false;
 
 function refuse(why) {
   $('notice').textContent = why;
@@ -89,6 +90,7 @@ function receive({data}) {
   if (data.hash) compare(data.hash);
   if (data.frame) {
     [view.particles, view.nodes] = [data.frame.particles, data.frame.nodes];
+    view.aim(data.frame.report.nozzle);
     show(data.frame);
     redraw = true;
   }
@@ -103,12 +105,17 @@ const commands = {
   run() { worker.postMessage({run: !running}); },
   step() { worker.postMessage({run: false, step: 1}); },
   restart() { open(); },
+  left() { turn_nozzle(-1, 0); },
+  right() { turn_nozzle(1, 0); },
+  up() { turn_nozzle(0, 1); },
+  down() { turn_nozzle(0, -1); },
   contact() {
     $('contact').checked = !$('contact').checked;
     switch_contact();
   },
 };
-const keys = {' ': 'run', s: 'step', r: 'restart', c: 'contact'};
+const keys = {' ': 'run', s: 'step', r: 'restart', c: 'contact', arrowleft: 'left', arrowright: 'right', arrowup: 'up',
+              arrowdown: 'down'};
 
 /// Before the first step, the scene is opened anew, so that its hash can be compared.
 function switch_contact() {
@@ -116,21 +123,50 @@ function switch_contact() {
   if ($('steps').textContent === '0') open(); else worker.postMessage({contact: $('contact').checked});
 }
 
+/// By 3 degrees to a side of the picture.
+function turn_nozzle(right, up) {
+  if (!view.nozzle) return;
+  const [r, u] = camera.axes(), side = scaled(right ? r : u, right || up);
+  worker.postMessage({aim: turned_towards(view.nozzle.direction, side, 3 * Math.PI / 180)});
+}
+
 // --- mouse
+function ray_at(event) {
+  const box = canvas.getBoundingClientRect();
+  const x = 2 * (event.clientX - box.left) / box.width - 1, y = 1 - 2 * (event.clientY - box.top) / box.height;
+  return camera.ray(x, y, box.width / box.height);
+}
+
+/// The left button on the cloth takes hold of it; all else turns the view.
 function press(event) {
   canvas.focus();
   canvas.setPointerCapture(event.pointerId);
-  drag = [event.clientX, event.clientY];
+  const hit = event.button === 0 ? hit_on_sheet(ray_at(event), view.nodes, view.triangles) : null;
+  if (hit) {
+    held = {point: hit, normal: camera.axes()[2]};
+    worker.postMessage({grab: hit});
+  } else {
+    drag = [event.clientX, event.clientY];
+  }
+}
+
+function pull(event) {
+  const goal = hit_on_plane(ray_at(event), held.point, held.normal);
+  if (goal) worker.postMessage({pull: goal});
 }
 
 function move(event) {
+  if (held) return pull(event);
   if (!drag) return;
   camera.turn(event.clientX - drag[0], event.clientY - drag[1]);
   drag = [event.clientX, event.clientY];
   redraw = true;
 }
 
-function release() { drag = null; }
+function release() {
+  if (held) worker.postMessage({release: true});
+  drag = held = null;
+}
 
 function listen() {
   for (const id of ['run', 'step', 'restart']) $(id).onclick = () => commands[id]();
@@ -140,6 +176,7 @@ function listen() {
   canvas.addEventListener('pointermove', move);
   canvas.addEventListener('pointerup', release);
   canvas.addEventListener('pointercancel', release);
+  canvas.addEventListener('contextmenu', (event) => event.preventDefault());
   canvas.addEventListener('wheel', (event) => {
     event.preventDefault();
     camera.zoom(Math.exp(0.001 * event.deltaY));
@@ -148,7 +185,8 @@ function listen() {
   addEventListener('keydown', (event) => {
     const command = keys[event.key.toLowerCase()];
     const elsewhere = ['BUTTON', 'SELECT', 'INPUT'].includes(event.target.tagName) && event.key === ' ';
-    if (!command || elsewhere || event.ctrlKey || event.metaKey || event.repeat || $('run').disabled) return;
+    const repeats = event.repeat && !event.key.startsWith('Arrow');
+    if (!command || elsewhere || event.ctrlKey || event.metaKey || repeats || $('run').disabled) return;
     event.preventDefault();
     commands[command]();
   });

@@ -118,7 +118,7 @@ export class View {
   open(description, triangles) {
     this.radius = 0.5 * description.spacing;
     this.triangles = triangles;
-    this.tube = description.nozzle ? tube(description.nozzle) : null;
+    this.aim(description.nozzle);
     const edges = new Set();
     for (let t = 0; t < triangles.length; t += 3)
       for (let k = 0; k < 3; ++k) {
@@ -127,6 +127,11 @@ export class View {
       }
     // Every fourth line of a grid, so that folds can be seen.
     this.edges = new Uint32Array([...edges].flatMap((e) => [Math.floor(e / 65536), e % 65536]));
+  }
+
+  aim(nozzle) {
+    this.nozzle = nozzle;
+    this.tube = nozzle ? tube(nozzle) : null;
   }
 
   buffer(name, target, data) {

@@ -1,7 +1,7 @@
 // The simulation, in a thread of its own: the page draws while a step is computed.
 //
 // Messages to it: {open: {scene, settings, every}}, {run: true | false}, {step: count}, {contact: true | false},
-// {drawn: true}.
+// {grab: point}, {pull: point}, {release: true}, {aim: direction}, {drawn: true}.
 // Messages from it: {ready: true}, {opened: description}, {frame: …}, {hash: {step, value}}, {refused: why}.
 'use strict';
 importScripts('oilskin_page.js');
@@ -94,6 +94,13 @@ function receive({data}) {
   if (data.step) {
     for (let i = 0; i < data.step && step(); ++i);
     send_frame();
+  }
+  if (data.grab) touch(module._page_grab(...data.grab));
+  if (data.pull) touch(module._page_pull(...data.pull));
+  if (data.release) module._page_release();
+  if (data.aim) {
+    touch(module._page_aim(...data.aim));
+    if (!running) send_frame();
   }
   if ('contact' in data) touch(module._page_set_contact(data.contact ? 1 : 0));
 }
