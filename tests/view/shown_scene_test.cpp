@@ -34,6 +34,27 @@ TEST(ShownScene, particles_cloth_and_bodies_are_those_of_the_world) {
   EXPECT_TRUE(shown.surfaces()[1].is_body);
 }
 
+TEST(ShownScene, a_nozzle_stands_around_its_mouth_and_turns_with_it) {
+  LiveScene live = test::live_scene(test::small_scene("mock", {R"(emitters=[{ "shape": "disc",
+    "center": [0, 0.2, 0], "direction": [0, -1, 0], "radius": 0.02, "speed": 1 }])"}));
+  ShownScene shown;
+  shown.update(live, {}, 1);
+  ASSERT_EQ(shown.surfaces().size(), 3u);
+  for (const Vec3& direction : {Vec3(0, -1, 0), Vec3(0.6, -0.8, 0)}) {
+    ASSERT_TRUE(live.aim_nozzle(0, direction).ok());
+    shown.update(live, {}, 1);
+    double farthest = 0;
+    for (const ShownVertex& v : shown.surfaces()[2].vertices) {
+      const Vec3 from = of(v.position) - Vec3(0, 0.2, 0);
+      const double along = from.dot(direction);
+      EXPECT_NEAR((from - along * direction).norm(), 1.12 * 0.02, 1e-6);
+      EXPECT_LT(along, 1e-6);
+      farthest = std::max(farthest, -along);
+    }
+    EXPECT_NEAR(farthest, 0.04, 1e-6);
+  }
+}
+
 TEST(ShownScene, a_drop_beside_a_cloth_does_not_come_through_it) {
   LiveScene live = test::live_scene(test::small_scene());
   test::take_steps(live, 60);

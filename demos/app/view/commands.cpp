@@ -177,8 +177,7 @@ Status Viewer::steer(const std::string& text) {
   const Vec3 to = n[0] * camera_.axes().col(0) + n[1] * camera_.axes().col(1);
   const Vec3 axis = d.cross(to);
   if (!(axis.norm() > 1e-6 * to.norm())) return Status::accepted();  // it points there already
-  return live_.simulation().aim_nozzle(
-      nozzle_, Eigen::AngleAxisd(to.norm() * pi / 180, axis.normalized()) * d);
+  return live_.aim_nozzle(nozzle_, Eigen::AngleAxisd(to.norm() * pi / 180, axis.normalized()) * d);
 }
 
 Status Viewer::set_speed(const std::string& value) {

@@ -43,6 +43,8 @@ Json frame_line(std::uint64_t frame, const Viewer& viewer) {
                {"water", water_words[static_cast<std::size_t>(viewer.shown().water)]},
                {"held", held(viewer)},
                {"message", viewer.message()}};
+  json["nozzles"] = Json::array();
+  for (const Nozzle& nozzle : live.simulation().nozzles()) json["nozzles"].push_back(numbers(nozzle.direction));
   for (const Switch& row : switches()) json["settings"][row.key] = value_at(live.settings(), row.key);
   return json;
 }

@@ -123,4 +123,9 @@ Status LiveScene::change(const std::string& assignment, Change* made) {
   return Status::accepted();
 }
 
+Status LiveScene::aim_nozzle(std::size_t i, const Vec3& direction) {
+  ++version_;
+  return simulation_->aim_nozzle(i, direction);
+}
+
 }  // namespace oilskin::demo

@@ -36,6 +36,9 @@ class LiveScene {
   /// what the change needed. A refusal changes nothing.
   Status change(const std::string& assignment, Change* made = nullptr);
 
+  /// Simulation::aim_nozzle()
+  Status aim_nozzle(std::size_t i, const Vec3& direction);
+
   const Scene& scene() const { return scene_; }
   /// As write_scene() gives it.
   const Json& settings() const { return settings_; }
