@@ -1,0 +1,115 @@
+// Rigid bodies of Bullet among other things in the water.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "oilskin/wetting.h"
+#include "wet_world.h"
+
+namespace oilskin::bullet {
+namespace {
+
+using namespace test;
+
+constexpr double g = 9.81;  // [m/s²]
+
+TEST(RigidBodyScene, a_jet_knocks_over_a_stack_of_crates_and_throws_none_out) {
+  WetWorld w(down);
+  btRigidBody* ground = w.add_box(0, {1, bt(0.05), 1}, {0, bt(-0.05), 0});
+  ASSERT_TRUE(w.solver.addCollisionObject(ground, bt(0.002)).ok());
+  std::vector<btRigidBody*> crates;
+  for (int k = 0; k < 3; ++k) {
+    crates.push_back(
+        w.add_box(0.05, {bt(0.03), bt(0.03), bt(0.03)}, {0, bt(0.032 + 0.061 * k), 0}));  // 230 kg/m³
+    ASSERT_TRUE(w.solver.addRigidBody(crates.back(), bt(0.002)).ok());
+  }
+  w.run(0.2, 0.004);
+  for (const btRigidBody* crate : crates) EXPECT_NEAR(crate->getWorldTransform().getOrigin().x(), 0, 0.002);
+
+  DiscEmitter jet;
+  jet.center = {-0.25, 0.15, 0};
+  jet.direction = {1, 0, 0};
+  jet.speed = 3;
+  ASSERT_TRUE(w.water.getWorld().add_emitter(jet).ok());
+  double fastest = 0;
+  for (int k = 0; k < 200; ++k) {
+    w.run(0.004, 0.004);
+    for (const btRigidBody* crate : crates)
+      fastest = std::max(fastest, static_cast<double>(crate->getLinearVelocity().length()));
+  }
+  EXPECT_GT(crates[2]->getWorldTransform().getOrigin().x(), bt(0.1)) << "the jet hits the crate on top";
+  EXPECT_LT(crates[2]->getWorldTransform().getOrigin().y(), bt(0.1)) << "it fell";
+  EXPECT_LT(fastest, 3.0 + std::sqrt(2 * g * 0.2)) << "the jet's speed, and that of the fall";
+  for (const btRigidBody* crate : crates) EXPECT_GT(crate->getWorldTransform().getOrigin().y(), bt(0.02));
+}
+
+/// Bullet holds the body on the cloth; the water makes the cloth heavy and falls on both.
+TEST(RigidBodyScene, a_body_lies_on_cloth_that_gets_wet) {
+  Wetting wetting;
+  WetWorld w(down);
+  btSoftBody* cloth = w.bullet.patch(21, 0.4, 0, 15, 0.05);
+  cloth->m_cfg.kDP = bt(0.02);
+  ASSERT_TRUE(w.solver.addCloth(cloth, bt(0.002)).ok());
+  btRigidBody* body = w.add_box(0.1, {bt(0.04), bt(0.02), bt(0.04)}, {0, bt(0.04), 0});
+  ASSERT_TRUE(w.solver.addRigidBody(body, bt(0.002)).ok());
+  ASSERT_TRUE(w.water.getWorld().add_effect(wetting).ok());
+  w.run(0.4, 0.004);
+  const double dry = static_cast<double>(body->getWorldTransform().getOrigin().y());
+  EXPECT_GT(dry, -0.2) << "it lies on the cloth";
+  ASSERT_TRUE(w.water.addBox({bt(-0.06), bt(0.08), bt(-0.06)}, {bt(0.06), bt(0.14), bt(0.06)}).ok());
+  double absorbed = 0;
+  for (int k = 0; k < 150; ++k) {
+    w.run(0.004, 0.004);
+    absorbed += w.solver.getReport().mass_absorbed;
+  }
+  EXPECT_GT(absorbed, 0.001) << "kg, of the cloth's 0.05";
+  const btVector3 at = body->getWorldTransform().getOrigin();
+  EXPECT_GT(at.y(), bt(-0.25)) << "it lies on the cloth";
+  EXPECT_LT(btVector3(at.x(), 0, at.z()).length(), bt(0.2));
+  EXPECT_LT(body->getLinearVelocity().length(), bt(1.5));
+}
+
+/// In an ideal fluid a sphere that is let go accelerates by g (s − 1)/(s + ½), s its density over the water's:
+/// it takes half its volume of water along.
+void let_a_sphere_go(double across, double width, double s) {
+  WetWorld w(down);
+  w.add_tank(width, 2 * width);
+  const double radius = across / 2;
+  btRigidBody* sphere = w.add(new btSphereShape(bt(radius)), 1000 * s * 4.0 / 3 * 3.14159265358979 * std::pow(radius, 3),
+                              {0, bt(width / 2), 0});
+  sphere->setDamping(0, 0);
+  sphere->setActivationState(DISABLE_DEACTIVATION);
+  sphere->setLinearFactor({0, 0, 0});
+  ASSERT_TRUE(w.solver.addRigidBody(sphere, bt(0.002)).ok());
+  std::vector<Vec3> x;
+  const Vec3 centre(0, width / 2, 0);
+  const int n = static_cast<int>(std::lround(width / 0.01));
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < n; ++k) {
+        const Vec3 p(0.01 * (i + 0.5) - width / 2, 0.01 * (j + 0.5), 0.01 * (k + 0.5) - width / 2);
+        if ((p - centre).norm() > radius + 0.003) x.push_back(p);
+      }
+  ASSERT_TRUE(w.water.getWorld().add_particles(x, std::vector<Vec3>(x.size(), Vec3::Zero())).ok());
+  w.run(0.4, 0.002);  // until the pressure stands
+  sphere->setLinearFactor({1, 1, 1});
+  w.run(0.02, 0.002);
+  const double expected = -g * (s - 1) / (s + 0.5);
+  const double acceleration = static_cast<double>(sphere->getLinearVelocity().y()) / 0.02;
+  RecordProperty("acceleration", std::to_string(acceleration));
+  EXPECT_NEAR(acceleration, expected, 0.1 * std::abs(expected)) << "s = " << s;
+  EXPECT_LT(std::hypot(static_cast<double>(sphere->getLinearVelocity().x()),
+                       static_cast<double>(sphere->getLinearVelocity().z())),
+            0.1 * 0.02 * std::abs(expected));
+}
+
+TEST(RigidBodyScene, a_heavy_sphere_starts_with_its_added_mass) { let_a_sphere_go(0.06, 0.24, 2); }
+TEST(RigidBodyScene, a_light_sphere_starts_with_its_added_mass) { let_a_sphere_go(0.06, 0.24, 0.5); }
+
+/// 12 spacings across, in a tank of five diameters.
+class LongAddedMass : public testing::TestWithParam<double> {};
+TEST_P(LongAddedMass, of_a_sphere_in_a_wide_tank) { let_a_sphere_go(0.12, 0.6, GetParam()); }
+INSTANTIATE_TEST_SUITE_P(Long, LongAddedMass, testing::Values(2.0, 0.5));
+
+}  // namespace
+}  // namespace oilskin::bullet
