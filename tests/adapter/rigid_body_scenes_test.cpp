@@ -15,7 +15,7 @@ constexpr double g = 9.81;  // [m/s²]
 
 TEST(RigidBodyScene, a_jet_knocks_over_a_stack_of_crates_and_throws_none_out) {
   WetWorld w(down);
-  btRigidBody* ground = w.add_box(0, {1, bt(0.05), 1}, {0, bt(-0.05), 0});
+  btRigidBody* ground = w.add_box(0, {bt(1.8), bt(0.05), 1}, {0, bt(-0.05), 0});
   ASSERT_TRUE(w.solver.addCollisionObject(ground, bt(0.002)).ok());
   std::vector<btRigidBody*> crates;
   for (int k = 0; k < 3; ++k) {
@@ -32,7 +32,7 @@ TEST(RigidBodyScene, a_jet_knocks_over_a_stack_of_crates_and_throws_none_out) {
   jet.speed = 3;
   ASSERT_TRUE(w.water.getWorld().add_emitter(jet).ok());
   double fastest = 0;
-  for (int k = 0; k < 200; ++k) {
+  for (int k = 0; k < 125; ++k) {
     w.run(0.004, 0.004);
     for (const btRigidBody* crate : crates)
       fastest = std::max(fastest, static_cast<double>(crate->getLinearVelocity().length()));
@@ -43,28 +43,33 @@ TEST(RigidBodyScene, a_jet_knocks_over_a_stack_of_crates_and_throws_none_out) {
   for (const btRigidBody* crate : crates) EXPECT_GT(crate->getWorldTransform().getOrigin().y(), bt(0.02));
 }
 
-/// Bullet holds the body on the cloth; the water makes the cloth heavy and falls on both.
+/// Bullet holds the body on the cloth; the water makes the cloth heavy and falls on both. Bullet's contact of
+/// nodes with a body needs a wide margin and steps of 1 ms to hold it, with water or without.
 TEST(RigidBodyScene, a_body_lies_on_cloth_that_gets_wet) {
   Wetting wetting;
   WetWorld w(down);
-  btSoftBody* cloth = w.bullet.patch(21, 0.4, 0, 15, 0.05);
-  cloth->m_cfg.kDP = bt(0.02);
+  w.solver.setCouplingInterval(4);
+  w.bullet.world.getWorldInfo().m_sparsesdf.setDefaultVoxelsz(bt(0.02));
+  btSoftBody* cloth = w.bullet.patch(21, 0.4, 0, 15, 0.2);
+  cloth->m_cfg.piterations = 10;
+  cloth->m_cfg.kDP = bt(0.01);
+  cloth->m_cfg.kDF = 1;
+  cloth->getCollisionShape()->setMargin(bt(0.02));
   ASSERT_TRUE(w.solver.addCloth(cloth, bt(0.002)).ok());
-  btRigidBody* body = w.add_box(0.1, {bt(0.04), bt(0.02), bt(0.04)}, {0, bt(0.04), 0});
+  btRigidBody* body = w.add_box(0.03, {bt(0.04), bt(0.02), bt(0.04)}, {0, bt(0.04), 0});
   ASSERT_TRUE(w.solver.addRigidBody(body, bt(0.002)).ok());
   ASSERT_TRUE(w.water.getWorld().add_effect(wetting).ok());
-  w.run(0.4, 0.004);
-  const double dry = static_cast<double>(body->getWorldTransform().getOrigin().y());
-  EXPECT_GT(dry, -0.2) << "it lies on the cloth";
+  w.run(0.4, 0.001);
+  EXPECT_NEAR(body->getWorldTransform().getOrigin().y(), 0, 0.05) << "it lies on the cloth";
   ASSERT_TRUE(w.water.addBox({bt(-0.06), bt(0.08), bt(-0.06)}, {bt(0.06), bt(0.14), bt(0.06)}).ok());
   double absorbed = 0;
-  for (int k = 0; k < 150; ++k) {
-    w.run(0.004, 0.004);
+  for (int k = 0; k < 125; ++k) {
+    w.run(0.004, 0.001);
     absorbed += w.solver.getReport().mass_absorbed;
   }
-  EXPECT_GT(absorbed, 0.001) << "kg, of the cloth's 0.05";
+  EXPECT_GT(absorbed, 0.001) << "kg, of the cloth's 0.2";
   const btVector3 at = body->getWorldTransform().getOrigin();
-  EXPECT_GT(at.y(), bt(-0.25)) << "it lies on the cloth";
+  EXPECT_GT(at.y(), bt(-0.12)) << "it lies on the cloth, which is stretched by the water";
   EXPECT_LT(btVector3(at.x(), 0, at.z()).length(), bt(0.2));
   EXPECT_LT(body->getLinearVelocity().length(), bt(1.5));
 }
@@ -96,20 +101,23 @@ void let_a_sphere_go(double across, double width, double s) {
   w.run(0.02, 0.002);
   const double expected = -g * (s - 1) / (s + 0.5);
   const double acceleration = static_cast<double>(sphere->getLinearVelocity().y()) / 0.02;
-  RecordProperty("acceleration", std::to_string(acceleration));
   EXPECT_NEAR(acceleration, expected, 0.1 * std::abs(expected)) << "s = " << s;
   EXPECT_LT(std::hypot(static_cast<double>(sphere->getLinearVelocity().x()),
                        static_cast<double>(sphere->getLinearVelocity().z())),
             0.1 * 0.02 * std::abs(expected));
 }
 
-TEST(RigidBodyScene, a_heavy_sphere_starts_with_its_added_mass) { let_a_sphere_go(0.06, 0.24, 2); }
-TEST(RigidBodyScene, a_light_sphere_starts_with_its_added_mass) { let_a_sphere_go(0.06, 0.24, 0.5); }
+struct Sphere {
+  double across, width, density;  ///< [m], of the tank [m], over the water's
+};
 
-/// 12 spacings across, in a tank of five diameters.
-class LongAddedMass : public testing::TestWithParam<double> {};
-TEST_P(LongAddedMass, of_a_sphere_in_a_wide_tank) { let_a_sphere_go(0.12, 0.6, GetParam()); }
-INSTANTIATE_TEST_SUITE_P(Long, LongAddedMass, testing::Values(2.0, 0.5));
+class AddedMass : public testing::TestWithParam<Sphere> {};
+TEST_P(AddedMass, of_a_sphere_that_is_let_go) {
+  let_a_sphere_go(GetParam().across, GetParam().width, GetParam().density);
+}
+INSTANTIATE_TEST_SUITE_P(Long, AddedMass,
+                         testing::Values(Sphere{0.06, 0.24, 2}, Sphere{0.06, 0.24, 0.5}, Sphere{0.12, 0.6, 2},
+                                         Sphere{0.12, 0.6, 0.5}));
 
 }  // namespace
 }  // namespace oilskin::bullet
