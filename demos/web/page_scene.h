@@ -30,10 +30,11 @@ class PageScene {
   /// Switches the continuous test and impact zones, contact.ccd and contact.zones, from the next step on.
   void set_contact(bool on);
 
-  /// Takes hold of the first cloth where it is nearest to `point` [m], as in `oilskin view`. Throws SceneError
-  /// for nodes that move as the scene prescribes.
+  /// Takes hold of the first cloth where it is nearest to `point` [m], as in `oilskin view`. Throws
+  /// SceneError for nodes that move as the scene prescribes.
   void grab(const Vec3& point);
-  /// Where the held place is to be [m]; nothing while nothing is held. Throws SceneError for what is not finite.
+  /// Where the held place is to be [m]; nothing while nothing is held. Throws SceneError for what is not
+  /// finite.
   void pull(const Vec3& goal);
   void release();
   /// Turns the first nozzle to a direction. Throws SceneError without a nozzle or a direction.
@@ -45,7 +46,8 @@ class PageScene {
   const std::vector<float>& nodes();
   /// Three nodes per triangle of the first cloth.
   const std::vector<std::uint32_t>& triangles();
-  /// The counts, the first nozzle, the last step's times and contact numbers, and the flags in words, as a JSON object.
+  /// The counts, the first nozzle, the last step's times and contact numbers, and the flags in words, as a
+  /// JSON object.
   std::string report() const;
   std::uint64_t state_hash() const { return simulation_->world().state_hash(); }
   /// Describes the scene as a JSON object: name, description, dt, spacing, first nozzle.

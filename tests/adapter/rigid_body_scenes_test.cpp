@@ -74,14 +74,15 @@ TEST(RigidBodyScene, a_body_lies_on_cloth_that_gets_wet) {
   EXPECT_LT(body->getLinearVelocity().length(), bt(1.5));
 }
 
-/// In an ideal fluid a sphere that is let go accelerates by g (s − 1)/(s + ½), s its density over the water's:
-/// it takes half its volume of water along.
+/// In an ideal fluid a sphere that is let go accelerates by g (s − 1)/(s + ½), s its density over the
+/// water's: it takes half its volume of water along.
 void let_a_sphere_go(double across, double width, double s) {
   WetWorld w(down);
   w.add_tank(width, 2 * width);
   const double radius = across / 2;
-  btRigidBody* sphere = w.add(new btSphereShape(bt(radius)), 1000 * s * 4.0 / 3 * 3.14159265358979 * std::pow(radius, 3),
-                              {0, bt(width / 2), 0});
+  btRigidBody* sphere =
+      w.add(new btSphereShape(bt(radius)), 1000 * s * 4.0 / 3 * 3.14159265358979 * std::pow(radius, 3),
+            {0, bt(width / 2), 0});
   sphere->setDamping(0, 0);
   sphere->setActivationState(DISABLE_DEACTIVATION);
   sphere->setLinearFactor({0, 0, 0});

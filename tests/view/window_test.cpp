@@ -51,8 +51,8 @@ TEST_F(Window, space_freezes_the_state_and_s_takes_one_step) {
   EXPECT_NE(stepped["state_hash"], paused["state_hash"]);
   window.key("space");
   // Far enough that the scene, begun again, is still behind when it is looked at.
-  const json far =
-      window.until([&](const json& line) { return line["steps"].get<int>() > stepped["steps"].get<int>() + 500; });
+  const json far = window.until(
+      [&](const json& line) { return line["steps"].get<int>() > stepped["steps"].get<int>() + 500; });
   window.key("r");
   window.until([&](const json& line) { return line["steps"].get<int>() < far["steps"].get<int>(); });
 }
@@ -66,7 +66,8 @@ TEST_F(Window, arrows_turn_the_nozzle_that_is_shown) {
   window.key("space");
   window.until([](const json& line) { return line["paused"].get<bool>(); });
   window.key("Right");
-  const json right = window.until([](const json& line) { return line["nozzles"][0][1].get<double>() > -0.9999; });
+  const json right =
+      window.until([](const json& line) { return line["nozzles"][0][1].get<double>() > -0.9999; });
   window.key("Left");
   window.key("Up");
   window.until([&](const json& line) { return distance(line["nozzles"][0], right["nozzles"][0]) > 0.05; });

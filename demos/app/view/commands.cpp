@@ -50,13 +50,13 @@ struct Key {
   const char* command;
 };
 
-constexpr Key keys[] = {
-    {"space", "pause"},  {"s", "step 1"},      {"r", "restart"},       {"-", "speed /2"},
-    {"=", "speed *2"},   {"1", "water balls"}, {"2", "water surface"}, {"3", "water clear"},
-    {"4", "water none"}, {"v", "view next"},   {"x", "cut next"},      {"b", "bodies next"},
-    {"h", "panel next"}, {"p", "screenshot"},  {"q", "quit"},          {"escape", "quit"},
-    {"left", "nozzle -3 0"}, {"right", "nozzle 3 0"}, {"up", "nozzle 0 3"},  {"down", "nozzle 0 -3"},
-    {"n", "nozzle next"}};
+constexpr Key keys[] = {{"space", "pause"},     {"s", "step 1"},         {"r", "restart"},
+                        {"-", "speed /2"},      {"=", "speed *2"},       {"1", "water balls"},
+                        {"2", "water surface"}, {"3", "water clear"},    {"4", "water none"},
+                        {"v", "view next"},     {"x", "cut next"},       {"b", "bodies next"},
+                        {"h", "panel next"},    {"p", "screenshot"},     {"q", "quit"},
+                        {"escape", "quit"},     {"left", "nozzle -3 0"}, {"right", "nozzle 3 0"},
+                        {"up", "nozzle 0 3"},   {"down", "nozzle 0 -3"}, {"n", "nozzle next"}};
 
 }  // namespace
 

@@ -44,7 +44,8 @@ Json frame_line(std::uint64_t frame, const Viewer& viewer) {
                {"held", held(viewer)},
                {"message", viewer.message()}};
   json["nozzles"] = Json::array();
-  for (const Nozzle& nozzle : live.simulation().nozzles()) json["nozzles"].push_back(numbers(nozzle.direction));
+  for (const Nozzle& nozzle : live.simulation().nozzles())
+    json["nozzles"].push_back(numbers(nozzle.direction));
   for (const Switch& row : switches()) json["settings"][row.key] = value_at(live.settings(), row.key);
   return json;
 }

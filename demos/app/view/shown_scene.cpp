@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <chrono>
 
-#include "geometry/nozzle_mesh.h"
 #include "geometry/particle_shapes.h"
 #include "hosts/scene_effects.h"
 #include "output/water_mesh.h"
 #include "scene/mesh_options.h"
 #include "scene/views.h"
+#include "view/nozzle_mesh.h"
 
 namespace oilskin::demo {
 namespace {

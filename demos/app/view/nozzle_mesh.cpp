@@ -1,4 +1,4 @@
-#include "geometry/nozzle_mesh.h"
+#include "view/nozzle_mesh.h"
 
 #include <Eigen/Geometry>
 #include <cmath>
