@@ -70,21 +70,13 @@ std::vector<std::uint64_t> surface_order(const std::vector<Attachment>& attachme
 
 // --- writing and reading
 
-template <class T, class Visit>
-void visit_optional(Archive& archive, std::optional<T>& value, const Visit& visit_value) {
-  bool has = value.has_value();
-  archive.value(has);
-  if (has && !value) value.emplace();
-  if (has) visit_value(*value);
-}
-
 void visit_soft_host(Archive& archive, SoftBodyHost::State& state) {
   archive.values(state.forget_motion, state.contact_node, state.contact_nodes, state.node_impulse,
                  state.dry_mass, state.weighed);
 }
 
 void visit_sensor(Archive& archive, Sensor::State& state) {
-  visit_optional(archive, state.to_local, [&](Eigen::Affine3d& transform) {
+  archive.optional(state.to_local, [&](Eigen::Affine3d& transform) {
     for (double& entry : transform.matrix().reshaped()) archive.value(entry);
     if (!transform.matrix().allFinite()) archive.refuse("the transform of a sensor is not finite");
   });
@@ -107,7 +99,7 @@ void visit_attachment(Archive& archive, AttachmentState& state) {
   }
   archive.value(state.host.forget_motion);
   visit(archive, state.host.start);
-  visit_optional(archive, state.rigid, [&](RigidState& rigid) { rigid.visit(archive); });
+  archive.optional(state.rigid, [&](RigidState& rigid) { rigid.visit(archive); });
   if (state.kind == AttachmentState::Kind::sensor) visit_sensor(archive, state.sensor);
 }
 
@@ -115,7 +107,8 @@ void visit_state(Archive& archive, CouplingState& state) {
   auto& [has_fluid, world, emitters, attachments, use_cloth_gravity, carries_water, stepped_by_solver,
          followed_gravity, pending, pending_time, touch_hold, messages, refused, sum, contacts, sinks,
          forces] = state;
-  constexpr std::size_t of_emitter = 50, of_attachment = 100;  // at least [bytes]
+  constexpr std::size_t of_emitter = 50, of_attachment = 100, of_sink = 24,
+                        of_force = 12;  // at least [bytes]
   std::uint8_t scalar = sizeof(btScalar);
   archive.value(scalar);
   if (archive.ok() && scalar != sizeof(btScalar))
@@ -127,13 +120,13 @@ void visit_state(Archive& archive, CouplingState& state) {
   archive.require(std::isfinite(touch_hold) && touch_hold >= 0, "the time that a touch is held");
   archive.list(emitters, of_emitter, [&](EmitterMemory& emitter) { emitter.visit(archive); });
   archive.list(attachments, of_attachment, [&](AttachmentState& a) { visit_attachment(archive, a); });
-  visit_optional(archive, followed_gravity, [&](Vec3& gravity) { archive.value(gravity); });
+  archive.optional(followed_gravity, [&](Vec3& gravity) { archive.value(gravity); });
   visit(archive, messages);
   visit(archive, refused);
   visit(archive, sum);
-  archive.list(sinks, 24, [&](SinkMemory& sink) { sink.visit(archive); });
-  archive.list(forces, 12, [&](ForceMemory& force) { force.visit(archive); });
-  visit_optional(archive, contacts, [&](PairState& pairs) { pairs.visit(archive); });
+  archive.list(sinks, of_sink, [&](SinkMemory& sink) { sink.visit(archive); });
+  archive.list(forces, of_force, [&](ForceMemory& force) { force.visit(archive); });
+  archive.optional(contacts, [&](PairState& pairs) { pairs.visit(archive); });
 }
 
 // --- the state of what is there
@@ -200,17 +193,13 @@ Status check_attachments(const std::vector<AttachmentState>& saved, const std::v
   return Status::accepted();
 }
 
-Status check_forces(const std::vector<ForceMemory>& saved, const std::vector<btFluidForce*>& here) {
-  if (Status s = check_counts("forces", saved.size(), here.size()); !s.ok()) return s;
+/// Of emitters or forces: `what` with an s for several.
+template <class Memory, class Object>
+Status check_each(const std::string& what, const std::vector<Memory>& saved,
+                  const std::vector<Object*>& here) {
+  if (Status s = check_counts((what + "s").c_str(), saved.size(), here.size()); !s.ok()) return s;
   for (std::size_t i = 0; i < here.size(); ++i)
-    if (Status s = saved[i].check(*here[i]); !s.ok()) return about("force", i, s);
-  return Status::accepted();
-}
-
-Status check_emitters(const std::vector<EmitterMemory>& saved, const std::vector<btFluidEmitter*>& here) {
-  if (Status s = check_counts("emitters", saved.size(), here.size()); !s.ok()) return s;
-  for (std::size_t i = 0; i < here.size(); ++i)
-    if (Status s = saved[i].check(*here[i]); !s.ok()) return about("emitter", i, s);
+    if (Status s = saved[i].check(*here[i]); !s.ok()) return about(what.c_str(), i, s);
   return Status::accepted();
 }
 
@@ -275,9 +264,9 @@ Status btFluidCoupling::restoreState(Span<const std::uint8_t> saved, btCollision
       c.fluid ? c.fluid->m_emitters : std::vector<btFluidEmitter*>();
   const std::vector<btFluidSink*> sinks = c.fluid ? c.fluid->m_sinks : std::vector<btFluidSink*>();
   const std::vector<btFluidForce*> forces = c.fluid ? c.fluid->m_forces : std::vector<btFluidForce*>();
-  if (status.ok()) status = check_emitters(state.emitters, emitters);
+  if (status.ok()) status = check_each("emitter", state.emitters, emitters);
   if (status.ok()) status = check_counts("sinks", state.sinks.size(), sinks.size());
-  if (status.ok()) status = check_forces(state.forces, forces);
+  if (status.ok()) status = check_each("force", state.forces, forces);
   if (status.ok() && world) status = state.contacts->check(*world, c.attached_objects());
   if (status.ok() && c.fluid) status = c.world()->restore(state.world);
   if (!status.ok()) return status;

@@ -11,14 +11,8 @@ namespace oilskin::bullet {
 namespace {
 
 void move_tree(btDbvt& tree, const btVector3& offset) {
-  std::vector<btDbvtNode*> open;
-  if (tree.m_root) open.push_back(tree.m_root);
-  while (!open.empty()) {
-    btDbvtNode* node = open.back();
-    open.pop_back();
+  for (btDbvtNode* node : nodes_of(tree))
     node->volume = btDbvtVolume::FromMM(node->volume.Mins() + offset, node->volume.Maxs() + offset);
-    if (node->isinternal()) open.insert(open.end(), {node->childs[0], node->childs[1]});
-  }
 }
 
 /// btSoftBody::translate() would measure the rest lengths again.
@@ -45,12 +39,12 @@ void move(btCollisionObject& object, const btVector3& offset) {
   btTransform interpolation = object.getInterpolationWorldTransform();
   move(interpolation, offset);
   object.setInterpolationWorldTransform(interpolation);
-  const btRigidBody* body = btRigidBody::upcast(&object);
+  btRigidBody* body = btRigidBody::upcast(&object);
   if (!body || !body->getMotionState()) return;
   btTransform shown;
   body->getMotionState()->getWorldTransform(shown);
   move(shown, offset);
-  const_cast<btRigidBody*>(body)->getMotionState()->setWorldTransform(shown);
+  body->getMotionState()->setWorldTransform(shown);
 }
 
 /// What the host and the sums remember. A moment is about the origin.

@@ -7,25 +7,11 @@
 #include "convert.h"
 #include "oilskin/bullet_emitter.h"
 #include "shape_mesh.h"
+#include "shape_region.h"
 
 namespace oilskin::bullet {
 
 namespace {
-
-Eigen::Matrix3d basis_of(const btTransform& transform) {
-  Eigen::Matrix3d basis;
-  for (int row = 0; row < 3; ++row) basis.row(row) = to_vec3(transform.getBasis().getRow(row));
-  return basis;
-}
-
-Status check_transform(const btTransform& transform) {
-  const Eigen::Matrix3d basis = basis_of(transform);
-  if (!basis.allFinite() || !to_vec3(transform.getOrigin()).allFinite())
-    return Status::refused("the transform of the emitter is not finite");
-  if (!(basis * basis.transpose()).isIdentity(1e-3) || basis.determinant() < 0)
-    return Status::refused("the transform of the emitter scales or mirrors; it must turn and shift only");
-  return {};
-}
 
 Status check_speed(btScalar speed) {
   if (std::isfinite(speed) && speed >= 0) return {};
@@ -47,15 +33,14 @@ World* btFluidEmitter::world() const {
 }
 
 EmitterPose btFluidEmitter::pose(const btTransform& transform) const {
-  const Eigen::Matrix3d basis = basis_of(transform);
   EmitterPose pose;
-  pose.rotation = Rotation(basis);
+  pose.rotation = Rotation(basis_of(transform));
   pose.position = to_vec3(transform.getOrigin()) + pose.rotation.normalized() * center();
   return pose;
 }
 
 Status btFluidEmitter::place(const btTransform& transform, double duration, bool jumps) {
-  Status status = check_transform(transform);
+  Status status = check_rigid(transform, "the transform of the emitter");
   if (status.ok() && world())
     status = jumps ? world()->place_emitter(m_id, pose(transform))
                    : world()->move_emitter(m_id, pose(transform), duration);

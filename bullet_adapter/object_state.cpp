@@ -47,10 +47,7 @@ void RigidState::visit(Archive& archive) {
   for (btVector3* v : {&velocity, &angular_velocity, &force, &torque, &inverse_inertia})
     bullet::visit(archive, *v);
   bullet::visit(archive, inverse_mass);
-  bool has = motion_state.has_value();
-  archive.value(has);
-  if (has && !motion_state) motion_state.emplace();
-  if (has) bullet::visit(archive, *motion_state);
+  archive.optional(motion_state, [&](btTransform& transform) { bullet::visit(archive, transform); });
 }
 
 Status RigidState::check(const btRigidBody& body) const {

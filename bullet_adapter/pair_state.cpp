@@ -50,6 +50,12 @@ Status check_kinds(btCollisionWorld& world) {
   return Status::accepted();
 }
 
+/// The number of an object among the attached ones; −1 = it is none.
+int place_of(const btCollisionObject* object, const PairState::Attached& attached) {
+  const auto at = std::find(attached.begin(), attached.end(), object);
+  return at == attached.end() ? -1 : static_cast<int>(at - attached.begin());
+}
+
 using PairKey = std::pair<const void*, const void*>;
 
 PairKey key_of(const void* a, const void* b) {
@@ -81,10 +87,8 @@ Status PairState::capture(btCollisionWorld& world, const Attached& attached) {
     const btDbvtProxy* proxy = proxy_of(world, i);
     if (!proxy) return Status::refused("an object of the world has no proxy in its broadphase");
     number[proxy] = i;
-    const auto at = std::find(attached.begin(), attached.end(), object);
-    const int place = at == attached.end() ? -1 : static_cast<int>(at - attached.begin());
-    objects.push_back({object->getInternalType(), place, proxy->m_aabbMin, proxy->m_aabbMax,
-                       proxy->m_uniqueId, proxy->stage});
+    objects.push_back({object->getInternalType(), place_of(object, attached), proxy->m_aabbMin,
+                       proxy->m_aabbMax, proxy->m_uniqueId, proxy->stage});
   }
   const auto number_of = [&](const void* proxy) {
     const auto it = number.find(proxy);
@@ -217,9 +221,8 @@ Status PairState::check(btCollisionWorld& world, const Attached& attached) const
   for (int i = 0; i < world.getNumCollisionObjects(); ++i) {
     const btCollisionObject* object = world.getCollisionObjectArray()[i];
     const Object& saved = objects[static_cast<std::size_t>(i)];
-    const auto at = std::find(attached.begin(), attached.end(), object);
-    const int place = at == attached.end() ? -1 : static_cast<int>(at - attached.begin());
-    if (object->getInternalType() != saved.type || place != saved.attached || !object->getBroadphaseHandle())
+    if (object->getInternalType() != saved.type || place_of(object, attached) != saved.attached ||
+        !object->getBroadphaseHandle())
       return Status::refused("object " + std::to_string(i + 1) +
                              " of the world is another one than in the saved state; add the same objects in "
                              "the same order");

@@ -35,9 +35,14 @@ double distance(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
 
 }  // namespace
 
-std::optional<Eigen::Affine3d> inverse_of(const btTransform& transform) {
+Eigen::Matrix3d basis_of(const btTransform& transform) {
   Eigen::Matrix3d basis;
   for (int row = 0; row < 3; ++row) basis.row(row) = to_vec3(transform.getBasis().getRow(row));
+  return basis;
+}
+
+std::optional<Eigen::Affine3d> inverse_of(const btTransform& transform) {
+  const Eigen::Matrix3d basis = basis_of(transform);
   const Eigen::Matrix3d inverse = basis.inverse();
   const Vec3 origin = inverse * to_vec3(transform.getOrigin());
   if (!basis.allFinite() || !inverse.allFinite() || !origin.allFinite()) return {};
@@ -47,15 +52,19 @@ std::optional<Eigen::Affine3d> inverse_of(const btTransform& transform) {
   return to_local;
 }
 
-Status read_pose(const btTransform& transform, EmitterPose* pose) {
-  Eigen::Matrix3d basis;
-  for (int row = 0; row < 3; ++row) basis.row(row) = to_vec3(transform.getBasis().getRow(row));
-  const Vec3 position = to_vec3(transform.getOrigin());
-  if (!basis.allFinite() || !position.allFinite()) return Status::refused("the transform is not finite");
+Status check_rigid(const btTransform& transform, const char* what) {
+  const Eigen::Matrix3d basis = basis_of(transform);
+  if (!basis.allFinite() || !to_vec3(transform.getOrigin()).allFinite())
+    return Status::refused(std::string(what) + " is not finite");
   if (!(basis * basis.transpose()).isIdentity(1e-3) || basis.determinant() < 0)
-    return Status::refused("the transform scales or mirrors; it must turn and shift only");
-  pose->position = position;
-  pose->rotation = Rotation(basis).normalized();
+    return Status::refused(std::string(what) + " scales or mirrors; it must turn and shift only");
+  return Status::accepted();
+}
+
+Status read_pose(const btTransform& transform, EmitterPose* pose) {
+  if (Status s = check_rigid(transform); !s.ok()) return s;
+  pose->position = to_vec3(transform.getOrigin());
+  pose->rotation = Rotation(basis_of(transform)).normalized();
   return Status::accepted();
 }
 
@@ -69,69 +78,51 @@ Status read_region(const btConvexShape* shape, Region* region) {
   return status;
 }
 
-Region ConvexRegion::region() const {
-  Region region;
-  if (is_round_) {
-    region.capsule = Capsule{-half_length_ * axis_, half_length_ * axis_, radius_};
-    return region;
-  }
-  region.box = box_;
-  region.half_spaces.reserve(planes_.size());
-  for (const Plane& plane : planes_) region.half_spaces.push_back({plane.point, plane.normal});
-  return region;
-}
-
 std::optional<ConvexRegion> ConvexRegion::of(const btConvexShape& shape) {
-  ConvexRegion region;
+  ConvexRegion found;
   const int type = shape.getShapeType();
   if (type == SPHERE_SHAPE_PROXYTYPE) {
-    region.set_round(static_cast<double>(static_cast<const btSphereShape&>(shape).getRadius()), 0,
-                     Vec3::UnitY());
+    found.set_round(static_cast<double>(static_cast<const btSphereShape&>(shape).getRadius()), 0, 1);
   } else if (type == CAPSULE_SHAPE_PROXYTYPE) {
     const auto& capsule = static_cast<const btCapsuleShape&>(shape);
-    region.set_round(static_cast<double>(capsule.getRadius()), static_cast<double>(capsule.getHalfHeight()),
-                     Vec3::Unit(capsule.getUpAxis()));
-  } else if (!region.set_planes(shape)) {
+    found.set_round(static_cast<double>(capsule.getRadius()), static_cast<double>(capsule.getHalfHeight()),
+                    capsule.getUpAxis());
+  } else if (!found.set_planes(shape)) {
     return {};
   }
-  return std::isfinite(region.radius_ + region.half_length_) ? std::optional(region) : std::nullopt;
+  const auto& round = found.region_.capsule;
+  if (round && !(std::isfinite(round->radius) && round->to.allFinite())) return {};
+  return found;
 }
 
-void ConvexRegion::set_round(double radius, double half_length, const Vec3& axis) {
-  is_round_ = true;
-  radius_ = radius;
-  half_length_ = half_length;
-  axis_ = axis;
+void ConvexRegion::set_round(double radius, double half_length, int axis) {
+  const Vec3 end = half_length * Vec3::Unit(axis);
+  region_.capsule = Capsule{-end, end, radius};
 }
 
 bool ConvexRegion::set_planes(const btConvexShape& shape) {
   ShapeMesh mesh;
   if (!read_shape(shape, &mesh).ok()) return false;
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) box_.add(to_vec3(mesh.vertices[i]));
+  Box& box = region_.box.emplace();
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) box.add(to_vec3(mesh.vertices[i]));
   for (const Triangle& t : mesh.triangles) {
     const Vec3 a = to_vec3(mesh.vertices[t[0]]), b = to_vec3(mesh.vertices[t[1]]),
                c = to_vec3(mesh.vertices[t[2]]);
-    planes_.push_back({a, (b - a).cross(c - a)});
+    region_.half_spaces.push_back({a, (b - a).cross(c - a)});
   }
   return true;
 }
 
-bool ConvexRegion::contains(const Vec3& x) const {
-  if (is_round_) return (x - std::clamp(x.dot(axis_), -half_length_, half_length_) * axis_).norm() <= radius_;
-  return box_.contains(x) && std::all_of(planes_.begin(), planes_.end(),
-                                         [&x](const Plane& p) { return p.normal.dot(x - p.point) <= 0; });
-}
-
 /// Cuts the segment at each plane.
 bool ConvexRegion::meets(const Vec3& a, const Vec3& b) const {
-  if (is_round_) return distance(a, b, -half_length_ * axis_, half_length_ * axis_) <= radius_;
+  if (const auto& round = region_.capsule) return distance(a, b, round->from, round->to) <= round->radius;
   Box around;
   around.add(a);
   around.add(b);
-  if (!box_.overlaps(around)) return false;
+  if (!region_.box->overlaps(around)) return false;
   double enters = 0, leaves = 1;
-  for (const Plane& plane : planes_) {
-    const double at_a = plane.normal.dot(a - plane.point), at_b = plane.normal.dot(b - plane.point);
+  for (const HalfSpace& half : region_.half_spaces) {
+    const double at_a = half.normal.dot(a - half.point), at_b = half.normal.dot(b - half.point);
     if (at_a > 0 && at_b > 0) return false;
     if (at_a > 0) enters = std::max(enters, at_a / (at_a - at_b));
     if (at_b > 0) leaves = std::min(leaves, at_a / (at_a - at_b));

@@ -12,7 +12,11 @@ namespace oilskin::bullet {
 /// From the world to the frame of `transform`, in double precision; none if there is no finite one.
 std::optional<Eigen::Affine3d> inverse_of(const btTransform& transform);
 
-/// Refuses a transform that is not finite, scales or mirrors.
+/// The rotation of a transform, in double precision.
+Eigen::Matrix3d basis_of(const btTransform& transform);
+/// Refuses a transform that is not finite, scales or mirrors. `what` stands in the message.
+Status check_rigid(const btTransform& transform, const char* what = "the transform");
+/// A pose from a transform that check_rigid() accepts.
 Status read_pose(const btTransform& transform, EmitterPose* pose);
 /// A convex shape as a region around the origin. Refuses null and shapes without a volume.
 Status read_region(const btConvexShape* shape, Region* region);
@@ -23,25 +27,17 @@ class ConvexRegion {
   /// None for a shape without a volume.
   static std::optional<ConvexRegion> of(const btConvexShape& shape);
 
-  /// The same points.
-  Region region() const;
-  bool contains(const Vec3& x) const;
+  /// The same points. A capsule, or a box around the vertices with the planes of the faces.
+  const Region& region() const { return region_; }
+  bool contains(const Vec3& x) const { return region_.contains(x); }
   /// Whether the segment between two points has a point of the shape.
   bool meets(const Vec3& a, const Vec3& b) const;
 
  private:
-  struct Plane {
-    Vec3 point, normal;  // outwards, of any length
-  };
-
-  void set_round(double radius, double half_length, const Vec3& axis);
+  void set_round(double radius, double half_length, int axis);
   bool set_planes(const btConvexShape& shape);
 
-  bool is_round_ = false;
-  Vec3 axis_ = Vec3::UnitY();
-  double half_length_ = 0, radius_ = 0;
-  std::vector<Plane> planes_;
-  Box box_;  // of the vertices
+  Region region_;
 };
 
 /// The points of a shape: convex, or a compound of such shapes.

@@ -6,9 +6,6 @@
 
 namespace oilskin::bullet {
 
-namespace {
-
-/// In preorder.
 std::vector<btDbvtNode*> nodes_of(const btDbvt& tree) {
   std::vector<btDbvtNode*> all, open;
   if (tree.m_root) open.push_back(tree.m_root);
@@ -22,6 +19,8 @@ std::vector<btDbvtNode*> nodes_of(const btDbvt& tree) {
   }
   return all;
 }
+
+namespace {
 
 /// The inner nodes by address.
 std::vector<btDbvtNode*> sorted_inner(const std::vector<btDbvtNode*>& nodes) {

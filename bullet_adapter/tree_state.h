@@ -25,6 +25,9 @@ struct TreeState {
   std::size_t leaves() const { return (nodes.size() + 1) / 2; }
 };
 
+/// All nodes, in preorder.
+std::vector<btDbvtNode*> nodes_of(const btDbvt& tree);
+
 /// The datum of a leaf as a number below `leaves`; anything else is refused.
 using LeafNumber = std::function<std::ptrdiff_t(const void* datum)>;
 /// The datum with a number, and where it keeps the pointer to its leaf.

@@ -141,8 +141,7 @@ std::string PageScene::description() const {
               {"dt", scene_.dt},
               {"spacing", scene_.fluid.spacing},
               {"precision", simulation_->precision()},
-              {"instruction_set", World::instruction_set()},
-              {"nozzle", first_nozzle(*simulation_)}}
+              {"instruction_set", World::instruction_set()}}
       .dump();
 }
 

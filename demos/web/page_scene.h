@@ -50,7 +50,7 @@ class PageScene {
   /// JSON object.
   std::string report() const;
   std::uint64_t state_hash() const { return simulation_->world().state_hash(); }
-  /// Describes the scene as a JSON object: name, description, dt, spacing, first nozzle.
+  /// Describes the scene as a JSON object: name, description, dt, spacing, precision, instruction set.
   std::string description() const;
   const PageCounts& counts() const { return counts_; }
 

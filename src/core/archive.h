@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstring>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -44,6 +45,17 @@ class Archive {
   void list(std::vector<T>& all, std::size_t min_bytes, const F& f) {
     resize(all, min_bytes);
     for (T& one : all) f(one);
+  }
+
+  /// What may be missing: f(value) visits it if it is there.
+  template <class T, class F>
+  void optional(std::optional<T>& one, const F& f) {
+    bool has = one.has_value();
+    value(has);
+    if (!has) one.reset();
+    if (!has) return;
+    if (!one) one.emplace();
+    f(*one);
   }
 
   void value(bool& x) {

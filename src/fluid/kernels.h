@@ -4,6 +4,8 @@
 /// q ≥ 1 without a branch.
 #pragma once
 
+#include <algorithm>
+
 #include "core/simd.h"
 
 namespace oilskin::fluid {
@@ -99,6 +101,11 @@ struct WendlandC2 {
   static T dw_over_q(T q) {
     const T u = larger(T(1) - q, T(0));
     return T(-20) * u * u * u;
+  }
+  /// The integral over a plane at the distance ζ [supports], with the norm.
+  static double plane(double z) {
+    const double u = std::max(1 - z, 0.0);
+    return u * u * u * u * u * (21 - u * (31.5 - 12 * u));
   }
 };
 

@@ -12,7 +12,7 @@ bool contains(const Capsule& capsule, const Vec3& x) {
   const Vec3 along = capsule.to - capsule.from, from = x - capsule.from;
   const double length = along.squaredNorm();
   const double t = length > 0 ? std::clamp(from.dot(along) / length, 0.0, 1.0) : 0;
-  return (from - t * along).squaredNorm() <= capsule.radius * capsule.radius;
+  return (from - t * along).norm() <= capsule.radius;
 }
 
 Status check(const Capsule& capsule) {

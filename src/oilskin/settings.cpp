@@ -103,8 +103,7 @@ Status WorldSettings::validate() const {
 }
 
 double minimum_separation(double thickness, double max_coordinate, Storage storage) {
-  const double epsilon = storage == Storage::float32 ? std::ldexp(1.0, -23) : std::ldexp(1.0, -52);
-  return std::max(1e-3 * thickness, 64 * epsilon * max_coordinate);
+  return std::max(1e-3 * thickness, 64 * epsilon_of(storage) * max_coordinate);
 }
 
 }  // namespace oilskin

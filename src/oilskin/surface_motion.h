@@ -15,6 +15,11 @@ enum class Storage {
   float64
 };
 
+/// The distance from 1 to the next number of a storage.
+constexpr double epsilon_of(Storage storage) {
+  return storage == Storage::float32 ? 0x1p-23 : 0x1p-52;
+}
+
 /// The dynamic rigid body whose hull a surface is. The host decides where the body goes in an interval;
 /// impulses change how it goes on. Its nodes have the inverse mass 0.
 struct BodyMotion {

@@ -43,10 +43,7 @@ void visit(Archive& archive, SlipSettings& settings) {
 }
 
 void visit(Archive& archive, std::optional<SlipSettings>& settings) {
-  bool has = settings.has_value();
-  archive.value(has);
-  if (has && !settings) settings.emplace();
-  if (has) visit(archive, *settings);
+  archive.optional(settings, [&](SlipSettings& slip) { visit(archive, slip); });
 }
 
 void visit(Archive& archive, SurfaceSettings& settings) {
@@ -60,16 +57,13 @@ void visit(Archive& archive, SurfaceSettings& settings) {
 }
 
 void visit(Archive& archive, std::optional<BodyMotion>& body) {
-  bool has = body.has_value();
-  archive.value(has);
-  if (!has) body.reset();
-  if (!has) return;
-  if (!body) body.emplace();
-  auto& [inverse_mass, inverse_inertia, center_t1, velocity, angular_velocity, gravity, center_t0, host_step,
-         impulse, angular_impulse] = *body;
-  archive.values(inverse_mass, center_t1, velocity, angular_velocity, gravity, center_t0, host_step, impulse,
-                 angular_impulse);
-  for (double& entry : inverse_inertia.reshaped()) archive.value(entry);
+  archive.optional(body, [&](BodyMotion& motion) {
+    auto& [inverse_mass, inverse_inertia, center_t1, velocity, angular_velocity, gravity, center_t0,
+           host_step, impulse, angular_impulse] = motion;
+    archive.values(inverse_mass, center_t1, velocity, angular_velocity, gravity, center_t0, host_step,
+                   impulse, angular_impulse);
+    for (double& entry : inverse_inertia.reshaped()) archive.value(entry);
+  });
 }
 
 void visit(Archive& archive, SurfaceMotion& motion) {

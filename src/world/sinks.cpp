@@ -50,10 +50,9 @@ const Sinks::Sink* Sinks::with_id(std::uint64_t id) const {
 }
 
 bool Sinks::remove(std::uint64_t id) {
-  const auto it = std::find_if(list_.begin(), list_.end(), [id](const Sink& s) { return s.id == id; });
-  if (it == list_.end()) return false;
-  list_.erase(it);
-  return true;
+  const Sink* sink = with_id(id);
+  if (sink) list_.erase(list_.begin() + (sink - list_.data()));
+  return sink != nullptr;
 }
 
 void Sinks::visit(Archive& archive) {

@@ -1,6 +1,4 @@
 /// Moving a world, surfaces included, without a motion.
-#include <cmath>
-
 #include "core/inverse_mass.h"
 #include "core/refuse.h"
 #include "world/numeric_range.h"
@@ -11,10 +9,6 @@ namespace oilskin {
 namespace world {
 
 namespace {
-
-double unit_roundoff(Storage storage) {
-  return std::ldexp(1.0, storage == Storage::float32 ? -23 : -52);
-}
 
 /// Are all nodes within rounding of `from` + `offset`?
 bool are_at(const std::vector<Vec3>& nodes, const std::vector<Vec3>& from, const Vec3& offset,
@@ -40,7 +34,7 @@ Status find_moved(const Attachment& a, const Vec3& offset, const Box& kill_box, 
                   " m, which ", moved.storage == Storage::float32 ? "single" : "double",
                   "-precision positions need where the kill box would be");
   moved.delta = std::max(moved.delta, needed);
-  const double rounding = 16 * unit_roundoff(moved.storage) * (r + offset.cwiseAbs().maxCoeff());
+  const double rounding = 16 * epsilon_of(moved.storage) * (r + offset.cwiseAbs().maxCoeff());
   const bool has_moved = gathered.new_surface || offset.cwiseAbs().maxCoeff() <= rounding ||
                          !are_at(moved.x_t1, a.motion.x_t1, Vec3::Zero(), rounding);
   if (!has_moved) return refuse("surface ", number + 1, " was not moved: move what the hosts read first");

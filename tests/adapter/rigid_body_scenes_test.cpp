@@ -87,16 +87,10 @@ void let_a_sphere_go(double across, double width, double s) {
   sphere->setActivationState(DISABLE_DEACTIVATION);
   sphere->setLinearFactor({0, 0, 0});
   ASSERT_TRUE(w.solver.addRigidBody(sphere, bt(0.002)).ok());
-  std::vector<Vec3> x;
   const Vec3 centre(0, width / 2, 0);
-  const int n = static_cast<int>(std::lround(width / 0.01));
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j)
-      for (int k = 0; k < n; ++k) {
-        const Vec3 p(0.01 * (i + 0.5) - width / 2, 0.01 * (j + 0.5), 0.01 * (k + 0.5) - width / 2);
-        if ((p - centre).norm() > radius + 0.003) x.push_back(p);
-      }
-  ASSERT_TRUE(w.water.getWorld().add_particles(x, std::vector<Vec3>(x.size(), Vec3::Zero())).ok());
+  const btScalar half = bt(width / 2);
+  w.fill({-half, 0, -half}, {half, bt(width), half},
+         [&](const Vec3& x) { return (x - centre).norm() > radius + 0.003; });
   w.run(0.4, 0.002);  // until the pressure stands
   sphere->setLinearFactor({1, 1, 1});
   w.run(0.02, 0.002);

@@ -45,18 +45,24 @@ class WetWorld {
     }
     for (btRigidBody* wall : walls) EXPECT_TRUE(solver.addCollisionObject(wall, bt(0.002)).ok());
   }
-  /// Fills the box with particles that are not in `body`.
-  void fill_around(const btVector3& low, const btVector3& high, btRigidBody* body) {
+  /// Fills the box with particles 1 cm apart where `is_free`.
+  template <class IsFree>
+  void fill(const btVector3& low, const btVector3& high, const IsFree& is_free) {
     std::vector<Vec3> x;
-    const btTransform inside = body->getWorldTransform().inverse();
-    const btVector3 half = static_cast<btBoxShape*>(body->getCollisionShape())->getHalfExtentsWithoutMargin();
     for (double i = double(low.x()) + 0.005; i < double(high.x()); i += 0.01)
       for (double j = double(low.y()) + 0.005; j < double(high.y()); j += 0.01)
-        for (double k = double(low.z()) + 0.005; k < double(high.z()); k += 0.01) {
-          const btVector3 local = (inside * btVector3(bt(i), bt(j), bt(k))).absolute() - half;
-          if (local[local.maxAxis()] > bt(0.003)) x.emplace_back(i, j, k);
-        }
+        for (double k = double(low.z()) + 0.005; k < double(high.z()); k += 0.01)
+          if (is_free(Vec3(i, j, k))) x.emplace_back(i, j, k);
     EXPECT_TRUE(water.getWorld().add_particles(x, std::vector<Vec3>(x.size(), Vec3::Zero())).ok());
+  }
+  /// The same around a box.
+  void fill_around(const btVector3& low, const btVector3& high, btRigidBody* body) {
+    const btTransform inside = body->getWorldTransform().inverse();
+    const btVector3 half = static_cast<btBoxShape*>(body->getCollisionShape())->getHalfExtentsWithoutMargin();
+    fill(low, high, [&](const Vec3& x) {
+      const btVector3 local = (inside * btVector3(bt(x.x()), bt(x.y()), bt(x.z()))).absolute() - half;
+      return local[local.maxAxis()] > bt(0.003);
+    });
   }
   void run(double seconds, double dt) {
     for (double t = 0; t < seconds - 1e-9; t += dt) {

@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "app/refused_scene.h"
 #include "checks/acceptance.h"
 #include "checks/check_table.h"
 #include "oilskin/presets.h"
@@ -18,15 +19,7 @@
 namespace oilskin::demo {
 namespace {
 
-std::string message_of(const std::string& json) {
-  try {
-    const Scene scene = read_scene(parse_json(json, "test"), ".");
-    Acceptance acceptance(scene);
-  } catch (const SceneError& e) {
-    return e.what();
-  }
-  return "";
-}
+using test::message_of;
 
 FilledBox box_of_every_field() {
   FilledBox box;

@@ -1,21 +1,12 @@
 // Keys of floating bodies, anchors, sinks and force fields: what is refused, and in which words.
 #include <gtest/gtest.h>
 
-#include "checks/acceptance.h"
-#include "scene/scene_reader.h"
+#include "app/refused_scene.h"
 
 namespace oilskin::demo {
 namespace {
 
-std::string message_of(const std::string& json) {
-  try {
-    const Scene scene = read_scene(parse_json(json, "test"), ".");
-    Acceptance acceptance(scene);
-  } catch (const SceneError& e) {
-    return e.what();
-  }
-  return "";
-}
+using test::message_of;
 
 TEST(SceneRegions, bodies_that_float_need_a_volume_and_no_motion) {
   const auto body = [](const std::string& keys) { return message_of(R"({"bodies": [{)" + keys + "}]}"); };

@@ -34,18 +34,13 @@ bool is_body(const Scene& scene, int index) {
   return index >= 0 && static_cast<std::size_t>(index) < scene.bodies.size();
 }
 
-/// Of a box [kg].
-double mass_of(const Body& body, const BoxShape& box) {
-  return body.mass > 0 ? body.mass : body.density * 8 * box.half_extents.prod();
-}
-
 /// The height of the surface above the floor of the tank, were all at rest: what floats displaces its mass.
 double level_in(const TankShape& tank, const Moment& now) {
   const Vec3 size = tank.inside.max - tank.inside.min;
   double volume = water_volume(now.scene, now.simulation);
   for (const Body& body : now.scene.bodies)
     if (const auto* box = std::get_if<BoxShape>(&body.shape); box && body.is_dynamic())
-      volume += mass_of(body, *box) / now.scene.fluid.rest_density;
+      volume += body.mass_with(box->volume()) / now.scene.fluid.rest_density;
   return volume / (size.x() * size.z());
 }
 
@@ -137,8 +132,8 @@ class Floats : public Check {
   /// [spacings]
   static double error_of(const Asked& asked, const Seen& seen, const Scene& scene) {
     const BoxShape& box = *box_of(scene, asked.body);
-    const double density =
-        mass_of(scene.bodies[static_cast<std::size_t>(asked.body)], box) / (8 * box.half_extents.prod());
+    const double mass = scene.bodies[static_cast<std::size_t>(asked.body)].mass_with(box.volume());
+    const double density = mass / box.volume();
     const double theory = density / scene.fluid.rest_density * 2 * box.half_extents.y();
     return std::abs(seen.draught.value() - theory) / scene.fluid.spacing;
   }

@@ -10,17 +10,13 @@
 namespace oilskin::demo {
 namespace {
 
-double volume_of(const BoxShape& box) {
-  return 8 * box.half_extents.prod();
-}
-
 /// Its origin is the centre of mass, all boxes having one density. Overlaps count twice.
 void make_compound(const CompoundShape& compound, BulletBody& made) {
   auto shape = std::make_unique<btCompoundShape>();
   Vec3 moment = Vec3::Zero();
   for (const BoxShape& box : compound.boxes) {
-    made.volume += volume_of(box);
-    moment += volume_of(box) * box.center;
+    made.volume += box.volume();
+    moment += box.volume() * box.center;
   }
   made.origin = moment / made.volume;
   for (const BoxShape& box : compound.boxes) {
@@ -83,7 +79,7 @@ BulletBody make_shape(const Body& body) {
     made.shape = std::make_unique<btBoxShape>(to_bullet(box->half_extents));
     made.origin = box->center;
     made.turned = to_bullet(box->rotate);
-    made.volume = volume_of(*box);
+    made.volume = box->volume();
   } else if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) {
     made.shape = std::make_unique<btSphereShape>(btScalar(sphere->radius));
     made.origin = sphere->center;
@@ -110,7 +106,7 @@ BulletBody make_body(const Body& settings, const std::string& key) {
   if (!made.shape) throw SceneError(key + ".mesh: its convex hull has no volume, so that it cannot float");
   made.shape->setMargin(btScalar(std::min(cloth_margin, *settings.surface.thickness)));
   for (const auto& part : made.parts) part->setMargin(made.shape->getMargin());
-  const double mass = settings.mass > 0 ? settings.mass : settings.density * made.volume;
+  const double mass = settings.mass_with(made.volume);
   btVector3 inertia(0, 0, 0);
   if (mass > 0) made.shape->calculateLocalInertia(btScalar(mass), inertia);
   btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass), nullptr, made.shape.get(), inertia);

@@ -101,6 +101,8 @@ struct PlaneShape {
 struct BoxShape {
   Vec3 center = Vec3::Zero(), half_extents = Vec3::Constant(0.1);
   std::array<double, 4> rotate = {0, 0, 0, 1};
+
+  double volume() const { return 8 * half_extents.prod(); }  ///< [m³]
 };
 
 /// A box without its face towards `open`, as one sheet of triangles whose normals point inwards.
@@ -123,6 +125,8 @@ struct Body {
   SurfaceSettings surface;
 
   bool is_dynamic() const { return mass > 0 || density > 0; }
+  /// [kg], with its volume [m³]; 0 = the water does not move it.
+  double mass_with(double volume) const { return mass > 0 ? mass : density * volume; }
 };
 
 enum class FieldKind { linear, rotation, taylor_green, standing_wave };

@@ -129,12 +129,11 @@ class Window {
   }
 
   void on_key(int key, int code) {
-    if (key == GLFW_KEY_SPACE) return viewer_.press("space");
-    if (key == GLFW_KEY_ESCAPE) return viewer_.press("escape");
-    if (key == GLFW_KEY_LEFT) return viewer_.press("left");
-    if (key == GLFW_KEY_RIGHT) return viewer_.press("right");
-    if (key == GLFW_KEY_UP) return viewer_.press("up");
-    if (key == GLFW_KEY_DOWN) return viewer_.press("down");
+    static constexpr std::pair<int, const char*> named[] = {
+        {GLFW_KEY_SPACE, "space"}, {GLFW_KEY_ESCAPE, "escape"}, {GLFW_KEY_LEFT, "left"},
+        {GLFW_KEY_RIGHT, "right"}, {GLFW_KEY_UP, "up"},         {GLFW_KEY_DOWN, "down"}};
+    for (const auto& [code_of, name] : named)
+      if (key == code_of) return viewer_.press(name);
     if (const char* name = glfwGetKeyName(key, code)) viewer_.press(name);
   }
 

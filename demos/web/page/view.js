@@ -110,6 +110,7 @@ export class View {
     this.balls = program(gl, ball_vertex, ball_fragment);
     this.sheet = program(gl, sheet_vertex, sheet_fragment);
     this.buffers = {};
+    this.nozzle = this.tube = null;
     gl.enable(gl.DEPTH_TEST);
     this.particles = this.nodes = new Float32Array();
     this.triangles = new Uint32Array();
@@ -118,7 +119,6 @@ export class View {
   open(description, triangles) {
     this.radius = 0.5 * description.spacing;
     this.triangles = triangles;
-    this.aim(description.nozzle);
     const edges = new Set();
     for (let t = 0; t < triangles.length; t += 3)
       for (let k = 0; k < 3; ++k) {

@@ -45,10 +45,8 @@ Vec3 outward_slope(const EffectForces& f, std::size_t i) {
     const Vec3 d = (f.position[i] - f.position[j]) / h;
     slope -= Kernel::norm * Kernel::dw_over_q(d.norm()) * f.mass(j) / (f.rest_density * h * h * h) * d;
   }
-  for (const VisibleWall& wall : f.walls(i)) {
-    const double u = std::max(1 - wall.distance / h, 0.0), u2 = u * u;
-    slope += wall.share * u2 * u2 * u * (21 - u * (31.5 - 12 * u)) * wall.normal;
-  }
+  for (const VisibleWall& wall : f.walls(i))
+    slope += wall.share * Kernel::plane(wall.distance / h) * wall.normal;
   return slope;
 }
 

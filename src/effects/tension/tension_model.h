@@ -52,10 +52,7 @@ struct SlopeKernel {
     return norm * 60 * u * u / std::max(q, static_cast<double>(fluid::min_q));
   }
   /// Its integral over a plane at the distance ζ, which is the slope at ζ within a fluid.
-  static double plane(double z) {
-    const double u = std::max(1 - z, 0.0);
-    return u * u * u * u * u * (21 - u * (31.5 - 12 * u));
-  }
+  static double plane(double z) { return fluid::WendlandC2::plane(z); }
   static double plane_derivative(double z) {
     const double u = std::max(1 - z, 0.0);
     return -u * u * u * u * (105 - u * (189 - 84 * u));

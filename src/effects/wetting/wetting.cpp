@@ -165,11 +165,11 @@ void Wetting::Impl::visit(Archive& archive) {
   archive.value(pending);
   std::vector<std::pair<std::uint64_t, std::optional<Fabric>>> own(fabrics.begin(), fabrics.end());
   archive.list(own, sizeof(std::uint64_t) + 1, [&](auto& one) {
-    bool has = one.second.has_value();
-    archive.values(one.first, has);
-    if (has && !one.second) one.second.emplace();
-    if (has) oilskin::visit(archive, *one.second);
-    archive.require(!has || one.second->validate().ok(), "a fabric");
+    archive.value(one.first);
+    archive.optional(one.second, [&](Fabric& fabric) {
+      oilskin::visit(archive, fabric);
+      archive.require(fabric.validate().ok(), "a fabric");
+    });
   });
   if (!archive.reading()) return;
   archive.require(settings.validate().ok() && pending >= 0 && pending <= 1e9, "the settings of wetting");
