@@ -38,7 +38,8 @@ class Browser:
     """Chromium, driven through its DevTools protocol."""
 
     def __init__(self, address):
-        self.profile = tempfile.TemporaryDirectory()
+        # Chromium's helpers may still write there for a moment after it has ended.
+        self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         options = ['--headless=new', '--no-first-run', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
                    '--window-size=1360,860', '--hide-scrollbars', '--remote-debugging-port=0',
                    '--remote-allow-origins=*', '--user-data-dir=' + self.profile.name]
