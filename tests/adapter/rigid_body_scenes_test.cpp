@@ -75,7 +75,9 @@ TEST(RigidBodyScene, a_body_lies_on_cloth_that_gets_wet) {
 }
 
 /// In an ideal fluid a sphere that is let go accelerates by g (s − 1)/(s + ½), s its density over the
-/// water's: it takes half its volume of water along.
+/// water's: it takes half its volume of water along. The velocity that a step leaves holds the impulse of the
+/// water, but not yet the gravity with which the body moves on; the first step, whose gravity the held body had
+/// not felt, is left out.
 void let_a_sphere_go(double across, double width, double s) {
   WetWorld w(down);
   w.add_tank(width, 2 * width);
@@ -93,9 +95,11 @@ void let_a_sphere_go(double across, double width, double s) {
          [&](const Vec3& x) { return (x - centre).norm() > radius + 0.003; });
   w.run(0.4, 0.002);  // until the pressure stands
   sphere->setLinearFactor({1, 1, 1});
-  w.run(0.02, 0.002);
+  w.run(0.002, 0.002);
+  const btScalar start = sphere->getLinearVelocity().y();
+  w.run(0.018, 0.002);
   const double expected = -g * (s - 1) / (s + 0.5);
-  const double acceleration = static_cast<double>(sphere->getLinearVelocity().y()) / 0.02;
+  const double acceleration = static_cast<double>(sphere->getLinearVelocity().y() - start) / 0.018;
   EXPECT_NEAR(acceleration, expected, 0.1 * std::abs(expected)) << "s = " << s;
   EXPECT_LT(std::hypot(static_cast<double>(sphere->getLinearVelocity().x()),
                        static_cast<double>(sphere->getLinearVelocity().z())),
