@@ -2,6 +2,8 @@
 
 #include <thread>
 
+#include "core/host_loop.h"
+
 #if OILSKIN_TBB
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -48,6 +50,7 @@ class ForkJoin {
 
 struct Workers::Impl {
   int threads = 1;
+  JobSystem* jobs = nullptr;  // null = oneTBB
 #if OILSKIN_TBB
   mutable tbb::task_arena arena;
   // More slots than the machine has threads would only make oneTBB print a warning.
@@ -59,17 +62,21 @@ struct Workers::Impl {
 
 Workers::Workers(int threads)
     : impl_(std::make_unique<Impl>(
-          threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency())))) {}
+          threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency())))) {
+  if (threads != 1) impl_->jobs = job_system();
+}
 Workers::~Workers() = default;
 
 int Workers::threads() const {
-  return impl_->threads;
+  return impl_->jobs ? impl_->jobs->threads() : impl_->threads;
 }
 
 void Workers::run_tasks(std::size_t chunks, void (*task)(const void*, std::size_t),
                         const void* context) const {
+  if (impl_->jobs != nullptr && impl_->jobs->threads() > 1)
+    return run_on_host(*impl_->jobs, chunks, task, context);
 #if OILSKIN_TBB
-  if (impl_->threads > 1) {
+  if (impl_->jobs == nullptr && impl_->threads > 1) {
     ForkJoin order;
     order.fork();
     impl_->arena.execute([&] {

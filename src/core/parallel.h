@@ -1,5 +1,6 @@
 /// Parallel loops whose results do not depend on the number of threads: the caller fixes the size of chunks,
-/// one thread computes a chunk, and results of chunks are combined in their order. Wraps oneTBB.
+/// one thread computes a chunk, and results of chunks are combined in their order. Wraps oneTBB and
+/// the job system of a host.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +14,7 @@ namespace oilskin {
 
 class Workers {
  public:
-  /// 0 = one per hardware thread.
+  /// 0 = one per hardware thread. Other than 1: on the job system of the host, if there is one.
   explicit Workers(int threads = 0);
   ~Workers();
   Workers(const Workers&) = delete;

@@ -71,8 +71,8 @@ struct Contact {
 /// velocities and impulses in `particles` and `surfaces` have no meaning.
 class ContactSolver {
  public:
-  /// `threads`: 0 = all hardware threads; the results do not depend on it. Settings are validated by
-  /// resolve().
+  /// `threads`: 0 = all hardware threads, or those of set_job_system(); the results do not depend on it.
+  /// Settings are validated by resolve().
   explicit ContactSolver(const ContactSettings& settings = {}, int threads = 0);
   ~ContactSolver();
   /// Takes over settings, caches and contacts.

@@ -105,7 +105,7 @@ struct ReconstructionOptions {
   bool nearest = false;
   /// Working memory [bytes], > 0. Input that needs more is refused before the work starts.
   double memory_limit = 4e9;
-  /// 0 = all hardware threads. The results do not depend on it.
+  /// 0 = all hardware threads, or those of set_job_system(). The results do not depend on it.
   int threads = 0;
 
   /// Accepted, or the first field that is out of range.
@@ -275,7 +275,7 @@ struct EllipsoidOptions {
   double smoothing = 0;
   /// [m], 0 … 1 spacing: ellipsoids are farther than this from obstacles.
   double gap = 0;
-  /// 0 = all hardware threads. The results do not depend on it.
+  /// 0 = all hardware threads, or those of set_job_system(). The results do not depend on it.
   int threads = 0;
 
   /// Accepted, or the first field that is out of range.

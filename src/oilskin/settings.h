@@ -184,7 +184,7 @@ struct WorldSettings {
   /// Particles that leave it are removed and counted. Its largest absolute coordinate R enters δ (C.1): at
   /// ±10 m a host of floats may have thicknesses down to 0.31 mm, at ±100 m down to 3.1 mm.
   Box kill_box = {Vec3::Constant(-10), Vec3::Constant(10)};
-  /// 0 = all hardware threads. The results do not depend on it.
+  /// 0 = all hardware threads, or those of set_job_system(). The results do not depend on it.
   int threads = 0;
   /// Where there are as many particles, none is added; 0 = no limit. Starts of emitters are lost then, and
   /// counted in StepReport::limited_starts; surfaces keep what they would release; add_particles() leaves out

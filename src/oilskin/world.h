@@ -31,17 +31,17 @@ SurfaceLoad load_of(const SurfaceMotion& surface);
 /// A fluid with the surfaces attached to it.
 ///
 /// *Threads.* One thread at a time may call a world; different worlds are independent. step() runs its loops
-/// on WorldSettings::threads threads. It calls hosts and the observer on the caller's thread, as attach()
-/// does SurfaceHost::gather().
+/// on WorldSettings::threads threads, or on those of a JobSystem. It calls hosts and the observer on the
+/// caller's thread, as attach() does SurfaceHost::gather().
 ///
 /// *Re-entrancy.* Hosts and the observer must not call the world that calls them.
 ///
 /// *Exceptions.* Wrong input is refused by a Status. What functions throw is std::bad_alloc,
-/// std::runtime_error where FCL has no memory, std::length_error beyond 2^32 candidate pairs, and what hosts
-/// and the observer throw. The world is then as it was before the call: state_hash(), save(), report() and
-/// contacts() give the same, and the next step is the one that would have been. This holds for a step with
-/// any number of sub-steps, but not for hosts: those that were read or written keep what that did to them,
-/// and one whose gather() returned new_surface must return it again.
+/// std::runtime_error where FCL has no memory, std::length_error beyond 2^32 candidate pairs, and what
+/// hosts, the observer and JobSystem::run() throw. The world is then as it was before the call:
+/// state_hash(), save(), report() and contacts() give the same, and the next step is the one that would have
+/// been. This holds for a step with any number of sub-steps, but not for hosts: those that were read or
+/// written keep what that did to them, and one whose gather() returned new_surface must return it again.
 class World {
  public:
   /// Settings are validated by the first call that needs them; see status().
