@@ -153,7 +153,7 @@ class Drawing {
       << (drawn_.scene.host == HostKind::mock ? " mock" : " bullet") << " dx " << 1e3 * f.spacing << " mm, "
       << drawn_.steps_a_frame << " a frame, sub " << f.max_substeps;
     if (drawn_.mass_ratio > 0) s << ", cloth " << drawn_.mass_ratio;
-    s << (std::holds_alternative<FilledBox>(drawn_.scene.emitters[0]) ? ", block" : ", nozzle");
+    s << (std::holds_alternative<FilledBox>(drawn_.scene.emitters[0].shape) ? ", block" : ", nozzle");
     drawn_.what = s.str();
   }
 

@@ -46,6 +46,8 @@ Scene everything() {
   PlacedMeshEmitter mesh_emitter;
   mesh_emitter.mesh.file = "vee.obj";
   scene.emitters = {disc, box_of_every_field(), mesh_emitter, rain};
+  scene.emitters[0].motion.stop = 4;
+  scene.emitters[0].max_age = 5;
   Cloth grid, mesh;
   PinBox pin;
   pin.within = {Vec3::Constant(-1), Vec3::Constant(1)};

@@ -49,5 +49,24 @@ TEST(SceneRegions, sinks_and_forces_are_checked) {
       "acceptance.floats.0.tank: is 0, must be the index of a tank, in a scene whose gravity is along -y");
 }
 
+TEST(SceneEmitters, motions_and_ages_are_checked) {
+  const auto disc = [](const std::string& keys) {
+    return message_of(R"({"emitters": [{"shape": "disc", )" + keys + "}]}");
+  };
+  EXPECT_EQ(
+      disc(R"("motion": {"velocity": [1, 0, 0], "spin_rate": 3}, "max_age": 2, "inherits_motion": false)"),
+      "");
+  EXPECT_EQ(disc(R"("max_age": 0)"), "emitters.0.max_age: is 0, must be > 0");
+  EXPECT_EQ(disc(R"("max_age": "old")"), "emitters.0.max_age: is \"old\", must be a number, > 0");
+  EXPECT_EQ(disc(R"("inherits_motion": 1)"), "emitters.0.inherits_motion: is 1, must be true or false");
+  EXPECT_EQ(disc(R"("motion": {"spin_axis": [0, 0, 0]})"),
+            "emitters.0.motion.spin_axis: is too short, must be longer than 1e-9");
+  EXPECT_EQ(disc(R"("motion": {"start": -1})"), "emitters.0.motion.start: is -1, must be >= 0");
+  EXPECT_EQ(disc(R"("motion": {"start": 2, "stop": 1})"), "emitters.0.motion.stop: is before \"start\"");
+  EXPECT_EQ(disc(R"("motion": {"speed": 1})").substr(0, 50),
+            "emitters.0.motion.speed: this key is not known; th");
+  EXPECT_EQ(disc(R"("motion": [1, 0, 0])").substr(0, 18), "emitters.0.motion:");
+}
+
 }  // namespace
 }  // namespace oilskin::demo

@@ -82,7 +82,7 @@ TEST(Shapes, water_around_a_hole_fills_the_rest_once) {
   const Box outer = {Vec3::Zero(), Vec3(4, 5, 6)}, hole = {Vec3(1, 1, 2), Vec3(2, 4, 3)};
   double volume = 0;
   for (const Emitter& emitter : water_around(outer, hole)) {
-    const Box& box = std::get<FilledBox>(emitter).box;
+    const Box& box = std::get<FilledBox>(emitter.shape).box;
     const Vec3 size = box.max - box.min;
     EXPECT_GT(size.minCoeff(), 0);
     const Vec3 middle = 0.5 * (box.min + box.max);

@@ -61,7 +61,7 @@ class BulletSimulation : public Simulation {
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) add_body(i);
     for (std::size_t i = 0; i < scene.cloth.size(); ++i) add_anchors(i);
     add_sinks(scene, fluid_.getWorld());
-    if (options.emitters) nozzles_ = add_emitters(scene, fluid_.getWorld());
+    if (options.emitters) emitters_ = add_emitters(scene, fluid_.getWorld());
     effects_ = add_effects(scene, handles(), fluid_.getWorld());
   }
 
@@ -81,6 +81,7 @@ class BulletSimulation : public Simulation {
     const Clock::time_point start = Clock::now();
     const double coupled_before = solver_.seconds();
     const double begin = time_.value(), sub_dt = dt / substeps_;
+    move_emitters(begin, dt);
     for (int s = 0; s < substeps_; ++s) {
       const double t = begin + sub_dt * (s + 1);
       for (std::size_t i = 0; i < cloths_.size(); ++i) prescribe(i, t);

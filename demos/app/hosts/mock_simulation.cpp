@@ -30,7 +30,7 @@ class MockSimulation : public Simulation {
       require(world_.attach(*bodies_.back(), scene.bodies[i].surface, &body_ids_.emplace_back()),
               "bodies." + std::to_string(i));
     }
-    if (options.emitters) nozzles_ = add_emitters(scene, world_);
+    if (options.emitters) emitters_ = add_emitters(scene, world_);
     add_sinks(scene, world_);
     effects_ = add_effects(scene, cloth_ids_, world_);
   }
@@ -45,6 +45,7 @@ class MockSimulation : public Simulation {
       bodies_[grip_->index]->displace(grip_->velocity, dt);
     }
     for (auto& body : bodies_) body->advance(t + dt);
+    move_emitters(t, dt);
     time_.add(dt);
     host_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return world_.step(dt);

@@ -20,6 +20,12 @@ struct Nozzle {
   double radius = 0;              ///< [m]
 };
 
+/// An emitter in the world. Only nozzles and emitters that move or limit ages have a handle.
+struct AddedEmitter {
+  EmitterId id;
+  Vec3 center = Vec3::Zero();  ///< at the start [m]
+};
+
 struct SimulationOptions {
   int threads = 0;
   bool emitters = true;  ///< false: the same cloth run dry
@@ -55,7 +61,8 @@ class Simulation {
   virtual Status set_gravity(const Vec3& gravity) = 0;
   /// The scene's nozzles as they are now, in its order; none of a scene that runs dry.
   std::vector<Nozzle> nozzles() const;
-  /// Nozzle i turns to `direction`, of any length > 0, within the next 0.05 s. Refuses what is not finite.
+  /// Nozzle i turns to `direction`, of any length > 0, within the next 0.05 s. Refuses what is not finite,
+  /// and nozzles that move as the scene prescribes.
   Status aim_nozzle(std::size_t i, const Vec3& direction);
   /// Uses other effects from the next step on. The numbers of effects that stay as they are remain. Throws
   /// SceneError for what is refused.
@@ -73,7 +80,10 @@ class Simulation {
   SimulatedTime time_;
   std::vector<ClothModel> models_;
   std::optional<Grip> grip_;
-  std::vector<EmitterId> nozzles_;  ///< of the discs among the emitters
+  /// Emitters move to where they are at t + dt, within the next step [s].
+  void move_emitters(double t, double dt);
+
+  std::vector<AddedEmitter> emitters_;  ///< in the scene's order; none where it runs dry
   EffectList effects_;
 };
 
@@ -81,8 +91,8 @@ class Simulation {
 using MakeSimulation =
     std::function<std::unique_ptr<Simulation>(const Scene& scene, const SimulationOptions& options)>;
 
-/// Gives the world its emitters, and returns the handles of nozzles.
-std::vector<EmitterId> add_emitters(const Scene& scene, World& world);
+/// Gives the world its emitters.
+std::vector<AddedEmitter> add_emitters(const Scene& scene, World& world);
 /// Gives it its sinks and its largest age.
 void add_sinks(const Scene& scene, World& world);
 WorldSettings world_settings(const Scene& scene, const SimulationOptions& options);

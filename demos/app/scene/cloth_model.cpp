@@ -140,10 +140,6 @@ void build_pins(const Cloth& cloth, ClothModel& model, const std::string& key) {
   }
 }
 
-Eigen::AngleAxisd spin(const Motion& motion, double seconds) {
-  return Eigen::AngleAxisd(motion.spin_rate * seconds, motion.spin_axis.normalized());
-}
-
 }  // namespace
 
 bool ClothModel::pinned_at_start(std::size_t node) const {
@@ -175,15 +171,19 @@ double motion_time(const Motion& motion, double t) {
   return std::max(0.0, std::min(t, motion.stop) - motion.start);
 }
 
+Eigen::AngleAxisd turned(const Motion& motion, double t) {
+  return Eigen::AngleAxisd(motion.spin_rate * motion_time(motion, t), motion.spin_axis.normalized());
+}
+
 Vec3 moved(const Motion& motion, const Vec3& rest, double t) {
   const double seconds = motion_time(motion, t);
   if (seconds == 0 || !motion.moves()) return rest;
-  return motion.spin_center + spin(motion, seconds) * (rest - motion.spin_center) + motion.velocity * seconds;
+  return motion.spin_center + turned(motion, t) * (rest - motion.spin_center) + motion.velocity * seconds;
 }
 
 Vec3 velocity_at(const Motion& motion, const Vec3& rest, double t) {
   if (!motion.moves() || t < motion.start || t >= motion.stop) return Vec3::Zero();
-  const Vec3 arm = spin(motion, motion_time(motion, t)) * (rest - motion.spin_center);
+  const Vec3 arm = turned(motion, t) * (rest - motion.spin_center);
   return motion.velocity + motion.spin_axis.normalized().cross(arm) * motion.spin_rate;
 }
 

@@ -33,6 +33,8 @@ ClothModel build_cloth(const Cloth& cloth, const std::string& key);
 Vec3 moved(const Motion& motion, const Vec3& rest, double t);
 /// Its velocity then [m/s].
 Vec3 velocity_at(const Motion& motion, const Vec3& rest, double t);
+/// How far a body has turned then.
+Eigen::AngleAxisd turned(const Motion& motion, double t);
 /// Seconds of the motion that have passed at t.
 double motion_time(const Motion& motion, double t);
 

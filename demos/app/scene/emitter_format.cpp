@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "scene/surface_format.h"
+
 namespace oilskin::demo {
 
 void describe(Fields& f, PlacedMesh& m) {
@@ -108,7 +110,7 @@ enum class EmitterShape { disc, box, mesh, rain };
 }  // namespace
 
 void describe_emitter(Fields& f, Emitter& e) {
-  auto shape = static_cast<EmitterShape>(e.index());
+  auto shape = static_cast<EmitterShape>(e.shape.index());
   f.choice("shape", shape,
            {{"disc", EmitterShape::disc},
             {"box", EmitterShape::box},
@@ -116,12 +118,15 @@ void describe_emitter(Fields& f, Emitter& e) {
             {"rain", EmitterShape::rain}});
   if (f.reading()) {
     if (!f.has("shape")) f.fail("shape", "is missing: disc, box, mesh or rain");
-    if (shape == EmitterShape::disc) e = DiscEmitter();
-    if (shape == EmitterShape::box) e = FilledBox();
-    if (shape == EmitterShape::mesh) e = PlacedMeshEmitter();
-    if (shape == EmitterShape::rain) e = RainEmitter();
+    if (shape == EmitterShape::disc) e.shape = DiscEmitter();
+    if (shape == EmitterShape::box) e.shape = FilledBox();
+    if (shape == EmitterShape::mesh) e.shape = PlacedMeshEmitter();
+    if (shape == EmitterShape::rain) e.shape = RainEmitter();
   }
-  std::visit([&](auto& emitter) { describe(f, emitter); }, e);
+  std::visit([&](auto& emitter) { describe(f, emitter); }, e.shape);
+  f.object("motion", [&](Fields& g) { describe(g, e.motion); });
+  f.boolean("inherits_motion", e.inherits_motion);
+  f.number("max_age", e.max_age, positive());
 }
 
 }  // namespace oilskin::demo

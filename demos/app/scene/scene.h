@@ -39,8 +39,8 @@ struct PlacedMesh {
   Mesh mesh;  ///< as placed
 };
 
-/// Prescribed motion of pins and bodies between `start` and `stop`: rotation about a fixed axis, then
-/// translation.
+/// Prescribed motion of pins, bodies and emitters between `start` and `stop`: rotation about a fixed axis,
+/// then translation.
 struct Motion {
   Vec3 velocity = Vec3::Zero();  ///< [m/s]
   Vec3 spin_center = Vec3::Zero();
@@ -164,7 +164,18 @@ struct PlacedMeshEmitter {
   InitialFields initial;
 };
 
-using Emitter = std::variant<DiscEmitter, FilledBox, PlacedMeshEmitter, RainEmitter>;
+struct Emitter {
+  using Shape = std::variant<DiscEmitter, FilledBox, PlacedMeshEmitter, RainEmitter>;
+
+  Shape shape;
+  Motion motion;
+  bool inherits_motion = true;  ///< its water has the velocity of its centre, too
+  double max_age = never;       ///< of its particles [s]
+
+  Emitter() = default;
+  template <class S>
+  Emitter(S s) : shape(std::move(s)) {}
+};
 
 /// The water's surface as triangles, for every frame (oilskin/reconstruction.h). In a scene with wetting that
 /// gives no mode, the mode is `wet`.

@@ -98,7 +98,7 @@ void load_meshes(Scene& scene) {
     if (auto* mesh = std::get_if<PlacedMesh>(&scene.bodies[i].shape))
       load_mesh(*mesh, scene.directory, "bodies." + std::to_string(i));
   for (std::size_t i = 0; i < scene.emitters.size(); ++i)
-    if (auto* emitter = std::get_if<PlacedMeshEmitter>(&scene.emitters[i]))
+    if (auto* emitter = std::get_if<PlacedMeshEmitter>(&scene.emitters[i].shape))
       load_mesh(emitter->mesh, scene.directory, "emitters." + std::to_string(i));
 }
 

@@ -32,6 +32,7 @@ void describe(Fields& f, Motion& m) {
   f.number("spin_rate", m.spin_rate, any_number());
   f.number("start", m.start, not_negative());
   f.number("stop", m.stop, not_negative());
+  if (f.reading() && m.stop < m.start) f.fail("stop", "is before \"start\"");
 }
 
 }  // namespace oilskin::demo

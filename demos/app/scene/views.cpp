@@ -45,9 +45,10 @@ double colour_end(const Scene& scene) {
   if (scene.pictures.max_speed > 0) return scene.pictures.max_speed;
   double fastest = 1;
   for (const Emitter& e : scene.emitters) {
-    if (const auto* disc = std::get_if<DiscEmitter>(&e)) fastest = std::max(fastest, disc->speed);
-    if (const auto* rain = std::get_if<RainEmitter>(&e)) fastest = std::max(fastest, rain->velocity.norm());
-    if (const auto* box = std::get_if<FilledBox>(&e)) fastest = std::max(fastest, box->velocity.norm());
+    if (const auto* disc = std::get_if<DiscEmitter>(&e.shape)) fastest = std::max(fastest, disc->speed);
+    if (const auto* rain = std::get_if<RainEmitter>(&e.shape))
+      fastest = std::max(fastest, rain->velocity.norm());
+    if (const auto* box = std::get_if<FilledBox>(&e.shape)) fastest = std::max(fastest, box->velocity.norm());
   }
   return 1.25 * fastest;
 }
