@@ -1,5 +1,5 @@
 // The contract of hosts on Bullet's soft body, in the precision that this file is compiled for, in steps and
-// in sub-steps; that of levels on Bullet's collision objects.
+// in sub-steps; that of levels on Bullet's collision objects; that of bodies on Bullet's rigid bodies.
 #include "support/contract_suite.h"
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
@@ -7,6 +7,7 @@
 #include "adapter/bullet_world.h"
 #include "bullet_adapter/collision_object_host.h"
 #include "oilskin/bullet.h"
+#include "support/body_contract.h"
 #include "support/level_contract.h"
 
 namespace oilskin::test {
@@ -101,6 +102,58 @@ class MeshLevel : public BulletLevel {
 
 using Levels = ::testing::Types<HeightFieldLevel, MeshLevel>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Bullet, LevelContract, Levels);
+
+template <int max_substeps>
+class BulletBodyFixture {
+ public:
+  static constexpr bool is_double = bullet::test::is_double;
+
+  BulletBodyFixture()
+      : fluid_(contract_fluid(max_substeps), contract_world(), contract_contact()),
+        bullet_(btVector3(0, 0, 0), &solver_),
+        shape_(btVector3(1, 1, 1) * btScalar(body_half)) {
+    btVector3 inertia(0, 0, 0);
+    shape_.calculateLocalInertia(btScalar(body_mass), inertia);
+    body_ = std::make_unique<btRigidBody>(
+        btRigidBody::btRigidBodyConstructionInfo(btScalar(body_mass), nullptr, &shape_, inertia));
+    body_->setLinearVelocity(bullet::to_bt(body_velocity()));
+    body_->setAngularVelocity(bullet::to_bt(body_spin()));
+    bullet_.world.addRigidBody(body_.get());
+    EXPECT_TRUE(solver_.addFluid(&fluid_).ok());
+  }
+  ~BulletBodyFixture() {
+    solver_.removeRigidBody(body_.get());
+    bullet_.world.removeRigidBody(body_.get());
+  }
+
+  World& world() { return fluid_.getWorld(); }
+  Status attach() { return solver_.addRigidBody(body_.get(), sheet_settings()); }
+  void lock_height() {
+    body_->setLinearFactor(btVector3(1, 0, 1));
+    body_->setAngularFactor(0);
+  }
+  void step(double dt) { bullet_.step(dt); }
+  Vec3 velocity() const { return bullet::to_vec3(body_->getLinearVelocity()); }
+  Vec3 spin() const { return bullet::to_vec3(body_->getAngularVelocity()); }
+  Vec3 center() const { return bullet::to_vec3(body_->getCenterOfMassPosition()); }
+  Eigen::Matrix3d inverse_inertia() const {
+    Eigen::Matrix3d all;
+    for (int row = 0; row < 3; ++row)
+      all.row(row) = bullet::to_vec3(body_->getInvInertiaTensorWorld().getRow(row));
+    return all;
+  }
+  SurfaceId id() const { return SurfaceId{1}; }
+
+ private:
+  bullet::btFluid fluid_;
+  bullet::btFluidSoftBodySolver solver_;
+  bullet::test::SoftWorld bullet_;
+  btBoxShape shape_;
+  std::unique_ptr<btRigidBody> body_;
+};
+
+using Bodies = ::testing::Types<BulletBodyFixture<1>, BulletBodyFixture<6>>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Bullet, BodyContract, Bodies);
 
 }  // namespace
 }  // namespace oilskin::test

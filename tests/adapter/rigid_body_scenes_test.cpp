@@ -76,8 +76,8 @@ TEST(RigidBodyScene, a_body_lies_on_cloth_that_gets_wet) {
 
 /// In an ideal fluid a sphere that is let go accelerates by g (s − 1)/(s + ½), s its density over the
 /// water's: it takes half its volume of water along. The velocity that a step leaves holds the impulse of the
-/// water, but not yet the gravity with which the body moves on; the first step, whose gravity the held body had
-/// not felt, is left out.
+/// water, but not yet the gravity with which the body moves on; the first step, whose gravity the held body
+/// had not felt, is left out.
 void let_a_sphere_go(double across, double width, double s) {
   WetWorld w(down);
   w.add_tank(width, 2 * width);

@@ -14,6 +14,7 @@ class MockBody : public SurfaceHost {
   Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();
   Vec3 gravity = Vec3::Zero();
   Vec3 free_axes = Vec3::Ones();  ///< 0 = locked
+  bool turns = true;              ///< moments turn it
   bool may_be_held = true;
   int held = 0;  ///< how often contact held it
 
@@ -47,7 +48,7 @@ class MockBody : public SurfaceHost {
     m.holdable.assign(8, may_be_held ? 1 : 0);
     BodyMotion body;
     body.inverse_mass = free_axes / mass;
-    body.inverse_inertia = inverse_inertia();
+    if (turns) body.inverse_inertia = inverse_inertia();
     body.center_t1 = center;
     body.velocity = velocity;
     body.gravity = gravity;

@@ -1,6 +1,9 @@
-// The contract of hosts on the mock cloth, in steps and in sub-steps; that of levels on the mock mesh.
+// The contract of hosts on the mock cloth, in steps and in sub-steps; that of levels on the mock mesh; that
+// of bodies on the mock body.
+#include "support/body_contract.h"
 #include "support/contract_suite.h"
 #include "support/level_contract.h"
+#include "support/mock_body.h"
 #include "support/mock_cloth.h"
 #include "support/static_mesh.h"
 
@@ -57,6 +60,40 @@ class MockLevel {
 };
 
 INSTANTIATE_TYPED_TEST_SUITE_P(Mock, LevelContract, MockLevel);
+
+template <int max_substeps>
+class MockBodyFixture {
+ public:
+  static constexpr bool is_double = true;
+
+  MockBodyFixture() : world_(contract_world(), contract_fluid(max_substeps), contract_contact()) {
+    body_.mass = body_mass;
+    body_.half = Vec3::Constant(body_half);
+    body_.velocity = body_velocity();
+    body_.spin = body_spin();
+  }
+
+  World& world() { return world_; }
+  Status attach() { return world_.attach(body_, sheet_settings(), &id_); }
+  void lock_height() {
+    body_.free_axes.y() = 0;
+    body_.turns = false;
+  }
+  void step(double dt) { world_.step(dt); }
+  Vec3 velocity() const { return body_.velocity; }
+  Vec3 spin() const { return body_.spin; }
+  Vec3 center() const { return body_.center; }
+  Eigen::Matrix3d inverse_inertia() const { return body_.inverse_inertia(); }
+  SurfaceId id() const { return id_; }
+
+ private:
+  World world_;
+  MockBody body_;
+  SurfaceId id_;
+};
+
+using Bodies = ::testing::Types<MockBodyFixture<1>, MockBodyFixture<6>>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Mock, BodyContract, Bodies);
 
 }  // namespace
 }  // namespace oilskin::test
