@@ -70,6 +70,25 @@ class Drawing {
     }
     describe();
   }
+  /// Adds a sink where the water goes, an age at which it ends, and a force field.
+  void add_fields() {
+    Scene& s = drawn_.scene;
+    const double wide = side_ * s.fluid.spacing;
+    const Vec3 corner(random_.uniform(0, 0.8) * wide, -0.5 * wide, random_.uniform(0, 0.8) * wide);
+    s.sinks.push_back(box_region({corner, corner + Vec3(0.3, 1, 0.3) * wide}));
+    s.max_age = random_.uniform(0.15, 0.45);
+    const Vec3 aside = Vec3(random_.uniform(-1, 1), 0, random_.uniform(-1, 1));
+    VortexForce vortex;
+    vortex.center = Vec3(0.5, 0, 0.5) * wide;
+    vortex.radius = 0.3 * wide;
+    vortex.strength = random_.uniform(-5, 5);
+    WindForce wind;
+    wind.velocity = 5 * aside;
+    s.effects.forces = {UniformForce{Region(), 3 * aside}, vortex, wind};
+    s.effects.forces = {s.effects.forces[random_.below(3)]};
+    static constexpr const char* names[] = {"uniform", "vortex", "wind"};
+    drawn_.what += std::string(", sink, ages, ") + names[s.effects.forces[0].index()];
+  }
   Drawn take() { return std::move(drawn_); }
 
  private:
@@ -170,6 +189,8 @@ struct Verdict {
       0;  ///< largest of (made + work of the host)/scale: all that rose in a world with passive cloth
   double dry = 0;  ///< largest work of the host on its dry cloth over the scale
   bool flagged = false;
+  std::uint64_t drained = 0, aged = 0;
+  double work_outside = 0;  ///< of force fields [J]
 };
 
 Verdict judge(const Drawn& drawn) {
@@ -187,6 +208,9 @@ Verdict judge(const Drawn& drawn) {
     if (e.scale > 0) v.total = std::max(v.total, (e.made + e.work_host) / e.scale);
     v.flagged |= (r.flags & flag_energy_made) != 0;
     scale = e.scale;
+    v.drained += r.removed_by_sinks;
+    v.aged += r.removed_by_age;
+    v.work_outside = e.work_outside;
   }
   if (drawn.scene.cloth.empty()) return v;
   options.emitters = false;
@@ -244,6 +268,33 @@ TEST(EnergyWorlds, energy_never_rises_by_itself) {
   test::record("worlds that make energy", failed);
   test::record("worlds judged", judged);
   EXPECT_GE(2 * judged, count);
+}
+
+// Their energies are those of water that leaves, and of work from outside.
+TEST(EnergyWorlds, sinks_ages_and_force_fields_do_not_let_energy_rise) {
+  const std::uint64_t first = from_environment("OILSKIN_WORLDS_FIRST", 1);
+  const std::uint64_t count = from_environment("OILSKIN_WORLDS_COUNT", 12);
+  const bool table = from_environment("OILSKIN_WORLDS_TABLE", 0) != 0;
+  std::uint64_t judged = 0, drained = 0, aged = 0, worked = 0;
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    Drawing drawing(seed);
+    drawing.add_fields();
+    const Drawn drawn = drawing.take();
+    write_scene_file(drawn);
+    const Verdict v = judge(drawn);
+    if (table) print(seed, drawn, v);
+    drained += v.drained;
+    aged += v.aged;
+    worked += v.work_outside != 0;
+    if (v.dry > limit || !is_judged(drawn, false)) continue;
+    ++judged;
+    EXPECT_LE(v.made, limit) << "seed " << seed << ": " << drawn.what;
+  }
+  test::record("worlds with fields judged", judged);
+  EXPECT_GE(2 * judged, count);
+  EXPECT_GT(drained, 100 * count / 12);
+  EXPECT_GT(aged, 100 * count / 12);
+  EXPECT_GE(2 * worked, count);
 }
 
 }  // namespace

@@ -9,12 +9,13 @@
 namespace oilskin::test {
 
 DrawnWorld::DrawnWorld(std::uint64_t seed, bool large, int threads)
-    : random_(Random(seed).bits()), seed_(seed), large_(large) {
+    : random_(Random(seed).bits()), fields_random_(Random(~seed).bits()), seed_(seed), large_(large) {
   draw_settings(threads);
   const std::uint32_t surfaces = 1 + random_.below(large ? 5 : 3);
   for (std::uint32_t k = 0; k < surfaces; ++k) add_sheet();
   add_emitters();
   add_water(large ? 900 + random_.below(400) : 20 + random_.below(180));
+  add_fields();
   world_->set_observer(&watch_);
   describe();
 }
@@ -198,6 +199,7 @@ void DrawnWorld::describe() {
       << (p.storage == Storage::float32 ? "float" : "double") << " pins " << p.pins << " h/dx "
       << *sheet.settings.thickness / dx_ << ';';
   }
+  s << ' ' << drains_.size() << " sinks, " << forces_.size() << " forces, age " << max_age_ / dt_ << " dt";
   verdict_.what = s.str();
 }
 

@@ -100,7 +100,8 @@ void DrawnWorld::check_momentum(const StepReport& r, const Before& before) {
   const double m = world_->particle_mass();
   Vec3 fluid = Vec3::Zero(), on_nodes = Vec3::Zero();
   double size = before.node_momentum + node_momentum() + r.momentum_before.norm() +
-                r.momentum_removed.norm() + r.momentum_emitted.norm() + r.momentum_gravity.norm();
+                r.momentum_removed.norm() + r.momentum_emitted.norm() + r.momentum_gravity.norm() +
+                r.momentum_effects.norm();
   for (const Vec3& v : world_->velocities()) {
     fluid += m * v;
     size += m * v.norm();

@@ -67,6 +67,7 @@ void DrawnWorld::disturb() {
   if (chance(random_, 0.05)) add_water(1 + random_.below(20));
   if (chance(random_, 0.03))
     expect(world_->set_gravity(random_.direction() * random_.log_uniform(1e-3, 1e4)).ok(), "set_gravity");
+  disturb_fields();
 }
 
 void DrawnWorld::step() {
@@ -86,6 +87,7 @@ void DrawnWorld::step() {
   check_momentum(r, before);
   check_energy(r);
   check_promise(r);
+  check_fields(r);
   verdict_.hashes.push_back(world_->state_hash());
 }
 

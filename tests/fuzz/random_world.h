@@ -18,7 +18,8 @@ struct WorldVerdict {
   // What the run had in it, over all steps
   std::uint64_t steps = 0, particles = 0, pairs = 0, impacts = 0, zone_steps = 0, max_zone_rounds = 0;
   std::uint64_t stalled = 0, carried_along = 0, removed = 0, allowed = 0, relocated = 0, removed_invalid = 0,
-                blocked = 0;
+                blocked = 0, drained = 0, aged = 0;
+  std::uint64_t forced = 0;        ///< steps in which force fields gave momentum
   std::uint64_t false_alarms = 0;  ///< steps in which verify found more than were allowed to pass
   std::uint64_t not_judged = 0;    ///< steps whose momentum residual may be rounding of removed particles
   double worst_momentum = 0;       ///< residual over Σ|p|, where it is judged

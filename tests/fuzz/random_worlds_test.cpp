@@ -57,6 +57,9 @@ TEST(RandomWorlds, keep_every_invariant) {
     sum.relocated += v.relocated;
     sum.removed_invalid += v.removed_invalid;
     sum.blocked += v.blocked;
+    sum.drained += v.drained;
+    sum.aged += v.aged;
+    sum.forced += v.forced;
     sum.false_alarms += v.false_alarms;
     sum.not_judged += v.not_judged;
     sum.worst_momentum = std::max(sum.worst_momentum, v.worst_momentum);
@@ -75,6 +78,9 @@ TEST(RandomWorlds, keep_every_invariant) {
   record("relocated", sum.relocated);
   record("removed as invalid", sum.removed_invalid);
   record("blocked", sum.blocked);
+  record("ended in sinks", sum.drained);
+  record("ended by age", sum.aged);
+  record("steps with force fields", sum.forced);
   record("false alarms of verify", sum.false_alarms);
   record("worst momentum residual", sum.worst_momentum);
   record("steps not judged", sum.not_judged);
@@ -90,6 +96,9 @@ TEST(RandomWorlds, keep_every_invariant) {
   EXPECT_GT(sum.relocated, 0u);
   EXPECT_GT(sum.removed_invalid, 0u);
   EXPECT_GT(sum.blocked, 0u);
+  EXPECT_GT(sum.drained, 0u);
+  EXPECT_GT(sum.aged, 0u);
+  EXPECT_GT(sum.forced, 0u);
 }
 
 }  // namespace
