@@ -281,7 +281,9 @@ void Dfsph::displace(StepState& state) {
 
 /// div_i (F.29): dt Dρ/Dt/ρ0 at the current displacements.
 void Dfsph::compression(StepState& state, PairRange range, float* out) const {
-  pair_kernels().compression(pair_table(state, range.begin), x_phi_.data(), displacement_.data(), range, out);
+  // Not x_phi_: another chunk may be writing a φ beside the position that this one reads.
+  pair_kernels().compression(pair_table(state, range.begin), state.position().data(), displacement_.data(),
+                             range, out);
   for (std::size_t i = range.begin; i < range.end; ++i, ++out) {
     *out *= fluid_.density_scale;
     const std::uint32_t k = WallResponse::point_of(state, i);
