@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Plots of `oilskin study` and `oilskin validate`: study_plots.py DIR [OUT].
 
-Reads study.csv, validation.csv, leaks.csv, stability.csv and sizes.csv in DIR, those that are there, and writes
-accuracy_cost.svg, accuracy_order.svg, leaks.svg, stability.svg and sizes.svg to OUT (default DIR). Needs matplotlib.
+Reads study.csv, validation.csv, leaks.csv, stability.csv, floating.csv and sizes.csv in DIR, those that are there, and
+writes accuracy_cost.svg, accuracy_order.svg, leaks.svg, stability.svg, floating.svg and sizes.svg to OUT (default DIR).
+Needs matplotlib.
 """
 
 import csv
@@ -140,12 +141,27 @@ def stability(rows, out):
     save(figure, out, "stability.svg")
 
 
+def floating(rows, out):
+    """Energy made by a box that falls into water, over step and density."""
+    figure, (axis,) = panels(1, 5.4, 3.7)
+    for ratio, points in groups(rows, "density_ratio").items():
+        axis.plot([1e3 * number(p["step"]) for p in points], [100 * number(p["energy_risen"]) for p in points], "o-",
+                  markersize=3, label=f"{number(ratio):g}")
+    axis.set(xscale="log", xlabel="step [ms]", ylabel="energy made [% of its scale]")
+    axis.set_yscale("symlog", linthresh=0.1)
+    axis.set_ylim(bottom=0)
+    axis.legend(fontsize=7, title="density / water's", title_fontsize=7, ncol=2)
+    save(figure, out, "floating.svg")
+
+
 def sizes(rows, out):
-    """Milliseconds a step over particles, and over faces."""
-    figure, axes = panels(2)
-    for axis, varied in zip(axes, ("particles", "faces")):
+    """Milliseconds a step over particles, faces and contacts."""
+    columns = {"particles": "particles", "faces": "faces", "contacts": "contacts_per_substep"}
+    varied_here = [v for v in columns if any(r["varied"] == v for r in rows)]
+    figure, axes = panels(len(varied_here), columns=3)
+    for axis, varied in zip(axes, varied_here):
         points = [r for r in rows if r["varied"] == varied]
-        x = [number(p[varied]) for p in points]
+        x = [number(p[columns[varied]]) for p in points]
         for key, label in (("ms_per_step", "sum"), ("ms_fluid", "fluid"), ("ms_walls", "walls and occlusion"),
                            ("ms_contact", "contact")):
             axis.plot(x, [number(p[key]) for p in points], "o-", markersize=3, label=label)
@@ -160,7 +176,7 @@ def main(arguments):
     directory, out = arguments[1], arguments[-1]
     os.makedirs(out, exist_ok=True)
     plots = {"study": accuracy_cost, "validation": accuracy_order, "leaks": leaks, "stability": stability,
-             "sizes": sizes}
+             "floating": floating, "sizes": sizes}
     made = 0
     for name, plot in plots.items():
         path = os.path.join(directory, name + ".csv")

@@ -1,4 +1,4 @@
-/// What a step costs over the number of particles, and of faces.
+/// What a step costs over the number of particles, of faces, and of contacts.
 #include <cmath>
 #include <cstdio>
 
@@ -33,6 +33,16 @@ Scene sheet_of(double faces) {
   return scene;
 }
 
+/// About 8,000 particles in `layers` layers on a sheet of 9,800 triangles, 0.5 m × 0.5 m.
+Scene layers_of(int layers) {
+  const double half = 0.5 * spacing * std::round(std::sqrt(8000. / layers));
+  Scene scene = empty_scene(spacing, 1);
+  scene.contact.verify = false;
+  scene.bodies = {mesh_body(sheet_mesh(Vec3(-0.25, 0, -0.25), Vec3(0, 0, 0.5), Vec3(0.5, 0, 0), 70, 70))};
+  scene.emitters = {water_box(Vec3(-half, 0.002, -half), Vec3(half, 0.002 + layers * spacing, half))};
+  return scene;
+}
+
 std::string row_of(const std::string& kind, const Scene& scene, const TablePlace& place) {
   SimulationOptions options;
   options.threads = place.threads;
@@ -49,12 +59,13 @@ std::string row_of(const std::string& kind, const Scene& scene, const TablePlace
   const double fluid = s.neighbours + s.pressure + s.other_fluid, walls = s.boundary + s.occlusion,
                contact = s.gather + s.proximity + s.impulses + s.ccd + s.zones;
   const double ms = 1e3 / measured, steps = measured;
-  char text[200];
-  std::snprintf(text, sizeof text, "%s,%zu,%zu,%.4g,%.4g,%.4g,%.4g,%.4g,%.3g,%.2f", kind.c_str(),
+  char text[220];
+  std::snprintf(text, sizeof text, "%s,%zu,%zu,%.4g,%.4g,%.4g,%.4g,%.4g,%.3g,%.2f,%.0f", kind.c_str(),
                 simulation->world().particle_count(), simulation->body(0)->triangles.size(),
                 ms * (fluid + walls + contact), ms * fluid, ms * walls, ms * contact,
                 ms * (simulation->host_seconds() - host), double(totals.substeps) / steps,
-                double(totals.pressure_iterations) / double(totals.substeps));
+                double(totals.pressure_iterations) / double(totals.substeps),
+                double(totals.contact.contacts) / double(totals.substeps));
   return text;
 }
 
@@ -69,13 +80,16 @@ StudyTable sizes_table() {
     for (const double faces : {1e3, 3e3, 1e4, 3e4, 1e5})
       rows.push_back({"faces " + std::to_string(static_cast<int>(faces)),
                       [=, &place] { return row_of("faces", sheet_of(faces), place); }});
+    for (const int layers : {1, 2, 4, 8, 20})
+      rows.push_back({"layers " + std::to_string(layers),
+                      [=, &place] { return row_of("contacts", layers_of(layers), place); }});
     return rows_of_table(
         "sizes",
         "varied,particles,faces,ms_per_step,ms_fluid,ms_walls,ms_contact,ms_host,substeps_per_step,"
-        "iterations_per_substep",
+        "iterations_per_substep,contacts_per_substep",
         rows, place);
   };
-  return {"sizes", "milliseconds a step over the number of particles, and of faces", make};
+  return {"sizes", "milliseconds a step over the number of particles, of faces, and of contacts", make};
 }
 
 }  // namespace oilskin::demo

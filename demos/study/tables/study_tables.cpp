@@ -41,7 +41,7 @@ std::string stored_text(const std::string& machine, const std::map<std::string, 
 
 const std::vector<StudyTable>& study_tables() {
   static const std::vector<StudyTable> all = {leaks_table(), methods_table(), stability_table(),
-                                              sizes_table()};
+                                              floating_table(), sizes_table()};
   return all;
 }
 

@@ -40,7 +40,9 @@ StudyTable stability_table();
 /// Leaks over method, step and speed; accuracy and cost over method (comparators/).
 StudyTable leaks_table();
 StudyTable methods_table();
-/// Cost of a step over the number of particles, and of faces.
+/// Energy made by a box that falls into water, over step and mass.
+StudyTable floating_table();
+/// Cost of a step over the number of particles, of faces, and of contacts.
 StudyTable sizes_table();
 
 }  // namespace oilskin::demo
