@@ -261,6 +261,24 @@ inline F8 positive_part(const F8& a) {
   return larger(a, 0.0f);
 }
 
+/// `a` where `x` is positive, else `b`.
+inline F8 choose_positive(const F8& x, const F8& a, const F8& b) {
+#if defined(OILSKIN_VECTOR_EXTENSIONS) && defined(__SSE2__)
+  const auto half = [](F4 y, F4 c, F4 d) {
+    const __m128 mask = _mm_cmpgt_ps(y.v, _mm_setzero_ps());
+    return F4(F4::V(_mm_or_ps(_mm_and_ps(mask, c.v), _mm_andnot_ps(mask, d.v))));
+  };
+  return {half(x.low, a.low, b.low), half(x.high, a.high, b.high)};
+#else
+  float s[8], p[8], q[8];
+  x.store(s);
+  a.store(p);
+  b.store(q);
+  for (int k = 0; k < 8; ++k) p[k] = s[k] > 0 ? p[k] : q[k];
+  return F8::load(p);
+#endif
+}
+
 /// Bit k: a[k] > b[k].
 inline std::uint32_t greater_mask(const F8& a, const F8& b) {
 #if defined(OILSKIN_VECTOR_EXTENSIONS) && defined(__SSE2__)

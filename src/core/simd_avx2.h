@@ -6,6 +6,7 @@
 #include <immintrin.h>
 
 #include "core/simd.h"
+#include "core/simd_double.h"
 
 namespace oilskin::simd::avx2 {
 
@@ -41,6 +42,9 @@ inline void operator+=(F8& a, F8 b) {
 inline F8 larger(F8 a, F8 b) {
   return _mm256_max_ps(a.v, b.v);
 }
+inline F8 smaller(F8 a, F8 b) {
+  return _mm256_min_ps(a.v, b.v);
+}
 inline F8 root(F8 a) {
   return _mm256_sqrt_ps(a.v);
 }
@@ -51,6 +55,11 @@ inline float total(F8 a) {
   alignas(16) float s[4];
   _mm_store_ps(s, _mm_add_ps(_mm256_castps256_ps128(a.v), _mm256_extractf128_ps(a.v, 1)));
   return (s[0] + s[2]) + (s[1] + s[3]);
+}
+
+/// `a` where `x` is positive, else `b`.
+inline F8 choose_positive(F8 x, F8 a, F8 b) {
+  return _mm256_blendv_ps(b.v, a.v, _mm256_cmp_ps(x.v, _mm256_setzero_ps(), _CMP_GT_OQ));
 }
 
 struct Sum8 {
@@ -93,5 +102,50 @@ struct Record8 {
     return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(&first.x)), _mm_load_ps(&second.x), 1);
   }
 };
+
+/// Four doubles in one register: the names of core/simd_double.h.
+struct D4 {
+  __m256d v;
+  D4() : v(_mm256_setzero_pd()) {}
+  D4(__m256d a) : v(a) {}                 // NOLINT(google-explicit-constructor): a wrapper
+  D4(double a) : v(_mm256_set1_pd(a)) {}  // NOLINT(google-explicit-constructor): broadcasts constants
+  D4(double a, double b, double c, double d) : v(_mm256_setr_pd(a, b, c, d)) {}
+
+  /// No alignment is needed.
+  static D4 load(const double* p) { return _mm256_loadu_pd(p); }
+  void store(double* p) const { _mm256_storeu_pd(p, v); }
+};
+
+struct Mask4 {
+  __m256d v;
+};
+
+inline D4 operator+(D4 a, D4 b) {
+  return _mm256_add_pd(a.v, b.v);
+}
+inline D4 operator-(D4 a, D4 b) {
+  return _mm256_sub_pd(a.v, b.v);
+}
+inline D4 operator*(D4 a, D4 b) {
+  return _mm256_mul_pd(a.v, b.v);
+}
+inline D4 operator/(D4 a, D4 b) {
+  return _mm256_div_pd(a.v, b.v);
+}
+inline D4 root(D4 a) {
+  return _mm256_sqrt_pd(a.v);
+}
+inline Mask4 operator>(D4 a, D4 b) {
+  return {_mm256_cmp_pd(a.v, b.v, _CMP_GT_OQ)};
+}
+inline Mask4 operator&(Mask4 a, Mask4 b) {
+  return {_mm256_and_pd(a.v, b.v)};
+}
+inline D4 choose(Mask4 mask, D4 a, D4 b) {
+  return _mm256_blendv_pd(b.v, a.v, mask.v);
+}
+inline std::uint32_t bits(Mask4 mask) {
+  return static_cast<std::uint32_t>(_mm256_movemask_pd(mask.v));
+}
 
 }  // namespace oilskin::simd::avx2

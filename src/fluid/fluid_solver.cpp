@@ -47,6 +47,7 @@ struct FluidSolver::Impl {
   const FluidSettings settings;
   std::shared_ptr<Workers> workers;
   StepState state;
+  TriangleCells cells;  // of the interval, where they were asked for
   WallGeometry visible_walls{MirrorImage::of_full_reach()};
   std::unique_ptr<PressureModel> model;
   Particles::Scratch scratch;
@@ -79,6 +80,7 @@ void FluidSolver::prepare(Particles& particles, StageSeconds& seconds) {
   if (!is_identity(order)) particles.permute(order, *impl_->workers, impl_->scratch);
   neighbours.search(particles.position, *impl_->workers);
   impl_->state.boundary.clear();
+  impl_->cells.clear();
   impl_->state.hidden_pairs = 0;
 }
 
@@ -96,15 +98,21 @@ void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles
   OILSKIN_ASSERT(dt > 0 && particles.size() >= state.size() && topologies.size() == surfaces.size());
   if (surfaces.empty() || state.size() == 0) return;
   const Span<const Vec3> positions(particles.position.data(), state.size());
+  const bool mirrored = settings.boundary == BoundaryModel::mirrored;
+  if (settings.occlusion || mirrored) {
+    const StageTimer timer(mirrored ? seconds.boundary : seconds.occlusion);
+    impl_->cells.find(positions, surfaces, topologies, near, support_radius(), state.neighbours,
+                      *impl_->workers);
+  }
   if (settings.occlusion) {
     const StageTimer timer(seconds.occlusion);
-    state.hidden_pairs = remove_hidden_neighbours(positions, surfaces, near, support_radius(),
+    state.hidden_pairs = remove_hidden_neighbours(positions, surfaces, impl_->cells, support_radius(),
                                                   state.neighbours, *impl_->workers);
   }
-  if (settings.boundary == BoundaryModel::mirrored) {
+  if (mirrored) {
     const StageTimer timer(seconds.boundary);
     state.boundary.find({dt, particle_mass(), support_radius(), gravity.stableNormalized(), positions,
-                         state.neighbours, surfaces, topologies, near},
+                         surfaces, topologies, impl_->cells},
                         *impl_->workers);
   }
 }
@@ -118,9 +126,12 @@ const WallGeometry& FluidSolver::find_visible_walls(double reach, double dt, con
   const WallGeometry& of_boundary = state.boundary.geometry();
   if (impl_->settings.boundary == BoundaryModel::mirrored && reach <= of_boundary.reach(support_radius()))
     return of_boundary;
-  impl_->visible_walls.find({dt, particle_mass(), support_radius(), gravity.stableNormalized(),
-                             Span<const Vec3>(particles.position.data(), state.size()), state.neighbours,
-                             surfaces, topologies, near},
+  const Span<const Vec3> positions(particles.position.data(), state.size());
+  if (!impl_->cells.is_found())
+    impl_->cells.find(positions, surfaces, topologies, near, support_radius(), state.neighbours,
+                      *impl_->workers);
+  impl_->visible_walls.find({dt, particle_mass(), support_radius(), gravity.stableNormalized(), positions,
+                             surfaces, topologies, impl_->cells},
                             *impl_->workers);
   return impl_->visible_walls;
 }

@@ -41,7 +41,17 @@ class Neighbours {
   /// f(begin, end) for runs of particles in cell order. The runs contain all particles in the box [m], and
   /// others in cells that overlap it.
   template <class F>
-  void for_runs_in(const Box& box, const F& f) const;
+  void for_runs_in(const Box& box, const F& f) const {
+    for_cells_in(box, [&](std::size_t first, std::size_t stop) { f(cell_begin_[first], cell_begin_[stop]); });
+  }
+  /// The same by the occupied cells: f(first, stop) for runs of them.
+  template <class F>
+  void for_cells_in(const Box& box, const F& f) const;
+  std::size_t cell_count() const { return cell_key_.size(); }
+  /// First particle of an occupied cell; of cell_count(), the number of particles.
+  std::uint32_t cell_begin(std::size_t cell) const { return cell_begin_[cell]; }
+  /// Cells are in one group if they are neighbours along x and have the same number.
+  std::uint64_t cell_group(std::size_t cell, int width_bits) const { return cell_key_[cell] >> width_bits; }
 
   /// Boxes of parts of the fluid, a few cells wide, that contain all particles [m].
   std::vector<Box> boxes(Span<const Vec3> positions) const;
@@ -103,7 +113,7 @@ class Neighbours {
 };
 
 template <class F>
-void Neighbours::for_runs_in(const Box& box, const F& f) const {
+void Neighbours::for_cells_in(const Box& box, const F& f) const {
   if (row_key_.empty()) return;
   Cell low = cell_of(box.min), high = cell_of(box.max);
   for (int k = 0; k < 3; ++k) {
@@ -123,11 +133,13 @@ void Neighbours::for_runs_in(const Box& box, const F& f) const {
       r = first_row(row_of(y0, y > y1 ? z + 1 : z));
       continue;
     }
-    std::size_t cell = row_begin_[r];
-    while (cell < row_begin_[r + 1] && (cell_key_[cell] & x_mask) < x0) ++cell;
-    std::size_t stop = cell;
-    while (stop < row_begin_[r + 1] && (cell_key_[stop] & x_mask) <= x1) ++stop;
-    if (stop > cell) f(cell_begin_[cell], cell_begin_[stop]);
+    const auto row = cell_key_.begin() + row_begin_[r], row_end = cell_key_.begin() + row_begin_[r + 1];
+    auto stop = std::lower_bound(row, row_end, (row_key_[r] << bits_[0]) | x0);
+    const auto first = stop;
+    while (stop != row_end && (*stop & x_mask) <= x1) ++stop;
+    if (stop != first)
+      f(static_cast<std::size_t>(first - cell_key_.begin()),
+        static_cast<std::size_t>(stop - cell_key_.begin()));
     ++r;
   }
 }

@@ -88,18 +88,19 @@ void find_near_particles(const SurfaceMotion& motion, TriangleRef ref, Span<cons
 }
 
 DividingTriangles find_dividing_triangles(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,
-                                          Span<const TriangleList> near, double support_radius,
+                                          const TriangleCells& cells, double support_radius,
                                           const Neighbours& neighbours, const Workers& workers) {
+  std::vector<TriangleRef> triangles;  // nearly all have water on one side
+  for (const NearbyTriangle& t : cells.triangles())
+    if (t.has_front && t.has_back) triangles.push_back({t.surface, t.triangle});
+  std::vector<std::vector<NearPair>> found((triangles.size() + triangle_chunk - 1) / triangle_chunk);
+  workers.for_chunks(triangles.size(), triangle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
+    for (std::size_t k = b; k < e; ++k)
+      find_near_particles(*surfaces[triangles[k].surface], triangles[k], x, support_radius, neighbours,
+                          found[c]);
+  });
   std::vector<NearPair> all;
-  for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
-    const TriangleChoice triangles(near, s, surfaces[s]->triangles.size());
-    std::vector<std::vector<NearPair>> found((triangles.size() + triangle_chunk - 1) / triangle_chunk);
-    workers.for_chunks(triangles.size(), triangle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
-      for (std::size_t k = b; k < e; ++k)
-        find_near_particles(*surfaces[s], {s, triangles[k]}, x, support_radius, neighbours, found[c]);
-    });
-    for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
-  }
+  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
   return DividingTriangles(std::move(all));
 }
 
@@ -158,11 +159,11 @@ SightTest::SightTest(const SurfaceMotion& surface, std::uint32_t triangle) {
 }
 
 std::uint64_t remove_hidden_neighbours(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,
-                                       Span<const TriangleList> near, double support_radius,
+                                       const TriangleCells& cells, double support_radius,
                                        Neighbours& neighbours, const Workers& workers) {
-  OILSKIN_ASSERT(support_radius > 0 && neighbours.size() == x.size());
+  OILSKIN_ASSERT(support_radius > 0 && neighbours.size() == x.size() && cells.is_found());
   const DividingTriangles dividing =
-      find_dividing_triangles(x, surfaces, near, support_radius, neighbours, workers);
+      find_dividing_triangles(x, surfaces, cells, support_radius, neighbours, workers);
   const std::size_t count = dividing.particle.size();
   std::vector<std::vector<Pair>> hidden((count + particle_chunk - 1) / particle_chunk);
   workers.for_chunks(count, particle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {

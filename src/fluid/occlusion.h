@@ -7,7 +7,7 @@
 #include "core/parallel.h"
 #include "core/segment_triangle.h"
 #include "fluid/neighbours.h"
-#include "fluid/triangle_list.h"
+#include "fluid/triangle_cells.h"
 #include "oilskin/surface_motion.h"
 
 namespace oilskin::fluid {
@@ -35,10 +35,10 @@ class SightTest {
 };
 
 /// Removes from the lists the pairs that surfaces at x_t0 hide. `x` are the positions that the neighbours
-/// were searched for. Only triangles with particles within H on both sides are tested. `near`: per surface at
-/// least the triangles within H of a particle; empty = all are looked at. Returns the number of pairs.
+/// were searched for. Only triangles with particles within H on both sides are tested. `cells`: of the
+/// surfaces. Returns the number of pairs.
 std::uint64_t remove_hidden_neighbours(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,
-                                       Span<const TriangleList> near, double support_radius,
+                                       const TriangleCells& cells, double support_radius,
                                        Neighbours& neighbours, const Workers& workers);
 
 }  // namespace oilskin::fluid

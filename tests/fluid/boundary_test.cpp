@@ -40,7 +40,9 @@ struct Layer {
     SurfaceMotion* surfaces[] = {&surface};
     const MeshTopology topology(surface.triangles, surface.x_t0.size());
     const MeshTopology* topologies[] = {&topology};
-    boundary.find({1e-3, mass, h, Vec3(0, -1, 0), x, neighbours, surfaces, topologies, {}}, workers);
+    TriangleCells cells;
+    cells.find(x, surfaces, topologies, {}, h, neighbours, workers);
+    boundary.find({1e-3, mass, h, Vec3(0, -1, 0), x, surfaces, topologies, cells}, workers);
   }
 };
 
@@ -181,9 +183,10 @@ TEST(Boundary, sheets_that_lie_on_each_other_count_once) {
   SurfaceMotion* surfaces[] = {&twice.surface, &other};
   const MeshTopology topology(other.triangles, other.x_t0.size());  // of both
   const MeshTopology* topologies[] = {&topology, &topology};
-  twice.boundary.find(
-      {1e-3, Layer::mass, Layer::h, Vec3::Zero(), sorted, twice.neighbours, surfaces, topologies, {}},
-      twice.workers);
+  TriangleCells cells;
+  cells.find(sorted, surfaces, topologies, {}, Layer::h, twice.neighbours, twice.workers);
+  twice.boundary.find({1e-3, Layer::mass, Layer::h, Vec3::Zero(), sorted, surfaces, topologies, cells},
+                      twice.workers);
   ASSERT_EQ(twice.boundary.points().size(), 16u);
   for (const WallPoint& p : twice.boundary.points())
     EXPECT_NEAR(p.lambda, lattice_mass_beyond<CubicSpline>(2), 5e-3);

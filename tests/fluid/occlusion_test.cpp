@@ -83,8 +83,12 @@ TEST(Occlusion, hides_exactly_the_pairs_that_a_sheet_parts) {
     }
     ASSERT_GT(margin, 1e-12) << "a pair of this seed is undecided";
     SurfaceMotion* surfaces[] = {&surface};
+    const MeshTopology topology(surface.triangles, surface.x_t0.size());
+    const MeshTopology* topologies[] = {&topology};
+    TriangleCells cells;
+    cells.find(cloud.x, surfaces, topologies, {}, 0.01, cloud.neighbours, cloud.workers);
     const std::uint64_t hidden =
-        remove_hidden_neighbours(cloud.x, surfaces, {}, 0.01, cloud.neighbours, cloud.workers);
+        remove_hidden_neighbours(cloud.x, surfaces, cells, 0.01, cloud.neighbours, cloud.workers);
     EXPECT_EQ(cloud.pairs(), expected) << "seed " << seed;
     EXPECT_EQ(2 * hidden, before.size() - expected.size());
     EXPECT_GT(hidden, 30u);

@@ -3,30 +3,19 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <map>
 
 #include "fluid/emission/random.h"
 #include "fluid/kernels.h"
 #include "fluid/neighbours.h"
 #include "tank.h"
+#include "using_instruction_set.h"
 
 namespace oilskin::fluid {
 namespace {
 
 constexpr double support_radius = 0.01;
 constexpr PairFriction friction = {0.3f, 0.2f, 0.7f, 0.1f};
-
-/// Uses a set, and the best one again at the end.
-struct Using {
-  explicit Using(InstructionSet set) { use(set); }
-  ~Using() {
-    for (const InstructionSet set : all_instruction_sets)
-      if (is_available(set)) use(set);
-  }
-  Using(const Using&) = delete;
-  Using& operator=(const Using&) = delete;
-};
 
 /// Particles at random within one chunk of lists, some at the same place, one alone.
 struct Cloud {
@@ -133,12 +122,6 @@ Results expected_sums(const Cloud& cloud, bool weighted) {
   return r;
 }
 
-std::uint64_t bits(double x) {
-  std::uint64_t b;
-  std::memcpy(&b, &x, sizeof b);
-  return b;
-}
-
 TEST(PairKernels, sum_what_they_are_defined_to) {
   const Cloud cloud;
   for (const bool weighted : {false, true}) {
@@ -157,13 +140,6 @@ TEST(PairKernels, sum_what_they_are_defined_to) {
 }
 
 /// The sets apart from the baseline that this machine has.
-std::vector<InstructionSet> others() {
-  std::vector<InstructionSet> sets;
-  for (const InstructionSet set : all_instruction_sets)
-    if (set != InstructionSet::baseline && is_available(set)) sets.push_back(set);
-  return sets;
-}
-
 TEST(PairKernels, give_the_same_bits_for_all_instruction_sets) {
   if (others().empty()) GTEST_SKIP() << "only the baseline";
   const Cloud cloud;

@@ -12,6 +12,12 @@
 namespace oilskin::fluid {
 namespace {
 
+WallView view_of_wall(const std::array<Eigen::Vector3f, 3>& corners) {
+  VisibleParts alone;
+  alone.add(corners);
+  return alone.views([](std::size_t) { return true; })[0];
+}
+
 // Values of Λ (B.1).
 TEST(WallIntegral, half_space_function_of_the_cubic_spline) {
   const double zeta[] = {0, 0.1, 0.25, 0.5, 0.75, 0.9};
@@ -125,8 +131,7 @@ TEST(VisibleParts, hide_together_what_rays_to_the_first_triangle_do) {
       parts.add(corners);
     }
     double mass = 0, nearest = 1;
-    for (std::size_t k = 0; k < triangles.size(); ++k) {
-      const WallView view = parts.view(k);
+    for (const WallView& view : parts.views([](std::size_t) { return true; })) {
       nearest = std::min(nearest, static_cast<double>(view.distance));
       mass += static_cast<double>(view.share * half_space_mass(view.distance));
     }

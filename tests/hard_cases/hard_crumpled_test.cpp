@@ -128,8 +128,10 @@ float max_lambda() {
   fluid::Neighbours neighbours;
   for (std::uint32_t i : neighbours.cell_order(lattice, 0.01, workers)) x.push_back(lattice[i]);
   neighbours.search(x, workers);
+  fluid::TriangleCells cells;
+  cells.find(x, surfaces, topologies, {}, 0.01, neighbours, workers);
   fluid::Boundary boundary{2.0};
-  boundary.find({1e-3, particle_mass, 0.01, Vec3::Zero(), x, neighbours, surfaces, topologies, {}}, workers);
+  boundary.find({1e-3, particle_mass, 0.01, Vec3::Zero(), x, surfaces, topologies, cells}, workers);
   float largest = 0;
   for (const fluid::WallPoint& p : boundary.points()) largest = std::max(largest, p.lambda);
   return largest;

@@ -31,7 +31,6 @@ void Boundary::clear() {
 
 void Boundary::find(const BoundaryInput& input, const Workers& workers) {
   OILSKIN_ASSERT(input.dt > 0 && input.particle_mass > 0 && input.support_radius > 0);
-  OILSKIN_ASSERT(input.neighbours.size() == input.x.size());
   mass_ = input.particle_mass;
   surfaces_.assign(input.surfaces.begin(), input.surfaces.end());
   memory_.prepare(input.surfaces);

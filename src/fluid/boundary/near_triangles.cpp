@@ -1,7 +1,7 @@
 #include "fluid/boundary/near_triangles.h"
 
+#include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/assert.h"
 
@@ -9,72 +9,68 @@ namespace oilskin::fluid {
 
 namespace {
 
-constexpr std::size_t triangle_chunk = 64;
-
-/// `is_asked(i)`: for which particles?
-template <class IsAsked>
-void collect(const BoundaryInput& input, std::uint32_t surface, std::uint32_t triangle, double plane_reach,
-             const IsAsked& is_asked, std::vector<NearTriangle>& found) {
-  const SurfaceMotion& motion = *input.surfaces[surface];
-  const Triangle& node = motion.triangles[triangle];
-  const Vec3 &a = motion.x_t0[node[0]], &b = motion.x_t0[node[1]], &c = motion.x_t0[node[2]];
-  Box box;
-  for (const Vec3& corner : {a, b, c}) box.add(corner);
-  box = box.inflated(input.support_radius);
-  const Vec3 cross = (b - a).cross(c - a);
-  const double inverse_norm = cross.norm() > 0 ? 1 / cross.norm() : 0;
-  const Vec3 middle = (a + b + c) / 3;
-  const double size2 =
-      std::max({(a - middle).squaredNorm(), (b - middle).squaredNorm(), (c - middle).squaredNorm()});
-  const double reach = (1 + 1e-9) * (std::sqrt(size2) + input.support_radius), reach2 = reach * reach;
-  input.neighbours.for_runs_in(box, [&](std::uint32_t begin, std::uint32_t end) {
-    for (std::uint32_t i = begin; i < end; ++i) {
-      if (!is_asked(i) || !box.contains(input.x[i])) continue;
-      const double z = cross.dot(input.x[i] - a) * inverse_norm;
-      if (std::abs(z) >= plane_reach || (input.x[i] - middle).squaredNorm() > reach2) continue;
-      const ClosestPoint closest = closest_point(input.x[i], a, b, c);
-      if (closest.distance < input.support_radius) found.push_back({i, surface, triangle, closest});
-    }
-  });
-}
+/// Bounds in float are widened by this much, relative to the numbers in them.
+constexpr double rounding = 1e-5;
 
 }  // namespace
 
-// The loop runs over triangles, as most particles are near none.
-void NearTriangles::find(const BoundaryInput& input, double plane_reach,
-                         const std::vector<std::uint8_t>& marks, const Workers& workers) {
-  OILSKIN_ASSERT(input.topologies.size() == input.surfaces.size());
-  const auto is_asked = [&](std::uint32_t i) { return marks.empty() || marks[i] != 0; };
-  std::size_t first = 0;
-  for (std::uint32_t s = 0; s < input.surfaces.size(); ++s) {
-    const MeshTopology& topology = *input.topologies[s];
-    const TriangleChoice triangles(input.near, s, topology.triangle_count());
-    OILSKIN_ASSERT(topology.triangle_count() == input.surfaces[s]->triangles.size());
-    const std::size_t end = first + (triangles.size() + triangle_chunk - 1) / triangle_chunk;
-    if (found_.size() < end) found_.resize(end);
-    workers.for_chunks(triangles.size(), triangle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
-      std::vector<NearTriangle>& found = found_[first + c];
-      found.clear();
-      for (std::size_t k = b; k < e; ++k) {
-        const std::uint32_t t = triangles[k];
-        if (!topology.is_duplicate(t)) collect(input, s, t, plane_reach, is_asked, found);
-      }
-    });
-    first = end;
-  }
-  sort_by_particle(input.x.size(), first);
+void CellTriangles::resize(std::size_t count) {
+  count_ = count;
+  number_.resize(count + 16);
+  for (std::vector<float>& column : column_) column.resize(count + 8);
+  for (std::size_t k = count; k < count + 8; ++k) column_[3][k] = -1;  // no place is in the sphere
 }
 
-/// Counting sort by particle, stable.
-void NearTriangles::sort_by_particle(std::size_t particles, std::size_t chunks) {
-  begin_.assign(particles + 1, 0);
-  for (std::size_t c = 0; c < chunks; ++c)
-    for (const NearTriangle& n : found_[c]) ++begin_[n.particle + 1];
-  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-  if (list_.size() < begin_.back()) list_.resize(begin_.back() + begin_.back() / 4);
-  next_.assign(begin_.begin(), begin_.end() - 1);
-  for (std::size_t c = 0; c < chunks; ++c)
-    for (const NearTriangle& n : found_[c]) list_[next_[n.particle]++] = n;
+void CellTriangles::read(const TriangleCells& cells, const TriangleCells::Cell& cell, double support_radius) {
+  cells_ = &cells;
+  support_radius_ = support_radius;
+  origin_ = 0.5 * (cell.box.min + cell.box.max);
+  slack_ = rounding * (1 + (cell.box.max - cell.box.min).norm() / support_radius_);
+  const Span<const std::uint32_t> near = cells.triangles_of(cell);
+  resize(near.size());
+  std::size_t count = 0;
+  for (const std::uint32_t t : near) {
+    if (cells.triangles()[t].is_duplicate) continue;
+    number_[count] = t;
+    write(count++, cells.triangles()[t], Eigen::Map<const Vec3>(cells.corners()[t].x));
+  }
+  resize(count);
+}
+
+void CellTriangles::write(std::size_t k, const NearbyTriangle& triangle, const Vec3& corner) {
+  const Vec3 middle = (triangle.middle - origin_) / support_radius_;
+  const Vec3 normal = triangle.cross_norm > 0 ? Vec3(triangle.cross / triangle.cross_norm) : Vec3::Zero();
+  const double radius = (1 + triangle.size / support_radius_) * (1 + rounding) + slack_;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    column_[axis][k] = static_cast<float>(middle[static_cast<int>(axis)]);
+    column_[4 + axis][k] = static_cast<float>(normal[static_cast<int>(axis)]);
+  }
+  column_[3][k] = static_cast<float>(radius * radius);
+  column_[7][k] = static_cast<float>(normal.dot(corner - origin_) / support_radius_);
+}
+
+std::size_t CellTriangles::find(const Vec3& x, double plane_reach, std::vector<std::uint32_t>& found) const {
+  const Eigen::Vector3f place = ((x - origin_) / support_radius_).cast<float>();
+  const auto& c = column_;
+  const TriangleColumns columns = {c[0].data(), c[1].data(), c[2].data(), c[3].data(),    c[4].data(),
+                                   c[5].data(), c[6].data(), c[7].data(), number_.data(), count_};
+  if (found.size() < count_ + 8) found.resize(count_ + 8);
+  const auto reach = static_cast<float>(plane_reach / support_radius_ * (1 + rounding) + slack_);
+  return pair_kernels().touching(columns, place.data(), reach, found.data());
+}
+
+void NearTriangles::find(const CellTriangles& cell, const Vec3& x, double plane_reach) {
+  at_.clear();
+  triangles_ = cell.cells().triangles().data();
+  corners_ = cell.cells().corners();
+  const std::size_t count = cell.find(x, plane_reach, index_), blocks = (count + 3) / 4;
+  if (count == 0) return;
+  for (std::size_t k = count; k < 4 * blocks; ++k) index_[k] = index_[0];
+  if (blocks_.size() < blocks) blocks_.resize(blocks);
+  pair_kernels().closest(corners_, index_.data(), count, x.data(), blocks_.data());
+  const double radius = cell.support_radius(), reach2 = plane_reach * plane_reach;
+  for (std::uint32_t k = 0; k < count; ++k)
+    if (blocks_[k / 4].distance[k % 4] < radius && blocks_[k / 4].height2[k % 4] < reach2) at_.push_back(k);
 }
 
 }  // namespace oilskin::fluid

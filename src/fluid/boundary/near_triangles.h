@@ -1,56 +1,80 @@
-/// The triangles within the support radius H of each particle.
+/// The triangles within the support radius H of a particle.
 #pragma once
 
 #include <vector>
 
 #include "core/closest_point.h"
-#include "core/mesh_topology.h"
-#include "core/parallel.h"
-#include "fluid/neighbours.h"
-#include "fluid/triangle_list.h"
-#include "oilskin/surface_motion.h"
+#include "fluid/triangle_cells.h"
 
 namespace oilskin::fluid {
 
 /// What the boundary terms of an interval are computed from.
 struct BoundaryInput {
-  double dt = 0;              ///< [s]
-  double particle_mass = 0;   ///< [kg]
-  double support_radius = 0;  ///< H [m]
-  Vec3 down = Vec3::Zero();   ///< direction of gravity, or zero
-  Span<const Vec3> x;         ///< positions [m] that `neighbours` was searched for
-  const Neighbours& neighbours;
+  double dt = 0;                               ///< [s]
+  double particle_mass = 0;                    ///< [kg]
+  double support_radius = 0;                   ///< H [m]
+  Vec3 down = Vec3::Zero();                    ///< direction of gravity, or zero
+  Span<const Vec3> x;                          ///< positions [m] that the neighbours were searched for
   Span<SurfaceMotion* const> surfaces;         ///< walls at x_t0, which move to x_t1 within dt
   Span<const MeshTopology* const> topologies;  ///< of the surfaces, in their order
-  Span<const TriangleList> near;               ///< per surface: at least those within H; empty = all
+  const TriangleCells& cells;                  ///< of the surfaces
 };
 
-/// A triangle within H of a particle.
-struct NearTriangle {
-  std::uint32_t particle = 0;
-  std::uint32_t surface = 0, triangle = 0;
-  ClosestPoint closest;
-};
-
-/// Lists by particle; each in the order of surfaces and triangles. The memory is kept from search to search.
-class NearTriangles {
+/// Spheres and planes of the triangles near a cell, without duplicates, for a quick test.
+class CellTriangles {
  public:
-  /// The triangles whose plane is nearer than `plane_reach` [m], of the particles with a mark (of all if
-  /// there are no marks). Leaves out duplicate triangles.
-  void find(const BoundaryInput& input, double plane_reach, const std::vector<std::uint8_t>& marks,
-            const Workers& workers);
+  void read(const TriangleCells& cells, const TriangleCells::Cell& cell, double support_radius);
 
-  Span<const NearTriangle> of(std::size_t particle) const {
-    return {list_.data() + begin_[particle], begin_[particle + 1] - begin_[particle]};
-  }
+  const TriangleCells& cells() const { return *cells_; }
+  double support_radius() const { return support_radius_; }
+  /// The triangles that may be within H of x, and whose planes may be within `plane_reach` [m], to `found`:
+  /// indices into cells().triangles(), ascending. Returns their number.
+  std::size_t find(const Vec3& x, double plane_reach, std::vector<std::uint32_t>& found) const;
 
  private:
-  void sort_by_particle(std::size_t particles, std::size_t chunks);
+  void resize(std::size_t count);
+  void write(std::size_t k, const NearbyTriangle& triangle, const Vec3& corner);
 
-  std::vector<std::uint32_t> begin_;  // per particle, and one more
-  std::vector<NearTriangle> list_;    // may be longer than begin_ says
-  std::vector<std::vector<NearTriangle>> found_;
-  std::vector<std::uint32_t> next_;
+  const TriangleCells* cells_ = nullptr;
+  double support_radius_ = 1;
+  Vec3 origin_ = Vec3::Zero();
+  double slack_ = 0;  // by which floats may be wrong [H]
+  std::size_t count_ = 0;
+  std::array<std::vector<float>, 8> column_;  // as in TriangleColumns
+  std::vector<std::uint32_t> number_;
+};
+
+/// The triangles within H of one particle, in the order of surfaces and triangles. The memory is kept from
+/// search to search.
+class NearTriangles {
+ public:
+  /// Those whose plane is nearer than `plane_reach` [m].
+  void find(const CellTriangles& cell, const Vec3& x, double plane_reach);
+
+  std::size_t size() const { return at_.size(); }
+  bool empty() const { return at_.empty(); }
+  const NearbyTriangle& triangle(std::size_t k) const { return triangles_[index_[at_[k]]]; }
+  const Corners& corners(std::size_t k) const { return corners_[index_[at_[k]]]; }
+  double distance(std::size_t k) const { return block(k).distance[at_[k] % 4]; }
+  /// From the closest point to the particle [m].
+  Vec3 offset(std::size_t k) const {
+    const ClosestBlock& b = block(k);
+    const std::size_t lane = at_[k] % 4;
+    return {b.offset[0][lane], b.offset[1][lane], b.offset[2][lane]};
+  }
+  /// Barycentric, of a corner at the closest point.
+  double weight(std::size_t k, std::size_t corner) const { return block(k).weight[corner][at_[k] % 4]; }
+  /// Is the closest point off the edges?
+  bool is_on_face(std::size_t k) const { return weight(k, 0) != 0 && weight(k, 1) != 0 && weight(k, 2) != 0; }
+
+ private:
+  const ClosestBlock& block(std::size_t k) const { return blocks_[at_[k] / 4]; }
+
+  const NearbyTriangle* triangles_ = nullptr;
+  const Corners* corners_ = nullptr;
+  std::vector<std::uint32_t> index_;  // of those that may be near
+  std::vector<ClosestBlock> blocks_;
+  std::vector<std::uint32_t> at_;  // of those that are near, in index_
 };
 
 }  // namespace oilskin::fluid

@@ -13,128 +13,146 @@ constexpr double plane_cosine = 0.996, plane_distance = 0.06;
 /// λ_i above this multiple of the nearest plane's means that walls may be hidden behind others.
 constexpr float max_plane_ratio = 1.05f;
 
-const NearTriangle& nearest_of(Span<const NearTriangle> near) {
-  OILSKIN_ASSERT(!near.empty());
-  return *std::min_element(near.begin(), near.end(), [](const NearTriangle& a, const NearTriangle& b) {
-    return a.closest.distance < b.closest.distance;
-  });
-}
-
 }  // namespace
 
-PointWalls::PointWalls(const BoundaryInput& input, const MirrorImage& image, Span<const NearTriangle> near,
-                       WallPoint& point, std::vector<Wall>& walls)
-    : input_(input),
-      image_(image),
-      near_(near),
-      nearest_(nearest_of(near)),
-      x_(input.x[point.particle]),
-      point_(point),
-      walls_(walls) {
-  point_.begin = point_.end = static_cast<std::uint32_t>(walls_.size());
+/// Most points see the whole of each triangle near them, which a test of the neighbours in the mesh shows.
+/// For the others all triangles within H are searched, as those whose plane is out of reach hide, too.
+bool PointWalls::find() {
+  point_.begin = static_cast<std::uint32_t>(walls_.size());
+  near_.find(cell_, x_, image_.reach(input_.support_radius));
+  if (near_.empty()) return false;
   point_.reset_sums();
-}
-
-bool PointWalls::find_unhidden(VisibleParts& parts) {
-  if (nearest_.closest.distance > 0 && is_plane()) {
-    add_plane();
-  } else {
-    if (may_be_hidden()) return false;
-    add_triangles();
-    if (point_.lambda > max_plane_ratio * image_.lambda(nearest_distance(), 1) && any_hides(parts)) {
-      walls_.resize(point_.begin);
-      return false;
-    }
-    limit_density();
+  nearest_ = nearest();
+  if (!find_unhidden()) {
+    walls_.resize(point_.begin);
+    point_.reset_sums();
+    near_.find(cell_, x_, input_.support_radius);
+    find_visible();
   }
   point_.end = static_cast<std::uint32_t>(walls_.size());
   return true;
 }
 
-void PointWalls::find_visible(VisibleParts& parts) {
-  parts.clear();
-  for (const NearTriangle& n : near_) parts.add(corners(n));
-  for (std::size_t k = 0; k < near_.size(); ++k)
-    if (image_.reaches(parts.distance(k))) add(near_[k], parts.view(k));
+std::size_t PointWalls::nearest() const {
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < near_.size(); ++k)
+    if (near_.distance(k) < near_.distance(best)) best = k;
+  return best;
+}
+
+/// Of the triangles whose plane is within reach. False if the particle may see one of them in part only; then
+/// it may leave walls.
+bool PointWalls::find_unhidden() {
+  if (near_.distance(nearest_) > 0 && is_plane()) {
+    add_plane();
+    return true;
+  }
+  if (may_be_hidden()) return false;
+  add_triangles();
+  if (point_.lambda > max_plane_ratio * image_.lambda(nearest_distance(), 1)) {
+    add_to_parts();  // a roll of cloth hides its outer layers
+    if (parts_.any_may_hide()) return false;
+  }
   limit_density();
-  point_.end = static_cast<std::uint32_t>(walls_.size());
+  return true;
+}
+
+/// Of all triangles within H.
+void PointWalls::find_visible() {
+  add_to_parts();
+  const std::vector<WallView>& views =
+      parts_.views([&](std::size_t k) { return image_.reaches(parts_.distance(k)); });
+  for (std::size_t k = 0; k < near_.size(); ++k) add(k, views[k]);
+  limit_density();
+}
+
+void PointWalls::add_to_parts() {
+  parts_.clear();
+  for (std::size_t k = 0; k < near_.size(); ++k) parts_.add(corners(k));
 }
 
 /// Are the triangles near the particle one plane sheet without a border?
 bool PointWalls::is_plane() const {
-  const ClosestPoint& c = nearest_.closest;
-  const Vec3 normal = c.offset / c.distance;
-  const double tolerance = plane_distance * input_.support_radius;
-  for (const NearTriangle& n : near_) {
-    if (n.surface != nearest_.surface || input_.topologies[n.surface]->is_at_border(n.triangle)) return false;
-    const SurfaceMotion& s = *input_.surfaces[n.surface];
-    const Triangle& t = s.triangles[n.triangle];
-    const Vec3 cross = (s.x_t0[t[1]] - s.x_t0[t[0]]).cross(s.x_t0[t[2]] - s.x_t0[t[0]]);
-    if (!(std::abs(cross.dot(normal)) >= plane_cosine * cross.norm())) return false;
+  const double distance = near_.distance(nearest_), tolerance = plane_distance * input_.support_radius;
+  const Vec3 normal = near_.offset(nearest_) / distance;
+  const std::uint32_t surface = near_.triangle(nearest_).surface;
+  for (std::size_t k = 0; k < near_.size(); ++k) {
+    const NearbyTriangle& t = near_.triangle(k);
+    if (t.surface != surface || t.is_at_border) return false;
+    if (!(std::abs(t.cross.dot(normal)) >= plane_cosine * t.cross_norm)) return false;
     // Another layer has the same normal, but lies off the plane.
-    if (std::abs(n.closest.offset.dot(normal) - c.distance) > tolerance) return false;
+    if (std::abs(near_.offset(k).dot(normal) - distance) > tolerance) return false;
   }
   return true;
-}
-
-/// Of the triangles whose plane is within reach: a roll of cloth hides its outer layers.
-bool PointWalls::any_hides(VisibleParts& parts) const {
-  parts.clear();
-  for (const NearTriangle& n : near_) parts.add(corners(n));
-  return parts.any_may_hide();
 }
 
 /// Sheets apart from each other may hide each other; a connected sheet hides itself behind an edge at which
 /// it turns its other side to the particle.
 bool PointWalls::may_be_hidden() const {
-  const std::uint32_t part = input_.topologies[nearest_.surface]->part(nearest_.triangle);
-  return std::any_of(near_.begin(), near_.end(), [&](const NearTriangle& n) {
-    return n.surface != nearest_.surface || input_.topologies[n.surface]->part(n.triangle) != part ||
-           may_be_hidden(n);
-  });
-}
-
-bool PointWalls::may_be_hidden(const NearTriangle& near) const {
-  const MeshTopology& topology = *input_.topologies[near.surface];
-  const double own = side(near, near.triangle);
-  constexpr std::uint8_t face = 7;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t other = topology.neighbour(near.triangle, k);
-    if (other == MeshTopology::none) {
-      if (near.closest.feature != face) return true;
-      continue;
-    }
-    const double turned = topology.is_oriented_like(near.triangle, k) ? 1 : -1;
-    if (!(own * turned * side(near, other) > 0)) return true;
+  const NearbyTriangle& nearest = near_.triangle(nearest_);
+  const std::uint32_t part = input_.topologies[nearest.surface]->part(nearest.triangle);
+  for (std::size_t k = 0; k < near_.size(); ++k) {
+    const NearbyTriangle& t = near_.triangle(k);
+    if (t.surface != nearest.surface || input_.topologies[t.surface]->part(t.triangle) != part ||
+        may_be_hidden(k))
+      return true;
   }
   return false;
 }
 
-/// Its sign says on which side of a triangle of the surface of `near` the particle is.
-double PointWalls::side(const NearTriangle& near, std::uint32_t triangle) const {
-  const SurfaceMotion& s = *input_.surfaces[near.surface];
-  const Triangle& t = s.triangles[triangle];
-  const Vec3& a = s.x_t0[t[0]];
-  return (s.x_t0[t[1]] - a).cross(s.x_t0[t[2]] - a).dot(x_ - a);
+bool PointWalls::may_be_hidden(std::size_t k) const {
+  const NearbyTriangle& t = near_.triangle(k);
+  const MeshTopology& topology = *input_.topologies[t.surface];
+  const SurfaceMotion& surface = *input_.surfaces[t.surface];
+  const double own = side(surface, t.triangle);
+  for (std::size_t edge = 0; edge < 3; ++edge) {
+    const std::uint32_t other = topology.neighbour(t.triangle, edge);
+    if (other == MeshTopology::none) {
+      if (!near_.is_on_face(k)) return true;
+      continue;
+    }
+    const double turned = topology.is_oriented_like(t.triangle, edge) ? 1 : -1;
+    if (!(own * turned * side(surface, other) > 0)) return true;
+  }
+  return false;
+}
+
+/// Its sign says on which side of a triangle the particle is.
+double PointWalls::side(const SurfaceMotion& surface, std::uint32_t triangle) const {
+  const Triangle& t = surface.triangles[triangle];
+  const Vec3& a = surface.x_t0[t[0]];
+  return (surface.x_t0[t[1]] - a).cross(surface.x_t0[t[2]] - a).dot(x_ - a);
 }
 
 void PointWalls::add_plane() {
   WallView plane;
   plane.distance = nearest_distance();
   plane.share = 1;
-  plane.normal = (nearest_.closest.offset / nearest_.closest.distance).cast<float>();
+  plane.normal = (near_.offset(nearest_) / near_.distance(nearest_)).cast<float>();
   add(nearest_, plane);
 }
 
 void PointWalls::add_triangles() {
-  for (const NearTriangle& n : near_) add(n, view_of_wall(corners(n)));
+  std::vector<WallPlane>& planes = buffers_.planes;
+  Shadows& shadows = buffers_.shadows;
+  planes.clear();
+  shadows.clear();
+  for (std::size_t k = 0; k < near_.size(); ++k) {
+    const std::array<Eigen::Vector3f, 3> x = corners(k);
+    planes.emplace_back(x);
+    if (planes.back().acts()) shadows.add(planes.back(), {x.data(), 3});
+  }
+  shadows.integrate();
+  for (std::size_t k = 0, shadow = 0; k < near_.size(); ++k)
+    if (planes[k].acts()) add(k, view_with_shadow(planes[k], shadows[shadow++]));
 }
 
-std::array<Eigen::Vector3f, 3> PointWalls::corners(const NearTriangle& near) const {
-  const SurfaceMotion& s = *input_.surfaces[near.surface];
+std::array<Eigen::Vector3f, 3> PointWalls::corners(std::size_t k) const {
+  const double(&corner)[9] = near_.corners(k).x;
   std::array<Eigen::Vector3f, 3> x;
-  for (std::size_t k = 0; k < 3; ++k)
-    x[k] = ((s.x_t0[s.triangles[near.triangle][k]] - x_) / input_.support_radius).cast<float>();
+  for (std::size_t c = 0; c < 3; ++c)
+    x[c] = ((Vec3(corner[3 * c], corner[3 * c + 1], corner[3 * c + 2]) - x_) / input_.support_radius)
+               .cast<float>();
   return x;
 }
 
@@ -148,12 +166,13 @@ void PointWalls::limit_density() {
   for (std::size_t w = point_.begin; w < walls_.size(); ++w) walls_[w].gamma *= share;
 }
 
-void PointWalls::add(const NearTriangle& near, const WallView& view) {
+void PointWalls::add(std::size_t k, const WallView& view) {
   if (!image_.reaches(view.distance) || !(view.share > 0)) return;
+  const NearbyTriangle& triangle = near_.triangle(k);
   Wall wall;
-  wall.surface = near.surface;
-  wall.triangle = near.triangle;
-  wall.weight = {static_cast<float>(near.closest.weights[0]), static_cast<float>(near.closest.weights[1])};
+  wall.surface = triangle.surface;
+  wall.triangle = triangle.triangle;
+  wall.weight = {static_cast<float>(near_.weight(k, 0)), static_cast<float>(near_.weight(k, 1))};
   wall.gamma = image_.gamma(view.distance, view.share) * view.normal;
   wall.lambda = image_.lambda(view.distance, view.share);
   wall.distance = view.distance;
@@ -161,16 +180,10 @@ void PointWalls::add(const NearTriangle& near, const WallView& view) {
   wall.normal = view.normal;
   // At cloth that follows the fluid the hydrostatic correction would feed oscillations
   // (docs/theory/boundary.md 6).
-  wall.depth = has_free_node(near) ? 0 : -view.distance * view.normal.dot(input_.down.cast<float>());
+  wall.depth = triangle.has_free_node ? 0 : -view.distance * view.normal.dot(input_.down.cast<float>());
   OILSKIN_ASSERT(wall.lambda >= 0 && wall.gamma.allFinite());
   walls_.push_back(wall);
   point_.add(wall.lambda, wall.gamma, wall.depth);
-}
-
-bool PointWalls::has_free_node(const NearTriangle& near) const {
-  const SurfaceMotion& s = *input_.surfaces[near.surface];
-  const Triangle& t = s.triangles[near.triangle];
-  return std::any_of(t.begin(), t.end(), [&](std::uint32_t node) { return s.inverse_mass[node] > 0; });
 }
 
 }  // namespace oilskin::fluid

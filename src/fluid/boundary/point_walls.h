@@ -6,38 +6,57 @@
 
 namespace oilskin::fluid {
 
+struct WallBuffers {
+  CellTriangles cell;  ///< of the particle
+  NearTriangles near;
+  VisibleParts parts;
+  Shadows shadows;
+  std::vector<WallPlane> planes;
+};
+
 class PointWalls {
  public:
   /// Walls are appended to `walls`, their sums written to `point`.
-  PointWalls(const BoundaryInput& input, const MirrorImage& image, Span<const NearTriangle> near,
-             WallPoint& point, std::vector<Wall>& walls);
+  PointWalls(const BoundaryInput& input, const MirrorImage& image, WallBuffers& buffers, WallPoint& point,
+             std::vector<Wall>& walls)
+      : input_(input),
+        image_(image),
+        cell_(buffers.cell),
+        near_(buffers.near),
+        parts_(buffers.parts),
+        buffers_(buffers),
+        x_(input.x[point.particle]),
+        point_(point),
+        walls_(walls) {}
 
-  /// `near` are the triangles whose plane is within reach. False, and no walls, if the particle may see one
-  /// of them in part only.
-  bool find_unhidden(VisibleParts& parts);
-  /// `near` are all triangles within H.
-  void find_visible(VisibleParts& parts);
+  /// False if no triangle is near whose plane is within reach.
+  bool find();
 
  private:
+  bool find_unhidden();
+  void find_visible();
+  std::size_t nearest() const;
   bool is_plane() const;
-  bool any_hides(VisibleParts& parts) const;
+  void add_to_parts();
   bool may_be_hidden() const;
-  bool may_be_hidden(const NearTriangle& near) const;
-  double side(const NearTriangle& near, std::uint32_t triangle) const;
+  bool may_be_hidden(std::size_t k) const;
+  double side(const SurfaceMotion& surface, std::uint32_t triangle) const;
   void add_plane();
   void add_triangles();
   void limit_density();
-  void add(const NearTriangle& near, const WallView& view);
-  std::array<Eigen::Vector3f, 3> corners(const NearTriangle& near) const;
-  bool has_free_node(const NearTriangle& near) const;
+  void add(std::size_t k, const WallView& view);
+  std::array<Eigen::Vector3f, 3> corners(std::size_t k) const;
   float nearest_distance() const {
-    return static_cast<float>(nearest_.closest.distance / input_.support_radius);
+    return static_cast<float>(near_.distance(nearest_) / input_.support_radius);
   }
 
   const BoundaryInput& input_;
   const MirrorImage& image_;
-  const Span<const NearTriangle> near_;
-  const NearTriangle& nearest_;
+  const CellTriangles& cell_;
+  NearTriangles& near_;
+  VisibleParts& parts_;
+  WallBuffers& buffers_;
+  std::size_t nearest_ = 0;
   const Vec3 x_;
   WallPoint& point_;
   std::vector<Wall>& walls_;

@@ -8,19 +8,6 @@
 
 namespace oilskin::fluid {
 
-namespace {
-
-/// Points nearer than this to a plane count as in it [H].
-constexpr float tolerance = 1e-5f;
-
-/// A plane nearer to the particle than this is seen edge-on and hides nothing [H].
-constexpr float edge_on = 1e-5f;
-
-/// Cones of which the cosines say that they are apart by less than this count as touching.
-constexpr float rounding_of_cosines = 1e-4f;
-
-}  // namespace
-
 void VisibleParts::add(const std::array<Eigen::Vector3f, 3>& x) {
   Occluder o{WallPlane(x), x, {}, Eigen::Vector3f::Zero(), -1, 0};
   const float inwards = o.plane.offset < 0 ? -1.0f : 1.0f;
@@ -35,33 +22,60 @@ void VisibleParts::add(const std::array<Eigen::Vector3f, 3>& x) {
   triangles_.push_back(o);
 }
 
-/// A quick test: false only if no ray from the particle lies in both.
-bool VisibleParts::cones_touch(const Occluder& a, const Occluder& b) {
-  if (!(a.cosine > 0) || !(b.cosine > 0)) return true;
-  return a.axis.dot(b.axis) > a.cosine * b.cosine - a.sine * b.sine - rounding_of_cosines;
+/// Near triangles hide most: after them little is left to cut.
+void VisibleParts::arrange() {
+  if (order_.size() == triangles_.size()) return;
+  order_.resize(triangles_.size());
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  std::stable_sort(order_.begin(), order_.end(),
+                   [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
+  blocks_.resize((order_.size() + 7) / 8);
+  may_hide_.resize(blocks_.size());
+  for (std::size_t n = 0; n < 8 * blocks_.size(); ++n) {
+    OccluderBlock& block = blocks_[n / 8];
+    const std::size_t lane = n % 8;
+    block.offset[lane] = 0;  // edge-on
+    if (n >= order_.size()) continue;
+    const Occluder& o = triangles_[order_[n]];
+    for (int axis = 0; axis < 3; ++axis) {
+      block.normal[axis][lane] = o.plane.normal[axis];
+      block.axis[axis][lane] = o.axis[axis];
+      for (std::size_t k = 0; k < 3; ++k) block.side[k][axis][lane] = o.side[k][axis];
+    }
+    block.offset[lane] = o.plane.offset;
+    block.cosine[lane] = o.cosine;
+    block.sine[lane] = o.sine;
+    block.number[lane] = static_cast<float>(order_[n]);
+  }
 }
 
-/// A quick test, true for all pairs of which one hides a part of the other.
-bool VisibleParts::may_hide(const Occluder& occluder, const Occluder& other, bool is_earlier) {
-  const WallPlane& plane = occluder.plane;
-  if (plane.distance() < edge_on || !cones_touch(occluder, other)) return false;
-  const float toward = plane.offset > 0 ? -1.0f : 1.0f;
-  std::array<float, 3> height;  // above the occluder's plane, on whose upper side the particle is
-  for (std::size_t k = 0; k < 3; ++k)
-    height[k] = toward * (plane.normal.dot(other.corners[k]) - plane.offset);
-  const auto [lowest, highest] = std::minmax({height[0], height[1], height[2]});
-  const bool lies_on_it = lowest > -tolerance && highest < tolerance;
-  if (lies_on_it ? !is_earlier : lowest > -tolerance) return false;
-  return std::all_of(occluder.side.begin(), occluder.side.end(), [&](const Eigen::Vector3f& side) {
-    return std::max({side.dot(other.corners[0]), side.dot(other.corners[1]), side.dot(other.corners[2])}) >
-           tolerance;
-  });
+Occluded VisibleParts::occluded(std::size_t k) const {
+  const Occluder& o = triangles_[k];
+  Occluded own{};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t corner = 0; corner < 3; ++corner) own.corner[corner][axis] = o.corners[corner][axis];
+    own.axis[axis] = o.axis[axis];
+  }
+  own.cosine = o.cosine;
+  own.sine = o.sine;
+  own.number = static_cast<float>(k);
+  return own;
 }
 
-bool VisibleParts::any_may_hide() const {
-  for (std::size_t a = 0; a < triangles_.size(); ++a)
-    for (std::size_t b = 0; b < triangles_.size(); ++b)
-      if (a != b && may_hide(triangles_[a], triangles_[b], a < b)) return true;
+/// Fills may_hide_. A triangle is not among its own occluders.
+void VisibleParts::find_occluders(std::size_t k) {
+  pair_kernels().hide(blocks_.data(), blocks_.size(), occluded(k), may_hide_.data());
+  const auto n = static_cast<std::size_t>(std::find(order_.begin(), order_.end(), k) - order_.begin());
+  may_hide_[n / 8] &= static_cast<std::uint8_t>(~(1u << n % 8));
+}
+
+bool VisibleParts::any_may_hide() {
+  arrange();
+  for (std::size_t k = 0; k < triangles_.size(); ++k) {
+    find_occluders(k);
+    if (std::any_of(may_hide_.begin(), may_hide_.end(), [](std::uint8_t bits) { return bits != 0; }))
+      return true;
+  }
   return false;
 }
 
@@ -99,9 +113,9 @@ bool VisibleParts::misses(const Occluder& occluder, const Piece& piece) const {
       if (normal.dot(points_[k]) > offset) return false;
     return true;
   };
-  return all(away * occluder.plane.normal, away * occluder.plane.offset - tolerance) ||
+  return all(away * occluder.plane.normal, away * occluder.plane.offset - in_plane) ||
          std::any_of(occluder.side.begin(), occluder.side.end(),
-                     [&](const Eigen::Vector3f& side) { return all(side, tolerance); });
+                     [&](const Eigen::Vector3f& side) { return all(side, in_plane); });
 }
 
 void VisibleParts::subtract(const Occluder& occluder) {
@@ -112,35 +126,37 @@ void VisibleParts::subtract(const Occluder& occluder) {
       remaining_.push_back(piece);
       continue;
     }
-    Piece hidden = split(piece, away * occluder.plane.normal, away * occluder.plane.offset - tolerance);
+    Piece hidden = split(piece, away * occluder.plane.normal, away * occluder.plane.offset - in_plane);
     for (const Eigen::Vector3f& side : occluder.side)
       if (hidden.end - hidden.begin > 2) hidden = split(hidden, side, 0);
   }
   pieces_.swap(remaining_);
 }
 
-/// Near triangles hide most: after them little is left to cut.
-void VisibleParts::sort_by_distance() {
-  if (order_.size() == triangles_.size()) return;
-  order_.resize(triangles_.size());
-  std::iota(order_.begin(), order_.end(), std::size_t{0});
-  std::stable_sort(order_.begin(), order_.end(),
-                   [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
+/// Leaves the pieces of the k-th triangle that are seen.
+void VisibleParts::cut(std::size_t k) {
+  points_.assign(triangles_[k].corners.begin(), triangles_[k].corners.end());
+  pieces_.assign(1, {0, 3});
+  find_occluders(k);
+  for (std::size_t n = 0; n < order_.size() && !pieces_.empty(); ++n)
+    if (may_hide_[n / 8] >> n % 8 & 1) subtract(triangles_[order_[n]]);
 }
 
-WallView VisibleParts::view(std::size_t k) {
-  OILSKIN_ASSERT(k < triangles_.size());
-  const Occluder& own = triangles_[k];
-  if (!own.plane.acts()) return WallView();
-  points_.assign(own.corners.begin(), own.corners.end());
-  pieces_.assign(1, {0, 3});
-  sort_by_distance();
-  for (const std::size_t other : order_)
-    if (!pieces_.empty() && other != k && may_hide(triangles_[other], own, other < k))
-      subtract(triangles_[other]);
-  float shadow = 0;
-  for (const Piece& p : pieces_) shadow += shadow_of(own.plane, {points_.data() + p.begin, p.end - p.begin});
-  return view_with_shadow(own.plane, shadow);
+void VisibleParts::cast_shadows(std::size_t k) {
+  cut(k);
+  for (const Piece& p : pieces_)
+    shadows_.add(triangles_[k].plane, {points_.data() + p.begin, p.end - p.begin});
+}
+
+void VisibleParts::find_views() {
+  shadows_.integrate();
+  views_.assign(triangles_.size(), WallView());
+  for (std::size_t k = 0, piece = 0; k < triangles_.size(); ++k) {
+    if (piece == pieces_end_[k]) continue;
+    float shadow = 0;
+    for (; piece < pieces_end_[k]; ++piece) shadow += shadows_[piece];
+    views_[k] = view_with_shadow(triangles_[k].plane, shadow);
+  }
 }
 
 }  // namespace oilskin::fluid

@@ -22,9 +22,21 @@ class VisibleParts {
   void add(const std::array<Eigen::Vector3f, 3>& corners);
   float distance(std::size_t k) const { return triangles_[k].plane.distance(); }
   /// A quick test. False only if each triangle is seen as a whole.
-  bool any_may_hide() const;
-  /// Plane of the k-th triangle, and the share of its visible part.
-  WallView view(std::size_t k);
+  bool any_may_hide();
+  /// Planes of the triangles k for which `is_asked(k)`, and the shares of their visible parts. The others
+  /// have none.
+  template <class F>
+  const std::vector<WallView>& views(const F& is_asked) {
+    arrange();
+    shadows_.clear();
+    pieces_end_.clear();
+    for (std::size_t k = 0; k < triangles_.size(); ++k) {
+      if (is_asked(k) && triangles_[k].plane.acts()) cast_shadows(k);
+      pieces_end_.push_back(shadows_.size());
+    }
+    find_views();
+    return views_;
+  }
 
  private:
   struct Occluder {
@@ -38,16 +50,24 @@ class VisibleParts {
     std::size_t begin, end;  ///< in points_
   };
 
-  static bool cones_touch(const Occluder& a, const Occluder& b);
-  static bool may_hide(const Occluder& occluder, const Occluder& other, bool is_earlier);
+  Occluded occluded(std::size_t k) const;
+  void find_occluders(std::size_t k);
+  void arrange();
+  void cut(std::size_t k);
+  void cast_shadows(std::size_t k);
+  void find_views();
   bool misses(const Occluder& occluder, const Piece& piece) const;
   void subtract(const Occluder& occluder);
-  void sort_by_distance();
   Piece split(Piece piece, const Eigen::Vector3f& normal, float offset);
 
   std::vector<Occluder> triangles_;
-  std::vector<std::size_t> order_;  ///< by distance
-  // Of view(): what is left of the triangle
+  std::vector<std::size_t> order_;       ///< by distance
+  std::vector<OccluderBlock> blocks_;    ///< in this order
+  std::vector<std::uint8_t> may_hide_;   ///< per block, a bit per triangle
+  Shadows shadows_;                      ///< of the pieces that are seen
+  std::vector<std::size_t> pieces_end_;  ///< per triangle
+  std::vector<WallView> views_;
+  // Of cut(): what is left of the triangle
   std::vector<Eigen::Vector3f> points_, below_;
   std::vector<Piece> pieces_, remaining_;
 };

@@ -7,13 +7,28 @@ namespace oilskin::fluid {
 
 namespace {
 
-constexpr std::size_t point_chunk = 256;
+constexpr std::size_t cell_chunk = 4;
 
 /// Walls whose normals are within this angle are one plane for images (cosine).
 constexpr float same_direction = 0.9f;
 
-std::size_t chunks_of(std::size_t points) {
-  return (points + point_chunk - 1) / point_chunk;
+/// The walls of a point, those of about one direction together: means by share.
+void add_images(Span<const Wall> walls, std::vector<ImagePlane>& images) {
+  const auto first = static_cast<std::ptrdiff_t>(images.size());
+  for (const Wall& wall : walls) {
+    const auto same = std::find_if(images.begin() + first, images.end(), [&](const ImagePlane& p) {
+      return p.normal.dot(wall.normal) > same_direction * p.normal.norm();
+    });
+    ImagePlane& plane = same != images.end() ? *same : images.emplace_back();
+    plane.normal += wall.covered * wall.normal;
+    plane.distance += wall.covered * wall.distance;
+    plane.share += wall.covered;
+  }
+  for (auto plane = images.begin() + first; plane != images.end(); ++plane) {
+    plane->normal.normalize();
+    plane->distance /= plane->share;
+    plane->share = std::min(plane->share, 1.0f);
+  }
 }
 
 }  // namespace
@@ -24,103 +39,71 @@ void WallGeometry::clear() {
   point_of_.clear();
 }
 
-/// Most points see the whole of each triangle near them, which a test of the neighbours in the mesh shows.
-/// For the others all triangles within H are searched, as those whose plane is out of reach hide, too.
 void WallGeometry::find(const BoundaryInput& input, const Workers& workers) {
-  clear();
-  const auto unhidden = find_unhidden(input, workers);
-  join(unhidden, find_partly_hidden(input, workers));
-  collect_images();
-}
-
-std::vector<std::vector<Wall>> WallGeometry::find_unhidden(const BoundaryInput& input,
-                                                           const Workers& workers) {
-  near_.find(input, image_.reach(input.support_radius), {}, workers);
-  number_points(input.x.size());
-  std::vector<std::vector<Wall>> walls(chunks_of(points_.size()));
-  std::vector<std::uint8_t> is_partly(points_.size());
-  workers.for_chunks(points_.size(), point_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
-    VisibleParts parts;
-    for (std::size_t k = b; k < e; ++k) {
-      PointWalls point(input, image_, near_.of(points_[k].particle), points_[k], walls[c]);
-      is_partly[k] = !point.find_unhidden(parts);
-    }
+  OILSKIN_ASSERT(input.cells.is_found());
+  const std::size_t cells = input.cells.cells().size(), parts = (cells + cell_chunk - 1) / cell_chunk;
+  if (parts_.size() < parts) parts_.resize(parts);
+  workers.for_chunks(cells, cell_chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
+    find_part(input, begin, end, parts_[c]);
   });
-  partly_.clear();
-  for (std::uint32_t k = 0; k < points_.size(); ++k)
-    if (is_partly[k]) partly_.push_back(k);
-  return walls;
+  join(parts, input.x.size(), workers);
 }
 
-std::vector<std::vector<Wall>> WallGeometry::find_partly_hidden(const BoundaryInput& input,
-                                                                const Workers& workers) {
-  std::vector<std::vector<Wall>> walls(chunks_of(partly_.size()));
-  if (partly_.empty()) return walls;
-  std::vector<std::uint8_t> marks(input.x.size());
-  for (std::uint32_t k : partly_) marks[points_[k].particle] = 1;
-  near_.find(input, input.support_radius, marks, workers);
-  workers.for_chunks(partly_.size(), point_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
-    VisibleParts parts;
-    for (std::size_t k = b; k < e; ++k) {
-      WallPoint& point = points_[partly_[k]];
-      PointWalls(input, image_, near_.of(point.particle), point, walls[c]).find_visible(parts);
+/// The points and walls of some cells. Indices count from the start of the part.
+void WallGeometry::find_part(const BoundaryInput& input, std::size_t begin, std::size_t end,
+                             Part& part) const {
+  part.points.clear();
+  part.walls.clear();
+  part.images.clear();
+  part.images_end.clear();
+  if (!part.buffers) part.buffers = std::make_shared<WallBuffers>();
+  WallBuffers& buffers = *part.buffers;
+  CellTriangles& triangles = buffers.cell;
+  for (std::size_t c = begin; c < end; ++c) {
+    const TriangleCells::Cell& cell = input.cells.cells()[c];
+    triangles.read(input.cells, cell, input.support_radius);
+    for (std::uint32_t i = cell.begin; i < cell.end; ++i) {
+      WallPoint point;
+      point.particle = i;
+      if (!PointWalls(input, image_, buffers, point, part.walls).find()) continue;
+      part.points.push_back(point);
+      add_images({part.walls.data() + point.begin, point.end - point.begin}, part.images);
+      part.images_end.push_back(static_cast<std::uint32_t>(part.images.size()));
     }
-  });
-  return walls;
+  }
 }
 
-void WallGeometry::number_points(std::size_t particles) {
+/// All parts in their order.
+void WallGeometry::join(std::size_t parts, std::size_t particles, const Workers& workers) {
+  struct Start {
+    std::size_t point = 0, wall = 0, image = 0;
+  };
+  std::vector<Start> start(parts + 1);
+  for (std::size_t c = 0; c < parts; ++c)
+    start[c + 1] = {start[c].point + parts_[c].points.size(), start[c].wall + parts_[c].walls.size(),
+                    start[c].image + parts_[c].images.size()};
+  points_.resize(start[parts].point);
+  walls_.resize(start[parts].wall);
+  images_.resize(start[parts].image);
+  images_begin_.resize(points_.size() + 1);
+  images_begin_[0] = 0;
   point_of_.assign(particles, none);
-  for (std::uint32_t i = 0; i < particles; ++i) {
-    if (near_.of(i).empty()) continue;
-    point_of_[i] = static_cast<std::uint32_t>(points_.size());
-    points_.emplace_back();
-    points_.back().particle = i;
-  }
-}
-
-/// Makes the points' ranges of walls, which count from the start of a chunk, refer to the list of all.
-void WallGeometry::join(const std::vector<std::vector<Wall>>& unhidden,
-                        const std::vector<std::vector<Wall>>& hidden) {
-  std::size_t next = 0;  // in partly_
-  for (std::uint32_t k = 0; k < points_.size(); ++k) {
-    WallPoint& point = points_[k];
-    const bool is_partly = next < partly_.size() && partly_[next] == k;
-    const std::vector<Wall>& from = is_partly ? hidden[next / point_chunk] : unhidden[k / point_chunk];
-    if (is_partly) ++next;
-    const auto begin = static_cast<std::uint32_t>(walls_.size());
-    walls_.insert(walls_.end(), from.begin() + point.begin, from.begin() + point.end);
-    point.begin = begin;
-    point.end = static_cast<std::uint32_t>(walls_.size());
-    for (std::uint32_t w = point.begin; w < point.end; ++w) walls_[w].point = k;
-  }
-  OILSKIN_ASSERT(next == partly_.size());
-}
-
-/// The walls of each point, those of about one direction together: means by share.
-void WallGeometry::collect_images() {
-  images_.clear();
-  images_begin_.assign(1, 0);
-  for (const WallPoint& point : points_) {
-    const std::size_t first = images_.size();
-    for (std::uint32_t w = point.begin; w < point.end; ++w) {
-      const Wall& wall = walls_[w];
-      const auto same = std::find_if(
-          images_.begin() + static_cast<std::ptrdiff_t>(first), images_.end(),
-          [&](const ImagePlane& p) { return p.normal.dot(wall.normal) > same_direction * p.normal.norm(); });
-      ImagePlane& plane = same != images_.end() ? *same : images_.emplace_back();
-      plane.normal += wall.covered * wall.normal;
-      plane.distance += wall.covered * wall.distance;
-      plane.share += wall.covered;
+  workers.for_each(parts, 1, [&](std::size_t c) {
+    const Part& part = parts_[c];
+    const auto wall = static_cast<std::uint32_t>(start[c].wall),
+               image = static_cast<std::uint32_t>(start[c].image);
+    std::copy(part.walls.begin(), part.walls.end(), walls_.begin() + wall);
+    std::copy(part.images.begin(), part.images.end(), images_.begin() + image);
+    for (std::size_t k = 0; k < part.points.size(); ++k) {
+      const auto number = static_cast<std::uint32_t>(start[c].point + k);
+      WallPoint& point = points_[number] = part.points[k];
+      point.begin += wall;
+      point.end += wall;
+      for (std::uint32_t w = point.begin; w < point.end; ++w) walls_[w].point = number;
+      point_of_[point.particle] = number;
+      images_begin_[number + 1] = image + part.images_end[k];
     }
-    for (std::size_t k = first; k < images_.size(); ++k) {
-      ImagePlane& plane = images_[k];
-      plane.normal.normalize();
-      plane.distance /= plane.share;
-      plane.share = std::min(plane.share, 1.0f);
-    }
-    images_begin_.push_back(static_cast<std::uint32_t>(images_.size()));
-  }
+  });
 }
 
 }  // namespace oilskin::fluid

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "fluid/boundary/mirror_image.h"
 #include "fluid/boundary/near_triangles.h"
@@ -63,6 +64,9 @@ struct Wall {
   }
 };
 
+/// What a part of the search keeps for its memory alone.
+struct WallBuffers;
+
 /// A plane that stands for the walls of a particle in about one direction.
 struct ImagePlane {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< to the particle
@@ -89,20 +93,24 @@ class WallGeometry {
   const std::vector<std::uint32_t>& point_of() const { return point_of_; }
 
  private:
-  void number_points(std::size_t particles);
-  std::vector<std::vector<Wall>> find_unhidden(const BoundaryInput& input, const Workers& workers);
-  std::vector<std::vector<Wall>> find_partly_hidden(const BoundaryInput& input, const Workers& workers);
-  void join(const std::vector<std::vector<Wall>>& unhidden, const std::vector<std::vector<Wall>>& hidden);
-  void collect_images();
+  struct Part {  // of a chunk of cells
+    std::vector<WallPoint> points;
+    std::vector<Wall> walls;
+    std::vector<ImagePlane> images;
+    std::vector<std::uint32_t> images_end;  // per point
+    std::shared_ptr<WallBuffers> buffers;
+  };
+
+  void find_part(const BoundaryInput& input, std::size_t begin, std::size_t end, Part& part) const;
+  void join(std::size_t parts, std::size_t particles, const Workers& workers);
 
   const MirrorImage image_;
-  NearTriangles near_;
+  std::vector<Part> parts_;
   std::vector<WallPoint> points_;
   std::vector<Wall> walls_;
   std::vector<std::uint32_t> point_of_;
   std::vector<ImagePlane> images_;           // in the order of points
   std::vector<std::uint32_t> images_begin_;  // per point, and one more
-  std::vector<std::uint32_t> partly_;        // points that may see walls in part, ascending
 };
 
 }  // namespace oilskin::fluid

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
+#include "fluid/pairs/pair_kernels.h"
 #include "oilskin/types.h"
 
 namespace oilskin::fluid {
@@ -48,18 +50,31 @@ struct WallView {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< of the plane, towards the particle
 };
 
-/// 2π Λ of a polygon in a plane that acts(), with corners in the order of the plane's normal: the kernel mass
-/// in its shadow. In polar coordinates (r, ϕ) about the particle's foot in the plane the radial integral is
-/// known, and one integral along each edge remains (B.9),
+/// 2π Λ of polygons: the kernel masses in their shadows. In polar coordinates (r, ϕ) about the particle's
+/// foot in the plane the radial integral is known, and one integral along each edge remains (B.9),
 ///   Λ_T = 1/(2π) Σ_edges ∫ [Λ(ζ) − ζ Λ(r)/r] dϕ.
 /// A sum over small triangles needs hundreds of them for the same accuracy.
-float shadow_of(const WallPlane& plane, Span<const Eigen::Vector3f> polygon);
+class Shadows {
+ public:
+  void clear();
+  /// The polygon lies in a plane that acts(); its corners are in the order of the plane's normal.
+  void add(const WallPlane& plane, Span<const Eigen::Vector3f> polygon);
+  std::size_t size() const { return end_.size(); }
+  /// Of all that were added.
+  void integrate();
+  /// Of polygon k, after integrate().
+  float operator[](std::size_t k) const;
 
-/// Corners relative to the particle. S_T = Λ_T/Λ(ζ) (B.7): the kernel mass in the triangle's shadow over that
-/// behind its plane, so that the shares of the tiles of a plane add up to 1, for any orientation and also for
-/// open meshes. 0 for a triangle without area, and for one whose plane contains the particle.
-WallView view_of_wall(const std::array<Eigen::Vector3f, 3>& corners);
-/// The same for a mass 2π Λ_T that is known.
+ private:
+  std::vector<EdgeBlock> blocks_;
+  std::size_t edges_ = 0;
+  std::vector<std::size_t> end_;  // in edges, per polygon
+  std::vector<float> integral_;   // per edge
+};
+
+/// S_T = Λ_T/Λ(ζ) (B.7), for a mass 2π Λ_T: the kernel mass in the triangle's shadow over that behind its
+/// plane, so that the shares of the tiles of a plane add up to 1, for any orientation and also for open
+/// meshes.
 WallView view_with_shadow(const WallPlane& plane, float shadow);
 
 }  // namespace oilskin::fluid

@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "core/assert.h"
+#include "core/simd_double.h"
 #include "fluid/pairs/pair_kernels_avx2.h"
 #include "fluid/pairs/pair_kernels_avx512.h"
 #include "fluid/pairs/pair_loops.h"
@@ -14,6 +15,8 @@ namespace {
 
 struct BaselineLanes {
   using F8 = simd::F8;
+  using D4 = simd::D4;
+  using Mask4 = simd::Mask4;
   using Sum8 = simd::Sum8;
   using Record8 = simd::Record8;
 

@@ -12,6 +12,7 @@
 #include <cstdint>
 
 #include "core/simd.h"
+#include "fluid/pairs/wall_kernels.h"
 
 namespace oilskin::fluid {
 
@@ -81,6 +82,17 @@ struct PairKernels {
   /// The candidates closer than 1 to p, in their order, to `out`, which has space for sixteen more. Returns
   /// their number.
   std::size_t (*near)(const Candidates&, const Record& p, std::uint32_t* out);
+  /// 2π Λ_T of each edge (B.9), with its sign, to `out`, which has space for `count`.
+  void (*edges)(const EdgeBlock*, std::size_t count, float* out);
+  /// Bit k of out[b]: occluder k of block b may hide a part of the triangle. A quick test, true for all pairs
+  /// of which one hides a part of the other.
+  void (*hide)(const OccluderBlock*, std::size_t blocks, const Occluded&, std::uint8_t* out);
+  /// The numbers of the triangles whose sphere contains p and whose plane is not farther than `plane_reach`,
+  /// in their order. `out` has space for eight more.
+  std::size_t (*touching)(const TriangleColumns&, const float* p, float plane_reach, std::uint32_t* out);
+  /// closest_point() of triangles[index[k]]; `index` is padded to a multiple of four.
+  void (*closest)(const Corners* triangles, const std::uint32_t* index, std::size_t count, const double* p,
+                  ClosestBlock* out);
 };
 
 /// avx512: the search alone, otherwise avx2; the sums over pairs gain nothing from wider registers.

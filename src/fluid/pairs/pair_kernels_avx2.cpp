@@ -28,6 +28,8 @@ static constexpr Selection selection = make_selection();
 
 struct Lanes {
   using F8 = simd::avx2::F8;
+  using D4 = simd::avx2::D4;
+  using Mask4 = simd::avx2::Mask4;
   using Sum8 = simd::avx2::Sum8;
   using Record8 = simd::avx2::Record8;
 

@@ -3,7 +3,9 @@
 #pragma once
 
 #include "fluid/kernels.h"
+#include "fluid/pairs/edge_loops.h"
 #include "fluid/pairs/pair_kernels.h"
+#include "fluid/pairs/triangle_loops.h"
 
 namespace oilskin::fluid {
 
@@ -206,7 +208,17 @@ struct PairLoops {
   }
 
   static constexpr PairKernels kernels() {
-    return {start, density, pressure, pressure_exact, compression, columns, near};
+    return {start,
+            density,
+            pressure,
+            pressure_exact,
+            compression,
+            columns,
+            near,
+            EdgeLoops<Lanes>::edges,
+            TriangleLoops<Lanes>::hide,
+            TriangleLoops<Lanes>::touching,
+            TriangleLoops<Lanes>::closest};
   }
 };
 

@@ -1,0 +1,161 @@
+#include "fluid/triangle_cells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/assert.h"
+
+namespace oilskin::fluid {
+
+namespace {
+
+constexpr std::size_t triangle_chunk = 64, group_chunk = 64;
+
+/// Cells side by side that are looked at together, as a power of two: a film has few particles a cell.
+constexpr int group_bits = 2;
+
+/// Bounds are widened by this much, more than rounding can make of them.
+constexpr double rounding = 1 + 1e-9;
+
+NearbyTriangle triangle_of(const SurfaceMotion& motion, const MeshTopology& topology, std::uint32_t surface,
+                           std::uint32_t triangle) {
+  const Triangle& node = motion.triangles[triangle];
+  const Vec3 &a = motion.x_t0[node[0]], &b = motion.x_t0[node[1]], &c = motion.x_t0[node[2]];
+  NearbyTriangle t;
+  t.surface = surface;
+  t.triangle = triangle;
+  t.middle = (a + b + c) / 3;
+  t.size = std::sqrt(
+      std::max({(a - t.middle).squaredNorm(), (b - t.middle).squaredNorm(), (c - t.middle).squaredNorm()}));
+  t.cross = (b - a).cross(c - a);
+  t.cross_norm = t.cross.norm();
+  t.is_duplicate = topology.is_duplicate(triangle);
+  t.is_at_border = topology.is_at_border(triangle);
+  t.has_free_node =
+      std::any_of(node.begin(), node.end(), [&](std::uint32_t n) { return motion.inverse_mass[n] > 0; });
+  return t;
+}
+
+}  // namespace
+
+void TriangleCells::clear() {
+  is_found_ = false;
+  triangles_.clear();
+  cells_.clear();
+}
+
+void TriangleCells::find(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,
+                         Span<const MeshTopology* const> topologies, Span<const TriangleList> near,
+                         double support_radius, const Neighbours& neighbours, const Workers& workers) {
+  OILSKIN_ASSERT(support_radius > 0 && neighbours.size() == x.size());
+  OILSKIN_ASSERT(topologies.size() == surfaces.size());
+  clear();
+  is_found_ = true;
+  read_triangles(surfaces, topologies, near, workers);
+  find_groups(x, neighbours, workers);
+  const std::size_t chunks = (triangles_.size() + triangle_chunk - 1) / triangle_chunk;
+  if (found_.size() < chunks) found_.resize(chunks);
+  workers.for_chunks(triangles_.size(), triangle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
+    found_[c].clear();
+    for (std::size_t t = b; t < e; ++t)
+      touch(x, static_cast<std::uint32_t>(t), support_radius, neighbours, found_[c]);
+  });
+  sort_by_cell(chunks);
+}
+
+void TriangleCells::read_triangles(Span<SurfaceMotion* const> surfaces,
+                                   Span<const MeshTopology* const> topologies, Span<const TriangleList> near,
+                                   const Workers& workers) {
+  for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
+    const SurfaceMotion& motion = *surfaces[s];
+    OILSKIN_ASSERT(topologies[s]->triangle_count() == motion.triangles.size());
+    const TriangleChoice chosen(near, s, motion.triangles.size());
+    const std::size_t first = triangles_.size();
+    triangles_.resize(first + chosen.size());
+    corners_.resize(triangles_.size());
+    workers.for_each(chosen.size(), triangle_chunk, [&](std::size_t k) {
+      triangles_[first + k] = triangle_of(motion, *topologies[s], s, chosen[k]);
+      const Triangle& node = motion.triangles[chosen[k]];
+      for (std::size_t corner = 0; corner < 3; ++corner)
+        for (int axis = 0; axis < 3; ++axis)
+          corners_[first + k].x[3 * corner + static_cast<std::size_t>(axis)] =
+              motion.x_t0[node[corner]][axis];
+    });
+  }
+}
+
+void TriangleCells::find_groups(Span<const Vec3> x, const Neighbours& neighbours, const Workers& workers) {
+  const std::size_t cells = neighbours.cell_count();
+  groups_.clear();
+  group_of_.resize(cells);
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    if (cell == 0 || neighbours.cell_group(cell, group_bits) != neighbours.cell_group(cell - 1, group_bits)) {
+      groups_.emplace_back();
+      groups_.back().begin = neighbours.cell_begin(cell);
+    }
+    groups_.back().end = neighbours.cell_begin(cell + 1);
+    group_of_[cell] = static_cast<std::uint32_t>(groups_.size() - 1);
+  }
+  workers.for_each(groups_.size(), group_chunk, [&](std::size_t g) {
+    for (std::uint32_t i = groups_[g].begin; i < groups_[g].end; ++i) groups_[g].box.add(x[i]);
+  });
+}
+
+/// Finds the groups whose particles may be within H of the triangle, and on which sides of it they are.
+void TriangleCells::touch(Span<const Vec3> x, std::uint32_t triangle, double support_radius,
+                          const Neighbours& neighbours, std::vector<Touch>& found) {
+  NearbyTriangle& t = triangles_[triangle];
+  const double(&corner)[9] = corners_[triangle].x;
+  const Vec3 a(corner[0], corner[1], corner[2]);
+  Box box;
+  box.add(a);
+  box.add(Vec3(corner[3], corner[4], corner[5]));
+  box.add(Vec3(corner[6], corner[7], corner[8]));
+  box = box.inflated(support_radius * rounding);
+  const double reach = support_radius * rounding * t.cross_norm, tie = 1e-9 * reach;
+  const Vec3 slope = t.cross.cwiseAbs();
+  // Of the particles a … b. A height of nearly 0 counts as both sides.
+  const auto see = [&](double lowest, double highest) {
+    t.has_front |= highest >= -tie;
+    t.has_back |= lowest <= tie;
+  };
+  neighbours.for_cells_in(box, [&](std::size_t begin, std::size_t end) {
+    for (std::uint32_t g = group_of_[begin]; g <= group_of_[end - 1]; ++g) {
+      const Cell& group = groups_[g];
+      if (!box.overlaps(group.box)) continue;
+      const Vec3 middle = 0.5 * (group.box.min + group.box.max);
+      const Vec3 half = (group.box.max - middle).cwiseMax(middle - group.box.min);
+      const double height = t.cross.dot(middle - a), extent = rounding * slope.dot(half);
+      if (std::abs(height) - extent > reach) continue;
+      found.push_back({g, triangle});
+      if (std::abs(height) > extent) {
+        see(height - extent, height + extent);
+        continue;
+      }
+      for (std::uint32_t i = group.begin; i < group.end && !(t.has_front && t.has_back); ++i) {
+        const double side = t.cross.dot(x[i] - a);
+        if (std::abs(side) <= reach) see(side, side);
+      }
+    }
+  });
+}
+
+/// Counting sort, stable.
+void TriangleCells::sort_by_cell(std::size_t chunks) {
+  begin_.assign(groups_.size() + 1, 0);
+  for (std::size_t c = 0; c < chunks; ++c)
+    for (const Touch& touch : found_[c]) ++begin_[touch.group + 1];
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    begin_[g + 1] += begin_[g];
+    if (begin_[g + 1] == begin_[g]) continue;
+    cells_.push_back(groups_[g]);
+    cells_.back().first = begin_[g];
+    cells_.back().last = begin_[g + 1];
+  }
+  list_.resize(begin_.back());
+  for (std::size_t c = 0; c < chunks; ++c)
+    for (const Touch& touch : found_[c]) list_[begin_[touch.group]++] = touch.triangle;
+}
+
+}  // namespace oilskin::fluid

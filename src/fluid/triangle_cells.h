@@ -1,0 +1,78 @@
+/// The cells of the fluid that surfaces touch: which triangles are within the support radius H of the
+/// particles of which cell. Found once per interval, for hidden neighbours and boundary terms.
+#pragma once
+
+#include <vector>
+
+#include "core/mesh_topology.h"
+#include "core/parallel.h"
+#include "fluid/neighbours.h"
+#include "fluid/triangle_list.h"
+#include "oilskin/surface_motion.h"
+
+namespace oilskin::fluid {
+
+/// A triangle at x_t0.
+struct NearbyTriangle {
+  std::uint32_t surface = 0, triangle = 0;
+  Vec3 middle = Vec3::Zero();  ///< of the corners [m]
+  double size = 0;             ///< distance of the farthest corner from it [m]
+  Vec3 cross = Vec3::Zero();   ///< (b − a) × (c − a)
+  double cross_norm = 0;       ///< its length, twice the area [m²]
+  bool is_duplicate = false, is_at_border = false, has_free_node = false;
+  /// Particles within H may lie on this side of its plane, or in it.
+  bool has_front = false, has_back = false;
+};
+
+class TriangleCells {
+ public:
+  /// Up to four cells side by side, with triangles near their particles.
+  struct Cell {
+    Box box;                            ///< of the particles [m]
+    std::uint32_t begin = 0, end = 0;   ///< particles
+    std::uint32_t first = 0, last = 0;  ///< in the list of all cells' triangles
+  };
+
+  /// `x`: positions that the neighbours were searched for. `near`: per surface at least the triangles within
+  /// H of a particle; empty = all. The surfaces' motions must stay where they are.
+  void find(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,
+            Span<const MeshTopology* const> topologies, Span<const TriangleList> near, double support_radius,
+            const Neighbours& neighbours, const Workers& workers);
+  void clear();
+  bool is_found() const { return is_found_; }
+
+  /// In the order of their particles.
+  const std::vector<Cell>& cells() const { return cells_; }
+  /// Indices into triangles(), ascending: at least those within H of a particle of the cell.
+  Span<const std::uint32_t> triangles_of(const Cell& cell) const {
+    return {list_.data() + cell.first, cell.last - cell.first};
+  }
+  /// In the order of surfaces and triangles; more than those that any cell has.
+  const std::vector<NearbyTriangle>& triangles() const { return triangles_; }
+  /// Of triangles().
+  const Corners* corners() const { return corners_.data(); }
+
+ private:
+  struct Touch {
+    std::uint32_t group, triangle;
+  };
+
+  void read_triangles(Span<SurfaceMotion* const> surfaces, Span<const MeshTopology* const> topologies,
+                      Span<const TriangleList> near, const Workers& workers);
+  void find_groups(Span<const Vec3> x, const Neighbours& neighbours, const Workers& workers);
+  void touch(Span<const Vec3> x, std::uint32_t triangle, double support_radius, const Neighbours& neighbours,
+             std::vector<Touch>& found);
+  void sort_by_cell(std::size_t chunks);
+
+  bool is_found_ = false;
+  std::vector<NearbyTriangle> triangles_;
+  std::vector<Corners> corners_;
+  std::vector<Cell> cells_;
+  std::vector<std::uint32_t> list_;
+  std::vector<Cell> groups_;               // with and without triangles
+  std::vector<std::uint32_t> group_of_;    // per cell of the neighbours
+  std::vector<std::uint32_t> begin_;       // per group
+  std::vector<std::vector<Touch>> found_;  // per chunk of triangles
+};
+
+}  // namespace oilskin::fluid
