@@ -35,7 +35,7 @@ const std::map<std::string, std::set<std::string>> may_see = {
 /// sees the solver.
 const std::map<std::string, std::set<std::string>> fluid_may_see = {
     {"src/fluid/emission", {"emission"}},
-    {"src/fluid/boundary", {"boundary"}},
+    {"src/fluid/boundary", {"boundary", "pairs"}},
     {"src/fluid/pressure", {"boundary", "pairs", "pressure"}},
     {"src/fluid/pairs", {"pairs"}},
     {"src/fluid", {"pairs"}},
