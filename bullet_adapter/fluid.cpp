@@ -100,6 +100,10 @@ int btFluid::getMaxParticles() const {
   return count_of(m_world->settings().max_particles);
 }
 
+Status btFluid::setStepBudget(btScalar seconds) {
+  return m_world->set_step_budget(static_cast<double>(seconds));
+}
+
 Status btFluid::setGravity(const btVector3& gravity) {
   if (m_coupling && m_coupling->followsClothGravity())
     return Status::refused(

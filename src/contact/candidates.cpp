@@ -39,8 +39,8 @@ void CandidateSet::collect(Context& context) {
     set.begin.resize(n);
     set.count.resize(n);
     set.pool.clear();
-    const SurfaceMotion& motion = *context.surfaces[s];
-    context.geometry[s]->fit(motion);
+    context.geometry[s]->use(context.settings->hierarchy);
+    context.geometry[s]->fit(*context.surfaces[s]);
     set.tree_epoch = context.epoch;
     query(context, s, all);
   }

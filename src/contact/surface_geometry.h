@@ -13,6 +13,7 @@ struct SurfaceGeometry {
   MeshTopology topology;
   proximity::SurfaceTree tree;     // fits itself to the triangles that it is given
   std::uint64_t fitted_still = 0;  // SurfaceMotion::still of what fit() fitted the tree to
+  Hierarchy hierarchy = Hierarchy::flat;
 
   /// Analyses the mesh of a surface whose id it has not seen: a changed mesh has a new id.
   void analyse(const SurfaceMotion& surface) {
@@ -27,10 +28,16 @@ struct SurfaceGeometry {
            std::uint64_t still) {
     if (still != 0 && fitted_still == still) return;
     fitted_still = 0;
-    tree.update(triangles, x_t0, x_t1);
+    tree.update(triangles, x_t0, x_t1, hierarchy);
     fitted_still = still;
   }
   void fit(const SurfaceMotion& s) { fit(s.triangles, s.x_t0, s.x_t1, s.still); }
+
+  /// What refits and searches the tree from now on.
+  void use(Hierarchy h) {
+    if (h != hierarchy) fitted_still = 0;
+    hierarchy = h;
+  }
 };
 
 }  // namespace oilskin::contact

@@ -178,6 +178,10 @@ Span<const std::uint32_t> FluidSolver::neighbours(std::size_t particle) const {
                              : Span<const std::uint32_t>();
 }
 
+void FluidSolver::limit_iterations(int most) {
+  impl_->model->limit_iterations(most);
+}
+
 Span<const WallImpulse> FluidSolver::wall_impulses() const {
   return impl_->state.boundary.wall_impulses();
 }

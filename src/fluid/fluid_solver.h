@@ -72,6 +72,9 @@ class FluidSolver {
   /// one that was appended since.
   Span<const std::uint32_t> neighbours(std::size_t particle) const;
 
+  /// From now on at most so many iterations of the pressure solver in propose(), at least min_iterations.
+  void limit_iterations(int most);
+
   /// What boundary terms gave to particles at walls with friction in the last propose(), ordered by particle.
   Span<const WallImpulse> wall_impulses() const;
 

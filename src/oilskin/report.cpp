@@ -91,11 +91,12 @@ void StepReport::add(const StepReport& next) {
   if (!next.status.ok()) return;
   const bool is_first = dt == 0;
   const double made_before = energy.made_in_step, speed_before = energy.max_speed;
-  const auto& [status_, messages_, step_, time_, dt_, substeps_, needed, seconds_, fluid_, contact_, alive_,
-               emitted_, removed_, by_sinks, by_age, absorbed_, released_, invalid, too_fast, blocked,
-               limited, mass_emitted_, mass_removed_, mass_absorbed_, mass_released_, mass_dried_, mass_lost_,
-               before, after, momentum_emitted_, momentum_removed_, momentum_absorbed_, momentum_released_,
-               gravity, effects, energy_, owed, carried, load, flags_] = next;
+  const auto& [status_, messages_, step_, time_, dt_, substeps_, needed, left_out, limit, seconds_, fluid_,
+               contact_, alive_, emitted_, removed_, by_sinks, by_age, absorbed_, released_, invalid,
+               too_fast, blocked, limited, mass_emitted_, mass_removed_, mass_absorbed_, mass_released_,
+               mass_dried_, mass_lost_, before, after, momentum_emitted_, momentum_removed_,
+               momentum_absorbed_, momentum_released_, gravity, effects, energy_, owed, carried, load,
+               flags_] = next;
   static_cast<void>(status_), static_cast<void>(messages_);
   step = step_, time = time_, alive = alive_, momentum_after = after, energy = energy_;
   energy.made_in_step += made_before;
@@ -104,7 +105,8 @@ void StepReport::add(const StepReport& next) {
   fluid = is_first ? fluid_ : worst_of(fluid, fluid_);
   contact.add(contact_);
   seconds += seconds_;
-  dt += dt_, substeps += substeps_;
+  dt += dt_, substeps += substeps_, substeps_left_out += left_out;
+  if (limit > 0) iteration_limit = iteration_limit > 0 ? std::min(iteration_limit, limit) : limit;
   emitted += emitted_, removed += removed_, absorbed += absorbed_, released += released_;
   removed_by_sinks += by_sinks, removed_by_age += by_age;
   removed_invalid += invalid, removed_too_fast += too_fast;
@@ -140,6 +142,10 @@ std::vector<std::string> flag_texts(std::uint32_t flags) {
       {flag_sound_too_fast,
        "sound_too_fast: dt > 0.4 H/(sqrt(fluid.stiffness) + v) for mcg03; lower dt or raise "
        "fluid.max_substeps"},
+      {flag_budget_limited,
+       "budget_limited: step_budget left out fluid sub-steps or iterations of the pressure solver; raise it, "
+       "or "
+       "use fewer particles"},
   };
   std::vector<std::string> texts;
   for (const auto& [bit, text] : all)

@@ -71,6 +71,9 @@ enum StepFlag : std::uint32_t {
   /// MCG03: sound and water travel farther than 0.4 H in an interval: raise max_substeps, lower dt or
   /// stiffness.
   flag_sound_too_fast = 1u << 12,
+  /// The step left out fluid sub-steps, or its pressure solver stopped before it converged, because of
+  /// WorldSettings::step_budget: raise it, or use fewer particles.
+  flag_budget_limited = 1u << 14,
 };
 
 /// EnergyReport::risen over its scale above which flag_energy_made is set. Scenes that are
@@ -228,6 +231,11 @@ struct StepReport {
   int substeps = 0;
   /// The number that stability asks for: above `substeps` a flag says which limit is violated.
   double substeps_needed = 1;
+  /// WorldSettings::step_budget: the sub-steps that it left out.
+  int substeps_left_out = 0;
+  /// WorldSettings::step_budget: the most iterations of the pressure solver in a sub-step, where it allowed
+  /// fewer than FluidSettings::max_iterations; otherwise 0.
+  int iteration_limit = 0;
   /// Wall time by stage.
   StageSeconds seconds;
   /// The pressure solver.
@@ -304,11 +312,12 @@ struct StepReport {
   /// Makes this the report of several steps: adds that of the step after them. A report without a step
   /// (dt = 0) becomes that step's.
   ///
-  /// Sums: dt, substeps, seconds, contact, particles and starts counted, masses, and the momenta that
-  /// entered, left, came from gravity, effects, or are owed. `fluid`: worst_of(). Largest: substeps_needed,
-  /// carried_ratio, load_speed. `flags` are or-ed. Of the first step: momentum_before; of the last: step,
-  /// time, alive, momentum_after, energy, but for made_in_step (sum) and max_speed (largest). `status` is the
-  /// first refusal. Each message stays once, in order; at most 256.
+  /// Sums: dt, substeps, substeps_left_out, seconds, contact, particles and starts counted, masses, and the
+  /// momenta that entered, left, came from gravity, effects, or are owed. `fluid`: worst_of(). Largest:
+  /// substeps_needed, carried_ratio, load_speed; smallest: iteration_limit, where there is one. `flags` are
+  /// or-ed. Of the first step: momentum_before; of the last: step, time, alive, momentum_after, energy, but
+  /// for made_in_step (sum) and max_speed (largest). `status` is the first refusal. Each message stays once,
+  /// in order; at most 256.
   void add(const StepReport& next);
 };
 

@@ -85,6 +85,8 @@ Status ContactSettings::validate() const {
     return refuse_value("contact.repulsion", static_cast<int>(repulsion), "a Repulsion");
   if (!is_one_of(infeasible, Infeasible::allow))
     return refuse_value("contact.infeasible", static_cast<int>(infeasible), "an Infeasible");
+  if (!is_one_of(hierarchy, Hierarchy::fcl))
+    return refuse_value("contact.hierarchy", static_cast<int>(hierarchy), "a Hierarchy");
   if (!not_negative(stiffness)) return refuse_value("contact.stiffness", stiffness, "finite and ≥ 0 N/m");
   if (solver_iterations < 1 || solver_iterations > 1000)
     return refuse_value("contact.sweeps", solver_iterations, "1 … 1000");
@@ -99,6 +101,8 @@ Status WorldSettings::validate() const {
       !(kill_box.min.array() < kill_box.max.array()).all())
     return refuse_value("kill_box", kill_box.min.transpose(), "finite with min < max on every axis");
   if (threads < 0) return refuse_value("threads", threads, "≥ 0 (0 = all)");
+  if (!not_negative(step_budget))
+    return refuse_value("step_budget", step_budget, "finite and ≥ 0 s (0 = no limit)");
   return {};
 }
 

@@ -153,6 +153,14 @@ enum class Infeasible {
   allow,
 };
 
+/// What refits and searches the trees of triangles that FCL builds. Both find the same pairs.
+enum class Hierarchy {
+  /// A copy of FCL's tree in one array; faster.
+  flat,
+  /// FCL's own nodes.
+  fcl,
+};
+
 /// Settings of contact.
 struct ContactSettings {
   /// How contact restores the thickness.
@@ -172,6 +180,8 @@ struct ContactSettings {
   Infeasible infeasible = Infeasible::stall;
   /// Check every interval again by an independent algorithm and count crossings.
   bool verify = false;
+  /// What searches for pairs. The results do not depend on it.
+  Hierarchy hierarchy = Hierarchy::flat;
 
   /// Accepted, or the first field that is out of range.
   Status validate() const;
@@ -190,6 +200,11 @@ struct WorldSettings {
   /// counted in StepReport::limited_starts; surfaces keep what they would release; add_particles() leaves out
   /// the rest. Emission goes on when particles have left. A smaller limit removes no particle.
   std::uint64_t max_particles = 0;
+  /// Wall time for World::step() [s], ≥ 0; 0 = no limit. A step that would take longer, judged by those
+  /// before, leaves out iterations of the pressure solver, down to FluidSettings::min_iterations, and then
+  /// fluid sub-steps, down to one; StepReport has the numbers. A step may still be longer. The water gets
+  /// denser at impacts; nothing crosses. The results then depend on the speed of the machine.
+  double step_budget = 0;
 
   /// Accepted, or the first field that is out of range.
   Status validate() const;

@@ -66,6 +66,8 @@ class World {
   Status set_contact_settings(const ContactSettings& settings);
   /// WorldSettings::max_particles, from now on; 0 = no limit.
   void set_max_particles(std::uint64_t count);
+  /// WorldSettings::step_budget, from now on [s]; refuses numbers out of range.
+  Status set_step_budget(double seconds);
 
   // --- surfaces
   /// The host remains the caller's and must outlive its attachment. Refuses a mesh without triangles, indices

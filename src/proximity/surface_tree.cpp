@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "core/assert.h"
+#include "proximity/box_tree.h"
 
 namespace oilskin::proximity {
 
@@ -32,10 +33,6 @@ void check(int code, const char* what) {
   if (code != fcl::BVH_OK)
     throw std::runtime_error("oilskin: FCL refused to " + std::string(what) +
                              " a bounding-volume tree, code " + std::to_string(code));
-}
-
-double size(const Aabb& b) {
-  return (b.max_ - b.min_).sum();
 }
 
 /// fcl::AABB::overlap is not inlined, so this is faster.
@@ -63,7 +60,7 @@ bool all_in_range(Span<const Triangle> triangles, std::size_t nodes) {
 
 /// Buffers of one thread.
 struct Scratch {
-  std::vector<int> stack;
+  std::vector<std::int32_t> stack;
   std::vector<std::uint32_t> found;
 };
 
@@ -71,19 +68,23 @@ struct Scratch {
 
 struct SurfaceTree::Impl {
   std::unique_ptr<Model> model;  ///< null without triangles
+  BoxTree flat;                  ///< the same tree
+  Hierarchy hierarchy = Hierarchy::flat;
   std::vector<Triangle> triangles;
+  std::vector<Vec3> fitted_x_t0, fitted_x_t1;
   std::vector<Box> boxes;  ///< swept box of each triangle
-  std::size_t nodes = 0;
   std::size_t builds = 0;
   double leaf_size_built = 0, tree_size_built = 0;
 
-  void update(Span<const Triangle> tris, Span<const Vec3> x_t0, Span<const Vec3> x_t1);
+  void update(Span<const Triangle> tris, Span<const Vec3> x_t0, Span<const Vec3> x_t1, Hierarchy by);
   void clear();
   void build(Span<const Triangle> tris, Span<const Vec3> x_t1);
+  void copy_structure();
   void refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1);
+  void refit_model();
   bool is_fitted_to(Span<const Vec3> x_t0, Span<const Vec3> x_t1) const;
-  void read_leaves(double* leaf_size, double* tree_size);
   bool collect(const Box& box, std::size_t limit, Scratch& scratch) const;
+  bool collect_from_model(const Box& box, std::size_t limit, Scratch& scratch) const;
   void query_block(Span<const Box> block, Scratch& scratch, std::uint32_t* counts,
                    std::vector<std::uint32_t>& triangles_out) const;
 };
@@ -92,7 +93,6 @@ struct SurfaceTree::Impl {
 /// calls). Uses one set of positions only, so a refit must follow for swept boxes.
 void SurfaceTree::Impl::build(Span<const Triangle> tris, Span<const Vec3> x_t1) {
   triangles.assign(tris.begin(), tris.end());
-  nodes = x_t1.size();
   model = std::make_unique<Model>();
   boxes.assign(tris.size(), Box());
   ++builds;
@@ -103,45 +103,61 @@ void SurfaceTree::Impl::build(Span<const Triangle> tris, Span<const Vec3> x_t1) 
   check(model->beginModel(static_cast<int>(faces.size()), static_cast<int>(points.size())), "begin");
   check(model->addSubModel(points, faces), "fill");
   check(model->endModel(), "build");
+  copy_structure();
+}
+
+void SurfaceTree::Impl::copy_structure() {
+  std::vector<BoxTree::Link> links(static_cast<std::size_t>(model->getNumBVs()));
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const auto& node = static_cast<const Model&>(*model).getBV(static_cast<int>(i));
+    OILSKIN_ASSERT(node.isLeaf() || node.rightChild() == node.leftChild() + 1);
+    OILSKIN_ASSERT(!node.isLeaf() || static_cast<std::size_t>(node.primitiveId()) < boxes.size());
+    links[i].child = node.isLeaf() ? -1 - node.primitiveId() : node.leftChild();
+  }
+  flat.assign(links);
 }
 
 void SurfaceTree::Impl::refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1) {
-  OILSKIN_ASSERT(model && x_t1.size() == nodes && x_t0.size() == nodes);
+  fitted_x_t0.assign(x_t0.begin(), x_t0.end());
+  fitted_x_t1.assign(x_t1.begin(), x_t1.end());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    Box box;
+    for (const std::uint32_t node : triangles[t]) {
+      box.add(x_t0[node]);
+      box.add(x_t1[node]);
+    }
+    boxes[t] = box;
+  }
+  flat.refit(boxes);
+  if (hierarchy == Hierarchy::fcl) refit_model();
+}
+
+void SurfaceTree::Impl::refit_model() {
   check(model->beginUpdateModel(), "begin the update of");
-  for (const Vec3& x : x_t1) check(model->updateVertex(x), "update");
+  for (const Vec3& x : fitted_x_t1) check(model->updateVertex(x), "update");
   // FCL would sweep from the positions of its last update. Contact has changed those since: the motion starts
   // at x_t0.
-  std::copy(x_t0.begin(), x_t0.end(), model->prev_vertices);
+  std::copy(fitted_x_t0.begin(), fitted_x_t0.end(), model->prev_vertices);
   check(model->endUpdateModel(/*refit=*/true, /*bottomup=*/true), "refit");
 }
 
 /// Is the tree already fitted to this motion? So for walls and floors, which do not move.
 bool SurfaceTree::Impl::is_fitted_to(Span<const Vec3> x_t0, Span<const Vec3> x_t1) const {
-  return std::equal(x_t0.begin(), x_t0.end(), model->prev_vertices) &&
-         std::equal(x_t1.begin(), x_t1.end(), model->vertices);
-}
-
-void SurfaceTree::Impl::read_leaves(double* leaf_size, double* tree_size) {
-  *leaf_size = *tree_size = 0;
-  const int n = model->getNumBVs();
-  for (int i = 0; i < n; ++i) {
-    const auto& node = static_cast<const Model&>(*model).getBV(i);
-    const double s = size(node.bv);
-    *tree_size += s;
-    if (!node.isLeaf()) continue;
-    *leaf_size += s;
-    OILSKIN_ASSERT(static_cast<std::size_t>(node.primitiveId()) < boxes.size());
-    boxes[static_cast<std::size_t>(node.primitiveId())] = {node.bv.min_, node.bv.max_};
-  }
+  return std::equal(x_t0.begin(), x_t0.end(), fitted_x_t0.begin(), fitted_x_t0.end()) &&
+         std::equal(x_t1.begin(), x_t1.end(), fitted_x_t1.begin(), fitted_x_t1.end());
 }
 
 /// Collects the triangles whose boxes overlap the box, unordered. False if it stopped at the limit.
 bool SurfaceTree::Impl::collect(const Box& box, std::size_t limit, Scratch& scratch) const {
   scratch.found.clear();
   if (!model || is_empty(box)) return true;
+  return hierarchy == Hierarchy::fcl ? collect_from_model(box, limit, scratch)
+                                     : flat.collect(box, limit, scratch.stack, scratch.found);
+}
+
+bool SurfaceTree::Impl::collect_from_model(const Box& box, std::size_t limit, Scratch& scratch) const {
   const Model& m = *model;
-  // An explicit stack on the heap: FCL's trees get deep if centroids converge geometrically.
-  std::vector<int>& stack = scratch.stack;
+  std::vector<std::int32_t>& stack = scratch.stack;
   stack.assign(1, 0);
   while (!stack.empty()) {
     const auto& node = m.getBV(stack.back());
@@ -195,28 +211,32 @@ void SurfaceTree::Impl::clear() {
   builds = kept;
 }
 
-void SurfaceTree::Impl::update(Span<const Triangle> tris, Span<const Vec3> x_t0, Span<const Vec3> x_t1) {
-  double leaf_size = 0, tree_size = 0;
-  if (nodes == x_t1.size() && same_triangles(tris, triangles)) {
-    if (is_fitted_to(x_t0, x_t1)) return;
+void SurfaceTree::Impl::update(Span<const Triangle> tris, Span<const Vec3> x_t0, Span<const Vec3> x_t1,
+                               Hierarchy by) {
+  const bool is_other = by != hierarchy;
+  hierarchy = by;
+  if (fitted_x_t1.size() == x_t1.size() && same_triangles(tris, triangles)) {
+    if (!is_other && is_fitted_to(x_t0, x_t1)) return;
     refit(x_t0, x_t1);
-    read_leaves(&leaf_size, &tree_size);
     // Leaves grow with stretch and speed; inner nodes also if parts that were close have moved apart.
-    if (leaf_size <= rebuild_growth * leaf_size_built && tree_size <= rebuild_growth * tree_size_built)
+    if (flat.size_of_leaves() <= rebuild_growth * leaf_size_built &&
+        flat.size_of_nodes() <= rebuild_growth * tree_size_built)
       return;
   }
   build(tris, x_t1);
   refit(x_t0, x_t1);
-  read_leaves(&leaf_size_built, &tree_size_built);
+  leaf_size_built = flat.size_of_leaves();
+  tree_size_built = flat.size_of_nodes();
 }
 
-void SurfaceTree::update(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1) {
+void SurfaceTree::update(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1,
+                         Hierarchy hierarchy) {
   OILSKIN_ASSERT(x_t0.size() == x_t1.size());
   OILSKIN_ASSERT(all_in_range(triangles, x_t1.size()));
   OILSKIN_ASSERT(all_finite(x_t0) && all_finite(x_t1));
   if (triangles.empty()) return impl_->clear();
   try {
-    impl_->update(triangles, x_t0, x_t1);
+    impl_->update(triangles, x_t0, x_t1, hierarchy);
   } catch (...) {
     impl_->clear();  // FCL's model may be inconsistent
     throw;
@@ -228,9 +248,7 @@ std::size_t SurfaceTree::builds() const {
 }
 
 Box SurfaceTree::bounds() const {
-  if (!impl_->model) return {};
-  const Aabb& root = static_cast<const Model&>(*impl_->model).getBV(0).bv;
-  return {root.min_, root.max_};
+  return impl_->flat.empty() ? Box() : impl_->flat.bounds();
 }
 
 void SurfaceTree::query(const Box& box, std::vector<std::uint32_t>& triangles) const {

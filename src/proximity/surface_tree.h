@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "core/parallel.h"
-#include "oilskin/types.h"
+#include "oilskin/settings.h"
 
 namespace oilskin::proximity {
 
@@ -20,7 +20,8 @@ struct Candidates {
   }
 };
 
-/// A bounding-volume tree over the swept boxes of a surface's triangles: FCL's BVHModel<AABB<double>>.
+/// A bounding-volume tree over the swept boxes of a surface's triangles: FCL's BVHModel<AABB<double>> builds
+/// it. Refits and queries go through FCL's nodes or a flat copy of them, with the same results.
 class SurfaceTree {
  public:
   SurfaceTree();
@@ -33,7 +34,8 @@ class SurfaceTree {
   /// twice their size after the last build; otherwise refits. Query results are the same for both. Positions
   /// must be finite and indices in range (asserted). Throws std::runtime_error if FCL fails (out of memory);
   /// after any exception the tree has no triangles, and the next call builds it.
-  void update(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1);
+  void update(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1,
+              Hierarchy hierarchy = Hierarchy::flat);
 
   std::size_t builds() const;  ///< number of builds, for tests and reports
   Box bounds() const;          ///< of all triangles; empty without triangles

@@ -16,8 +16,8 @@ namespace oilskin {
 namespace {
 
 void visit(Archive& archive, WorldSettings& settings) {
-  auto& [gravity, kill_box, threads, max_particles] = settings;
-  archive.values(gravity, kill_box, max_particles);
+  auto& [gravity, kill_box, threads, max_particles, step_budget] = settings;
+  archive.values(gravity, kill_box, max_particles, step_budget);
   static_cast<void>(threads);  // a property of the machine, not of the state
 }
 
@@ -33,8 +33,10 @@ void visit(Archive& archive, FluidSettings& settings) {
 }
 
 void visit(Archive& archive, ContactSettings& settings) {
-  auto& [repulsion, stiffness, ccd, zones, solver_iterations, ccd_iterations, infeasible, verify] = settings;
-  archive.values(repulsion, stiffness, ccd, zones, solver_iterations, ccd_iterations, infeasible, verify);
+  auto& [repulsion, stiffness, ccd, zones, solver_iterations, ccd_iterations, infeasible, verify, hierarchy] =
+      settings;
+  archive.values(repulsion, stiffness, ccd, zones, solver_iterations, ccd_iterations, infeasible, verify,
+                 hierarchy);
 }
 
 void visit(Archive& archive, SlipSettings& settings) {
@@ -126,7 +128,7 @@ namespace world {
 
 namespace {
 
-constexpr FrameKind saved_world = {{'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'}, 8, "saved world"};
+constexpr FrameKind saved_world = {{'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'}, 9, "saved world"};
 
 }  // namespace
 

@@ -32,6 +32,7 @@ std::uint32_t flags_of(const StepReport& r, const ContactSettings& contact) {
   if (r.contact.removed > 0) flags |= flag_removed_by_contact;
   if (r.removed_invalid > 0) flags |= flag_removed_invalid;
   if (r.contact.held > 0) flags |= flag_many_holds;
+  if (r.substeps_left_out > 0 || (r.iteration_limit > 0 && !r.fluid.converged)) flags |= flag_budget_limited;
   if (!contact.ccd || !contact.zones || r.contact.started_too_close > 0) flags |= flag_no_promise;
   return flags;
 }
@@ -382,6 +383,7 @@ void World::Impl::finish(StepContext& step) {
   if (step.report.contact.crossings_found_by_verify > 0 && contact_settings.ccd && contact_settings.zones)
     step.report.messages.push_back("verify found particles that crossed a surface or ended nearer than δ");
   step.report.flags = flags_of(step.report, contact_settings);
+  if (settings.step_budget > 0) budget.learn(step.report);
   if (step.report.energy.risen > energy_made_limit * step.report.energy.scale) advise_on_energy(step);
 }
 

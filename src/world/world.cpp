@@ -92,6 +92,14 @@ void World::set_max_particles(std::uint64_t count) {
   impl_->settings.max_particles = count;
 }
 
+Status World::set_step_budget(double seconds) {
+  WorldSettings changed = impl_->settings;
+  changed.step_budget = seconds;
+  const Status s = changed.validate();
+  if (s.ok()) impl_->settings = changed;
+  return s;
+}
+
 Status World::attach(SurfaceHost& host, const SurfaceSettings& settings, SurfaceId* id) {
   if (!impl_->status.ok()) return impl_->status;
   SurfaceSettings complete = settings;

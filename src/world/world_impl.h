@@ -10,6 +10,7 @@
 #include "world/effects.h"
 #include "world/energy.h"
 #include "world/sinks.h"
+#include "world/step_budget.h"
 #include "world/step_context.h"
 
 namespace oilskin {
@@ -70,6 +71,7 @@ struct World::Impl {
   contact::ContactBuffers contact_buffers;
   world::Attachments attachments;
   world::Effects effects;
+  world::StepBudget budget;
   IntervalObserver* observer = nullptr;
 
   world::WorldState state, saved_state;  // saved_state: by checkpoint()
@@ -88,7 +90,8 @@ struct World::Impl {
   void run_step(world::StepContext& step);
   void gather(world::StepContext& step);
   void remove_invalid_particles(world::StepContext& step);
-  void choose_substeps(world::StepContext& step) const;  // time_step.cpp
+  void choose_substeps(world::StepContext& step);  // time_step.cpp
+  int within_budget(world::StepContext& step, int count);
   void run_interval(world::IntervalContext& interval);
   void emit(world::IntervalContext& interval);  // emit.cpp
   void predict_motion(world::IntervalContext& interval) const;

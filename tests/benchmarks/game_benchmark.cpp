@@ -5,6 +5,7 @@
 // contact.
 //
 // use: game_benchmark [particles = 10000] [seconds = 10] [steps a frame = 2] [threads = 0, all] [spacing [m]]
+//      [budget of the water [ms a frame] = 0, none]
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -32,7 +33,7 @@ constexpr double frame_limit = 1e3 / frames_per_second;  // [ms]
 
 struct Options {
   int particles = 10000, seconds = 10, steps = 2, threads = 0;
-  double spacing = 0.005;
+  double spacing = 0.005, budget = 0;
 };
 
 Scene scene_of(const Options& o) {
@@ -44,6 +45,7 @@ Scene scene_of(const Options& o) {
   scene.duration = o.seconds;
   scene.fluid = preset.fluid;
   scene.contact = preset.contact;
+  scene.world.step_budget = 1e-3 * o.budget / o.steps;
   scene.world.max_particles = static_cast<std::uint64_t>(o.particles);
   for (Cloth& cloth : scene.cloth) cloth.substeps = 1;
   return scene;
@@ -114,6 +116,10 @@ class Game {
         ms * simulation_->host_seconds(), ms * s.neighbours, ms * s.occlusion, ms * s.boundary,
         ms * s.pressure, ms * s.other_fluid, ms * s.proximity, ms * s.impulses, ms * s.ccd,
         ms * (s.gather + s.zones));
+    if (options_.budget > 0)
+      std::printf("%.1f %% of the steps were limited; %.2f fluid sub-steps a frame were left out\n",
+                  100.0 * static_cast<double>(limited_) / (frames * options_.steps),
+                  static_cast<double>(left_out_) / frames);
     std::printf("%.2f fluid sub-steps and %.1f pressure iterations a frame; energy made at most %.2f %%\n",
                 static_cast<double>(substeps_) / frames, iterations_ / frames, 100 * energy_made_);
   }
@@ -130,7 +136,9 @@ class Game {
     if (!r.status.ok()) throw std::runtime_error(r.status.message);
     seconds_ += r.seconds;
     substeps_ += static_cast<std::uint64_t>(r.substeps);
-    iterations_ += r.fluid.iterations * r.substeps;
+    iterations_ += r.fluid.iterations;
+    left_out_ += static_cast<std::uint64_t>(r.substeps_left_out);
+    limited_ += (r.flags & flag_budget_limited) != 0;
     if (r.energy.scale > 0) energy_made_ = std::max(energy_made_, r.energy.risen / r.energy.scale);
   }
 
@@ -138,7 +146,7 @@ class Game {
   const Scene scene_;
   std::unique_ptr<Simulation> simulation_;
   StageSeconds seconds_;
-  std::uint64_t substeps_ = 0;
+  std::uint64_t substeps_ = 0, left_out_ = 0, limited_ = 0;
   double iterations_ = 0;
   double energy_made_ = 0;
 };
@@ -184,10 +192,12 @@ int main(int argc, char** argv) {
   if (argc > 3) options.steps = std::atoi(argv[3]);
   if (argc > 4) options.threads = std::atoi(argv[4]);
   if (argc > 5) options.spacing = std::atof(argv[5]);
+  if (argc > 6) options.budget = std::atof(argv[6]);
   if (options.particles < 1 || options.seconds < 1 || options.steps < 1 || options.steps > 4 ||
-      !(options.spacing > 0)) {
+      !(options.spacing > 0) || !(options.budget >= 0)) {
     std::fprintf(stderr,
-                 "use: game_benchmark [particles] [seconds] [steps a frame, 1 … 4] [threads] [spacing, m]\n");
+                 "use: game_benchmark [particles] [seconds] [steps a frame, 1 … 4] [threads] [spacing, m] "
+                 "[budget, ms a frame]\n");
     return 2;
   }
   try {

@@ -26,6 +26,22 @@ int iterations_until(PressureLoop& loop, const LoopGoal& goal, const F& error) {
   return n;
 }
 
+TEST(PressureLoop, a_limit_ends_it_but_not_before_the_least_number) {
+  PressureLoop loop(0.5, 20);
+  LoopGoal goal;
+  goal.tolerance = 1e-3;
+  goal.min_iterations = 3;
+  const auto slow = [](int) { return 0.01; };
+  EXPECT_EQ(iterations_until(loop, goal, slow), 20);
+  loop.limit_iterations(7);
+  EXPECT_EQ(iterations_until(loop, goal, slow), 7);
+  EXPECT_FALSE(loop.converged());
+  loop.limit_iterations(1);
+  EXPECT_EQ(iterations_until(loop, goal, slow), 3);
+  loop.limit_iterations(1000);
+  EXPECT_EQ(iterations_until(loop, goal, slow), 20);
+}
+
 TEST(Errors, count_compression_only) {
   Errors e;
   e.add(0.02, 0.005, 0.001);

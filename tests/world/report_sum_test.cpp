@@ -20,6 +20,8 @@ TEST(ReportSum, counts_are_added_limits_are_kept_and_the_ends_are_those_of_first
   a.emitted = 3, b.emitted = 4;
   a.alive = 30, b.alive = 34;
   a.substeps_needed = 7, b.substeps_needed = 2;
+  a.substeps_left_out = 2, b.substeps_left_out = 1;
+  b.iteration_limit = 9;
   a.flags = flag_stalled, b.flags = flag_many_holds;
   a.momentum_before = Vec3(1, 0, 0), a.momentum_after = Vec3(2, 0, 0);
   b.momentum_before = Vec3(2, 0, 0), b.momentum_after = Vec3(5, 0, 0);
@@ -44,6 +46,8 @@ TEST(ReportSum, counts_are_added_limits_are_kept_and_the_ends_are_those_of_first
   EXPECT_EQ(sum.emitted, 7u);
   EXPECT_EQ(sum.alive, 34u);
   EXPECT_EQ(sum.substeps_needed, 7);
+  EXPECT_EQ(sum.substeps_left_out, 3);
+  EXPECT_EQ(sum.iteration_limit, 9) << "0 is no limit";
   EXPECT_EQ(sum.flags, flag_stalled | flag_many_holds);
   EXPECT_EQ(sum.momentum_before, Vec3(1, 0, 0));
   EXPECT_EQ(sum.momentum_after, Vec3(5, 0, 0));

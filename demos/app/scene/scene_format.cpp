@@ -141,6 +141,7 @@ void describe(Fields& f, ContactSettings& s) {
   f.choice("infeasible", s.infeasible,
            {{"stall", Infeasible::stall}, {"remove", Infeasible::remove}, {"allow", Infeasible::allow}});
   f.boolean("verify", s.verify);
+  f.choice("hierarchy", s.hierarchy, {{"flat", Hierarchy::flat}, {"fcl", Hierarchy::fcl}});
 }
 
 void describe(Fields& f, Slice& s) {
@@ -271,6 +272,7 @@ void describe(Fields& f, Scene& s) {
   f.object("contact", [&](Fields& g) { describe(g, s.contact); });
   f.box("kill_box", s.world.kill_box);
   f.unsigned_integer("max_particles", s.world.max_particles);
+  f.number("step_budget", s.world.step_budget, not_negative());
   f.object("effects", [&](Fields& g) { describe(g, s.effects); });
   f.optional_object("surface", s.water_mesh, [&](Fields& g, WaterMeshSettings& w) {
     if (g.reading() && s.effects.wetting) w.mode = ObstacleMode::wet;

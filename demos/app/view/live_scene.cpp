@@ -94,6 +94,7 @@ void LiveScene::apply_live(const Scene& next) {
   require(world.set_contact_settings(next.contact), "contact");
   require(simulation_->set_gravity(next.world.gravity), "gravity");
   world.set_max_particles(next.world.max_particles);
+  require(world.set_step_budget(next.world.step_budget), "step_budget");
   simulation_->set_effects(next.effects);
 }
 

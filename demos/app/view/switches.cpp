@@ -38,7 +38,7 @@ const std::vector<Switch>& switches() {
 Change change_of(const std::string& key) {
   for (const char* live : {"effects", "contact", "surface", "pictures"})
     if (key == live || begins(key, std::string(live) + ".")) return Change::live;
-  return key == "gravity" || key == "max_particles" ? Change::live : Change::restart;
+  return key == "gravity" || key == "max_particles" || key == "step_budget" ? Change::live : Change::restart;
 }
 
 Json value_at(const Json& scene, const std::string& key) {

@@ -35,6 +35,7 @@ class Dfsph : public PressureModel {
   double particle_volume() const override { return fluid_.settled_volume; }
   void explicit_terms(StepState& state) override;
   void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) override;
+  void limit_iterations(int most) override { loop_.limit_iterations(most); }
   Memory memory() const override {
     return {loop_.relaxation(), controller_.iterations, controller_.settled_steps};
   }

@@ -21,6 +21,7 @@ class Pcisph : public PressureModel {
   double particle_volume() const override { return fluid_.settled_volume; }
   void explicit_terms(StepState& state) override;
   void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) override;
+  void limit_iterations(int most) override { loop_.limit_iterations(most); }
   Memory memory() const override { return {loop_.relaxation(), 0, 0}; }
   void set_memory(const Memory& memory) noexcept override { loop_.set_relaxation(memory.relaxation); }
   void visit(Archive& archive) override { loop_.visit(archive); }

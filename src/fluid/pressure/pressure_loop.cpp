@@ -58,7 +58,7 @@ PressureLoop::Verdict PressureLoop::judge(const Errors& errors) {
     last_mean_ = 0;
     growing_ = 0;
   }
-  verdict.stop = iterations_ >= max_iterations_;
+  verdict.stop = iterations_ >= std::min(max_iterations_, std::max(limit_, goal_.min_iterations));
   return verdict;
 }
 

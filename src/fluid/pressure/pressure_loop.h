@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 
 #include "core/archive.h"
 #include "oilskin/report.h"
@@ -74,6 +75,8 @@ class PressureLoop {
   /// At the start of a step: ω rises again (F.24).
   void begin_step();
   void start(const LoopGoal& goal);
+  /// From now on at most so many iterations, at least as many as the goal asks for.
+  void limit_iterations(int most) { limit_ = most; }
   /// `errors` are those under the pressures before the correction.
   Verdict judge(const Errors& errors);
 
@@ -95,6 +98,7 @@ class PressureLoop {
   const double max_relaxation_;  // ω of the calibration
   const int max_iterations_;
   double relaxation_;
+  int limit_ = std::numeric_limits<int>::max();
 
   // Of the loop
   LoopGoal goal_;

@@ -23,6 +23,9 @@ class PressureModel {
   /// writes the pressures [Pa].
   virtual void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) = 0;
 
+  /// From now on at most so many iterations in a step. The default is for models without.
+  virtual void limit_iterations(int) {}
+
   /// State that is kept from step to step: ω of the pressure loop, and the controller of its iterations. The
   /// default is for models without.
   struct Memory {

@@ -1,0 +1,58 @@
+/// A bounding-volume tree over boxes, as a flat array of nodes. Whoever builds the tree gives its structure.
+#pragma once
+
+#include <vector>
+
+#include "oilskin/types.h"
+
+namespace oilskin::proximity {
+
+class BoxTree {
+ public:
+  /// Parents come before their children, and the two children of a node side by side.
+  struct Link {
+    std::int32_t child = 0;  ///< index of the first child; of a leaf, −1 − its box
+  };
+
+  void clear() { *this = BoxTree(); }
+  bool empty() const { return nodes_.empty(); }
+  /// The structure, node 0 being the root. Boxes follow by refit().
+  void assign(const std::vector<Link>& links);
+  /// Leaves get their boxes, other nodes the union of their children, without rounding.
+  void refit(const std::vector<Box>& boxes);
+
+  Box bounds() const { return box_of(nodes_.front()); }
+  double size_of_leaves() const {
+    return size_of_leaves_;
+  }                                                        ///< sum over leaves of the sums of their sides [m]
+  double size_of_nodes() const { return size_of_nodes_; }  ///< the same over all nodes
+
+  /// Appends the boxes that overlap the closed `box`, unordered, to `found`. False if it stopped because
+  /// there are more than `limit`. `stack` is memory for it.
+  bool collect(const Box& box, std::size_t limit, std::vector<std::int32_t>& stack,
+               std::vector<std::uint32_t>& found) const;
+
+ private:
+  /// Six comparisons of one kind decide about overlap: bound[k] ≥ limit[k].
+  struct Node {
+    double bound[6];  // −min, max
+    std::int32_t child;
+  };
+  struct Limits {
+    double limit[6];  // −max, min
+  };
+
+  static Box box_of(const Node& n) {
+    return {Vec3(-n.bound[0], -n.bound[1], -n.bound[2]), Vec3(n.bound[3], n.bound[4], n.bound[5])};
+  }
+  static bool overlap(const Node& n, const Limits& l) {
+    bool all = true;
+    for (int k = 0; k < 6; ++k) all &= n.bound[k] >= l.limit[k];
+    return all;
+  }
+
+  std::vector<Node> nodes_;
+  double size_of_leaves_ = 0, size_of_nodes_ = 0;
+};
+
+}  // namespace oilskin::proximity
