@@ -13,7 +13,7 @@ namespace oilskin::bullet {
 
 namespace {
 
-constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 2, "saved state"};
+constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 3, "saved state"};
 
 /// Of one attached object.
 struct AttachmentState {

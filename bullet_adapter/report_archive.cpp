@@ -42,15 +42,15 @@ void visit_energy(Archive& archive, EnergyReport& report) {
 }  // namespace
 
 void visit(Archive& archive, StepReport& report) {
-  auto& [status, messages, step, time, dt, substeps, substeps_needed, seconds, fluid, contact, alive, emitted,
-         removed, removed_by_sinks, removed_by_age, absorbed, released, removed_invalid, removed_too_fast,
-         blocked_starts, limited_starts, mass_emitted, mass_removed, mass_absorbed, mass_released, mass_dried,
-         mass_lost, momentum_before, momentum_after, momentum_emitted, momentum_removed, momentum_absorbed,
-         momentum_released, momentum_gravity, momentum_effects, energy, momentum_owed, carried_ratio,
-         load_speed, flags] = report;
+  auto& [status, messages, step, time, dt, substeps, substeps_needed, substeps_left_out, iteration_limit,
+         seconds, fluid, contact, alive, emitted, removed, removed_by_sinks, removed_by_age, absorbed,
+         released, removed_invalid, removed_too_fast, blocked_starts, limited_starts, mass_emitted,
+         mass_removed, mass_absorbed, mass_released, mass_dried, mass_lost, momentum_before, momentum_after,
+         momentum_emitted, momentum_removed, momentum_absorbed, momentum_released, momentum_gravity,
+         momentum_effects, energy, momentum_owed, carried_ratio, load_speed, flags] = report;
   visit(archive, status.message);
   visit(archive, messages);
-  archive.values(step, time, dt, substeps, substeps_needed);
+  archive.values(step, time, dt, substeps, substeps_needed, substeps_left_out, iteration_limit);
   visit_seconds(archive, seconds);
   visit_fluid(archive, fluid);
   visit_contact(archive, contact);

@@ -34,7 +34,7 @@ class ContactPass {
   /// After find(): per surface, ascending, at least the triangles that have a point within `reach` [m] of one
   /// of the boxes at x_t0.
   Span<const std::vector<std::uint32_t>> find_triangles_near(Span<const Box> boxes, double reach) {
-    return near_.find(context_.geometry, boxes, reach);
+    return near_.find(context_.geometry, boxes, reach, *context_.workers);
   }
 
   /// Of the particles at the start, before this interval's forces; without them, their present velocities

@@ -5,21 +5,21 @@
 namespace oilskin::contact {
 
 Span<const std::vector<std::uint32_t>> NearTriangleLists::find(Span<SurfaceGeometry* const> surfaces,
-                                                               Span<const Box> boxes, double reach) {
+                                                               Span<const Box> boxes, double reach,
+                                                               const Workers& workers) {
   constexpr double rounding = 1 + 1e-9;
+  inflated_.clear();
+  for (const Box& box : boxes) inflated_.push_back(box.inflated(reach * rounding));
   lists_.resize(surfaces.size());
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     std::vector<std::uint32_t>& list = lists_[s];
     list.clear();
     is_listed_.assign(std::max(is_listed_.size(), surfaces[s]->topology.triangle_count()), 0);
-    for (const Box& box : boxes) {
-      found_.clear();
-      surfaces[s]->tree.query(box.inflated(reach * rounding), found_);
-      for (std::uint32_t t : found_) {
-        if (is_listed_[t]) continue;
-        is_listed_[t] = 1;
-        list.push_back(t);
-      }
+    surfaces[s]->tree.query(inflated_, workers, found_);
+    for (const std::uint32_t t : found_.triangle) {
+      if (is_listed_[t]) continue;
+      is_listed_[t] = 1;
+      list.push_back(t);
     }
     std::sort(list.begin(), list.end());
   }

@@ -10,12 +10,13 @@ class NearTriangleLists {
   /// Per surface, ascending: the triangles whose box in the surface's tree, as it is fitted, overlaps one of
   /// `boxes` inflated by `reach` [m]. Valid until the next call.
   Span<const std::vector<std::uint32_t>> find(Span<SurfaceGeometry* const> surfaces, Span<const Box> boxes,
-                                              double reach);
+                                              double reach, const Workers& workers);
 
  private:
   std::vector<std::vector<std::uint32_t>> lists_;
   std::vector<std::uint8_t> is_listed_;  // per triangle
-  std::vector<std::uint32_t> found_;
+  std::vector<Box> inflated_;
+  proximity::Candidates found_;
 };
 
 }  // namespace oilskin::contact

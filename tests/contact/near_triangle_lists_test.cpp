@@ -50,9 +50,10 @@ TEST(NearTriangleLists, hold_all_triangles_within_reach_and_few_others) {
   for (const Vec3& by : {Vec3(0, 0, 0), Vec3(0.02, 0.01, 0)}) {
     Scene scene(by.x() > 0 ? 1 : 2, by);
     const std::vector<Box> boxes = scene.neighbours.boxes(scene.x);
+    const Workers workers(2);
     NearTriangleLists lists;
     SurfaceGeometry* geometry[] = {&scene.geometry};
-    const std::vector<std::uint32_t> list = lists.find(geometry, boxes, support_radius)[0];
+    const std::vector<std::uint32_t> list = lists.find(geometry, boxes, support_radius, workers)[0];
     EXPECT_TRUE(std::is_sorted(list.begin(), list.end()));
     EXPECT_EQ(std::adjacent_find(list.begin(), list.end()), list.end());
     EXPECT_LT(list.size(), scene.surface.triangles.size() / 3);
@@ -64,8 +65,9 @@ TEST(NearTriangleLists, hold_all_triangles_within_reach_and_few_others) {
       EXPECT_TRUE(!is_near || std::binary_search(list.begin(), list.end(), t)) << "triangle " << t;
     }
     EXPECT_GT(near, 100u);
-    EXPECT_EQ(lists.find(geometry, boxes, support_radius)[0], list) << "nothing is left from call to call";
-    EXPECT_TRUE(lists.find(geometry, {}, support_radius)[0].empty());
+    EXPECT_EQ(lists.find(geometry, boxes, support_radius, workers)[0], list)
+        << "nothing is left from call to call";
+    EXPECT_TRUE(lists.find(geometry, {}, support_radius, workers)[0].empty());
   }
 }
 
