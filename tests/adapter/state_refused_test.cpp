@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 2, "saved state"};
+constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 3, "saved state"};
 
 /// A scene in use, and the state of another one that was built the same way.
 struct Pair {
