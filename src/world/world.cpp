@@ -95,7 +95,7 @@ void World::set_max_particles(std::uint64_t count) {
 Status World::set_step_budget(double seconds) {
   WorldSettings changed = impl_->settings;
   changed.step_budget = seconds;
-  const Status s = changed.validate();
+  Status s = changed.validate();
   if (s.ok()) impl_->settings = changed;
   return s;
 }
