@@ -1,6 +1,7 @@
 #include "fluid/neighbours.h"
 
 #include <cmath>
+#include <sstream>
 
 #include "core/assert.h"
 
@@ -151,6 +152,7 @@ void Neighbours::search(Span<const Vec3> positions, const Workers& workers) {
   make_records(positions, workers);
   find_cells();
   find_runs(workers);
+  check_crowds(workers);
   begin_.resize(n);
   count_.resize(n);
   const std::size_t chunks = (n + chunk_size - 1) / chunk_size;
@@ -158,6 +160,33 @@ void Neighbours::search(Span<const Vec3> positions, const Workers& workers) {
   used_.assign(chunks, 0);
   workers.for_chunks(n, chunk_size,
                      [&](std::size_t b, std::size_t e, std::size_t c) { search_chunk(b, e, c); });
+}
+
+void Neighbours::check_crowds(const Workers& workers) const {
+  struct Crowd {
+    std::uint64_t pairs = 0, largest = 0;  // largest: particles of a cell
+    void operator+=(const Crowd& o) {
+      pairs += o.pairs;
+      largest = std::max(largest, o.largest);
+    }
+  };
+  const Crowd all = workers.ordered_sum(cell_count(), sort_chunk, Crowd{}, [&](std::size_t b, std::size_t e) {
+    Crowd part;
+    for (std::size_t cell = b; cell < e; ++cell) {
+      std::uint64_t around = 0;
+      for (const Run& run : runs_[cell]) around += run.end - run.begin;
+      const std::uint64_t own = cell_begin_[cell + 1] - cell_begin_[cell];
+      part += {own * around, own};
+    }
+    return part;
+  });
+  const std::uint64_t most = max_pairs + max_pairs_each * order_.size();
+  if (all.pairs <= most) return;
+  std::ostringstream text;
+  text << "the particles are too crowded: " << all.largest << " lie in a cube of " << support_radius_
+       << " m, and " << all.pairs << " pairs may be neighbours; it must be at most " << most
+       << ": spread or remove some (World::remove_particles())";
+  throw TooCrowded(text.str());
 }
 
 /// The origin is the median of a sample: it lies in the bulk, so that rounding to float is small there, even

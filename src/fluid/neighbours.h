@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "core/parallel.h"
@@ -11,6 +12,11 @@
 #include "oilskin/types.h"
 
 namespace oilskin::fluid {
+
+/// Particles are so close together that lists of their neighbours would take minutes and all memory.
+struct TooCrowded : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 class Neighbours {
  public:
@@ -22,7 +28,12 @@ class Neighbours {
   const std::vector<std::uint32_t>& cell_order(Span<const Vec3> positions, double support_radius,
                                                const Workers& workers);
 
-  /// Finds the neighbours. `positions` are those of the last cell_order(), in that order.
+  /// Pairs of particles in the same or in adjacent cells: at most this, and 2000 for each particle. Water at
+  /// rest has about 200 (27 cells of 8 particles).
+  static constexpr std::uint64_t max_pairs = std::uint64_t{1} << 24, max_pairs_each = 2000;
+
+  /// Finds the neighbours. `positions` are those of the last cell_order(), in that order. Throws TooCrowded
+  /// where there are too many pairs.
   void search(Span<const Vec3> positions, const Workers& workers);
 
   std::size_t size() const { return count_.size(); }
@@ -88,6 +99,7 @@ class Neighbours {
   void find_cells();
   void find_runs(const Workers& workers);
   void runs_of_row(std::size_t row);
+  void check_crowds(const Workers& workers) const;
   void search_chunk(std::size_t begin, std::size_t end, std::size_t chunk);
   void collect(const PairKernels& kernels, std::size_t cell, Around& c) const;
   void list_neighbours(const PairKernels& kernels, std::size_t i, std::size_t own, Around& c,

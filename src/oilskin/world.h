@@ -234,11 +234,11 @@ class World {
   Status set_node_values(const Effect& effect, SurfaceId id, std::size_t channel, Span<const double> values);
 
   // --- the step
-  /// One coupled step of dt [s], 1e-12 … 1e6. A refusal (another dt, settings out of range) changes nothing,
-  /// and report.status says why. If a displacement exceeds fluid.cfl spacings, or the step is too long for
-  /// fluid.viscosity or for mcg03's speed of sound, it is cut into up to fluid.max_substeps intervals, each
-  /// with its own certificate; surfaces move on straight lines through them to the positions that their hosts
-  /// propose for the end of the step.
+  /// One coupled step of dt [s], 1e-12 … 1e6. A refusal (another dt, settings out of range, thousands of
+  /// particles in one place) changes nothing, and report.status says why. If a displacement exceeds fluid.cfl
+  /// spacings, or the step is too long for fluid.viscosity or for mcg03's speed of sound, it is cut into up
+  /// to fluid.max_substeps intervals, each with its own certificate; surfaces move on straight lines through
+  /// them to the positions that their hosts propose for the end of the step.
   const StepReport& step(double dt);
   /// The longest accurate next step, 0 < dt ≤ `largest` [s] (F.45); longer steps have no crossing either. It
   /// is the minimum of

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <numeric>
 #include <sstream>
+#include <utility>
 
 #include "core/hash.h"
 #include "core/simd.h"
+#include "fluid/neighbours.h"
 #include "fluid/pairs/pair_kernels.h"
 #include "world/absorption.h"
 #include "world/carried_mass.h"
@@ -297,13 +299,26 @@ const StepReport& World::step(double dt) {
     s << "dt is " << dt << "; it must be 1e-12 … 1e6 s";
     step.report.status = Status::refused(s.str());
   }
-  if (step.report.status.ok()) {
-    w.run_step(step);
-    w.contacts.swap(step.contacts);
-    w.contact_surfaces.swap(step.contact_surfaces);
-  }
+  if (step.report.status.ok()) w.try_step(step);
   std::swap(w.report, step.report);
   return w.report;
+}
+
+/// Refuses what takes too long.
+void World::Impl::try_step(world::StepContext& step) {
+  try {
+    run_step(step);
+    contacts.swap(step.contacts);
+    contact_surfaces.swap(step.contact_surfaces);
+  } catch (const fluid::TooCrowded& crowd) {
+    const StepReport before = std::exchange(step.report, StepReport());
+    step.report.status = Status::refused(crowd.what());
+    step.report.step = before.step;
+    step.report.time = before.time;
+    step.report.dt = before.dt;
+    step.report.alive = state.particles.size();
+    step.report.energy = state.energy.report;
+  }
 }
 
 double World::time() const {

@@ -87,6 +87,7 @@ struct World::Impl {
   Impl(const WorldSettings& world, const FluidSettings& fluid, const ContactSettings& contact);
 
   // The step, in order (step.cpp)
+  void try_step(world::StepContext& step);
   void run_step(world::StepContext& step);
   void gather(world::StepContext& step);
   void remove_invalid_particles(world::StepContext& step);
