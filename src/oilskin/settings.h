@@ -202,8 +202,9 @@ struct WorldSettings {
   std::uint64_t max_particles = 0;
   /// Wall time for World::step() [s], ≥ 0; 0 = no limit. A step that would take longer, judged by those
   /// before, leaves out iterations of the pressure solver, down to FluidSettings::min_iterations, and then
-  /// fluid sub-steps, down to one; StepReport has the numbers. A step may still be longer. The water gets
-  /// denser at impacts; nothing crosses. The results then depend on the speed of the machine.
+  /// fluid sub-steps, down to those that water at rest and stability need; StepReport has the numbers. A step
+  /// may still be longer: fewer particles help then. The water gets denser at impacts; nothing crosses. The
+  /// results depend on the speed of the machine.
   double step_budget = 0;
 
   /// Accepted, or the first field that is out of range.

@@ -1,4 +1,4 @@
-/// A bounding-volume tree over boxes, as a flat array of nodes. Whoever builds the tree gives its structure.
+/// A bounding-volume tree over boxes, as a flat array of nodes. The caller gives the structure.
 #pragma once
 
 #include <vector>

@@ -20,17 +20,17 @@ int whole(double number, int least, int most) {
 
 }  // namespace
 
-StepBudget::Plan StepBudget::plan(double seconds, int substeps, int min_iterations,
-                                  int max_iterations) const {
-  OILSKIN_ASSERT(seconds > 0 && substeps >= 1 && min_iterations >= 1 && max_iterations >= min_iterations);
-  if (!has_learned_) return {substeps, max_iterations};
-  const double left = seconds - costs_.step, least = costs_.substep + min_iterations * costs_.iteration;
-  Plan plan;
-  plan.substeps = least > 0 ? whole(left / least, 1, substeps) : substeps;
+StepBudget::Plan StepBudget::plan(double seconds, const Plan& least, const Plan& all) const {
+  OILSKIN_ASSERT(seconds > 0 && least.substeps >= 1 && least.substeps <= all.substeps);
+  OILSKIN_ASSERT(least.iterations >= 1 && least.iterations <= all.iterations);
+  if (!has_learned_) return all;
+  const double left = seconds - costs_.step;
+  const double shortest = costs_.substep + least.iterations * costs_.iteration;
+  Plan plan = all;
+  if (shortest > 0) plan.substeps = whole(left / shortest, least.substeps, all.substeps);
   const double of_substep = left / plan.substeps - costs_.substep;
-  plan.iterations = costs_.iteration > 0
-                        ? whole(of_substep / costs_.iteration, min_iterations, max_iterations)
-                        : max_iterations;
+  if (costs_.iteration > 0)
+    plan.iterations = whole(of_substep / costs_.iteration, least.iterations, all.iterations);
   return plan;
 }
 

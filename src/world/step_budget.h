@@ -5,7 +5,7 @@
 
 namespace oilskin::world {
 
-/// Plans steps by what those before have cost. A dearer step counts at once, a cheaper one by a fifth. Part
+/// Plans steps by what those before have cost. A longer step counts at once, a shorter one by a fifth. Part
 /// of no saved state, since times belong to the machine.
 class StepBudget {
  public:
@@ -14,9 +14,9 @@ class StepBudget {
     int iterations = 0;  ///< of the pressure solver, the most in a sub-step
   };
 
-  /// The most that fits in `seconds`: iterations are left out first, down to `min_iterations`, then
-  /// sub-steps, down to one. Without a step to learn from, all.
-  Plan plan(double seconds, int substeps, int min_iterations, int max_iterations) const;
+  /// The most that fits in `seconds`: iterations are left out first, down to `least.iterations`, then
+  /// sub-steps, down to `least.substeps`. Without a step to learn from, all.
+  Plan plan(double seconds, const Plan& least, const Plan& all) const;
 
   /// From the times of a finished step.
   void learn(const StepReport& report);

@@ -59,18 +59,13 @@ double World::Impl::resting_interval() const {
 
 namespace {
 
-/// `cause` needs more sub-steps than there are; `rest` is what follows from it.
+/// `cause` needs more sub-steps than max_substeps; `rest` is what follows from it.
 template <class... Rest>
 void report_limit(StepContext& step, const std::string& cause, double longest, int maximum,
                   const Rest&... rest) {
-  const StepReport& r = step.report;
   std::ostringstream text;
   text << cause << " at dt " << step.dt << " s needs " << world::parts_needed(step.dt, longest)
-       << " fluid sub-steps; ";
-  if (r.substeps_left_out > 0)
-    text << "step_budget leaves " << r.substeps << ", so ";
-  else
-    text << "max_substeps is " << maximum << ", so ";
+       << " fluid sub-steps; max_substeps is " << maximum << ", so ";
   (text << ... << rest);
   step.report.messages.push_back(text.str());
 }
@@ -93,12 +88,12 @@ void World::Impl::report_instability(StepContext& step, const world::Speeds& fou
                " m²/s was applied");
 }
 
-/// What the time limit leaves of `count` sub-steps, and of the iterations.
-int World::Impl::within_budget(StepContext& step, int count) {
+/// What the time limit leaves of `count` sub-steps, and of the iterations. With fewer sub-steps than `least`
+/// water would be compressed to a multiple of its density.
+int World::Impl::within_budget(StepContext& step, int least, int count) {
   const FluidSettings& f = fluid_settings;
   world::StepBudget::Plan plan{count, f.max_iterations};
-  if (settings.step_budget > 0)
-    plan = budget.plan(settings.step_budget, count, f.min_iterations, f.max_iterations);
+  if (settings.step_budget > 0) plan = budget.plan(settings.step_budget, {least, f.min_iterations}, plan);
   step.report.substeps_left_out = count - plan.substeps;
   step.report.iteration_limit = plan.iterations < f.max_iterations ? plan.iterations : 0;
   fluid->limit_iterations(plan.iterations);
@@ -115,9 +110,8 @@ void World::Impl::choose_substeps(StepContext& step) {
   needed = state.particles.size() > 0 || found.fluid > 0 ? stable_parts(found, dt) : 1;
   const double at_rest = state.particles.size() > 0 ? world::parts_needed(dt, resting_interval()) : 1;
   count = world::substep_count(found, dt, distance, maximum);
-  count =
-      std::max(count, static_cast<int>(std::min(std::max(needed, at_rest), static_cast<double>(maximum))));
-  count = within_budget(step, count);
+  const int least = static_cast<int>(std::min(std::max(needed, at_rest), static_cast<double>(maximum)));
+  count = within_budget(step, least, std::max(count, least));
   if (needed > count) report_instability(step, found);
   OILSKIN_ASSERT(count >= 1 && count <= maximum);
   step.paths.begin(surfaces, count, dt / count);

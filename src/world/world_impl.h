@@ -92,7 +92,7 @@ struct World::Impl {
   void gather(world::StepContext& step);
   void remove_invalid_particles(world::StepContext& step);
   void choose_substeps(world::StepContext& step);  // time_step.cpp
-  int within_budget(world::StepContext& step, int count);
+  int within_budget(world::StepContext& step, int least, int count);
   void run_interval(world::IntervalContext& interval);
   void emit(world::IntervalContext& interval);  // emit.cpp
   void predict_motion(world::IntervalContext& interval) const;
