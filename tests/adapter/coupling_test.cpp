@@ -1,3 +1,8 @@
+#include <BulletSoftBody/btDeformableBodySolver.h>
+#include <BulletSoftBody/btDeformableGravityForce.h>
+#include <BulletSoftBody/btDeformableMassSpringForce.h>
+#include <BulletSoftBody/btDeformableMultiBodyConstraintSolver.h>
+#include <BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h>
 #include <BulletSoftBody/btSoftMultiBodyDynamicsWorld.h>
 #include <gtest/gtest.h>
 
@@ -43,6 +48,56 @@ TEST(FluidCoupling, explicit_step_with_bullets_own_solver) {
   coupling.removeCloth(cloth);
   EXPECT_EQ(coupling.getSurface(cloth), nullptr);
   EXPECT_EQ(coupling.getNodeImpulses(cloth), nullptr);
+}
+
+/// Bullet's world with contact of its own between soft bodies. Its solver cannot be replaced by ours.
+struct DeformableWorld {
+  btSoftBodyRigidBodyCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btDeformableBodySolver deformable;
+  btDeformableMultiBodyConstraintSolver constraints;
+  btDeformableMultiBodyDynamicsWorld world{&dispatcher, &broadphase, &constraints, &configuration,
+                                           &deformable};
+  btDeformableMassSpringForce springs{bt(50), bt(0.5), true, bt(0.01)};
+  btDeformableGravityForce weight{down};
+  std::unique_ptr<btSoftBody> cloth;
+
+  DeformableWorld() {
+    constraints.setDeformableSolver(&deformable);
+    world.setGravity(down);
+    world.getWorldInfo().m_gravity = down;
+    const btScalar r = bt(0.2);
+    cloth.reset(btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), {-r, 0, -r}, {r, 0, -r}, {-r, 0, r},
+                                               {r, 0, r}, 11, 11, 15, true));
+    cloth->setTotalMass(bt(0.1));
+    cloth->setDampingCoefficient(bt(0.01));
+    world.addSoftBody(cloth.get());
+    world.addForce(cloth.get(), &springs);
+    world.addForce(cloth.get(), &weight);
+  }
+  ~DeformableWorld() {
+    world.removeSoftBodyForce(cloth.get());
+    world.removeSoftBody(cloth.get());
+  }
+};
+
+TEST(FluidCoupling, explicit_step_in_bullets_deformable_world) {
+  DeformableWorld bullet;
+  SmallFluid water;
+  ASSERT_TRUE(water.addBox({bt(-0.08), bt(0.03), bt(-0.08)}, {bt(0.08), bt(0.11), bt(0.08)}).ok());
+  btFluidCoupling coupling(&water);
+  ASSERT_TRUE(coupling.addCloth(bullet.cloth.get(), bt(0.002)).ok());
+  Vec3 hit = Vec3::Zero();
+  for (int i = 0; i < 200; ++i) {
+    bullet.world.stepSimulation(bt(0.001), 0);
+    expect_sound(coupling.step(bt(0.001)));
+    for (const Vec3& j : *coupling.getNodeImpulses(bullet.cloth.get())) hit += j;
+  }
+  EXPECT_GT(water.getNumParticles(), 100);
+  EXPECT_LT(hit.y(), -0.01) << "the water pushes the cloth down";
+  for (int i = 0; i < bullet.cloth->m_nodes.size(); ++i)
+    EXPECT_TRUE(to_vec3(bullet.cloth->m_nodes[i].m_x).allFinite());
 }
 
 TEST(FluidCoupling, zero_sub_steps_couple_nothing_and_the_motion_accumulates) {

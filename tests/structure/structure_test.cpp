@@ -304,7 +304,7 @@ TEST(Structure, the_test_itself_lets_forward_edges_pass) {
   EXPECT_EQ(faults_with("src/core/a.cpp", "// #include \"fluid/particles.h\""), 0u);
 }
 
-// --- docs/theory/contact.md names tests as proof: each must exist.
+// --- Pages name tests as proof: each must exist.
 
 std::string text_of(const fs::path& file) {
   std::ifstream in(file);
@@ -332,14 +332,16 @@ std::string definitions(const fs::path& tests) {
   return all;
 }
 
-TEST(Structure, tests_that_the_proof_names_exist) {
+TEST(Structure, tests_that_pages_name_as_proof_exist) {
   const fs::path root = OILSKIN_ROOT;
   const std::string sources = definitions(root / "tests");
-  const auto named = tests_named_in(text_of(root / "docs/theory/contact.md"));
-  EXPECT_GT(named.size(), 10u);
-  for (const auto& [suite, test] : named)
-    EXPECT_NE(sources.find("(" + suite + "," + test + ")"), std::string::npos)
-        << "docs/theory/contact.md names " << suite << "." << test << ", which no test defines";
+  for (const char* page : {"docs/theory/contact.md", "docs/validation/embedding.md"}) {
+    const auto named = tests_named_in(text_of(root / page));
+    EXPECT_GT(named.size(), 10u) << page;
+    for (const auto& [suite, test] : named)
+      EXPECT_NE(sources.find("(" + suite + "," + test + ")"), std::string::npos)
+          << page << " names " << suite << "." << test << ", which no test defines";
+  }
 }
 
 }  // namespace
