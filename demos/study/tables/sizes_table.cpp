@@ -33,13 +33,16 @@ Scene sheet_of(double faces) {
   return scene;
 }
 
-/// About 8,000 particles in `layers` layers on a sheet of 9,800 triangles, 0.5 m × 0.5 m.
+/// About 8,000 particles in `layers` layers on a sheet of 9,800 triangles, 0.5 m × 0.5 m, that contact alone
+/// carries: the first layer starts at the thickness of the sheet.
 Scene layers_of(int layers) {
   const double half = 0.5 * spacing * std::round(std::sqrt(8000. / layers));
+  const double low = default_thickness(spacing) - 0.5 * spacing;
   Scene scene = empty_scene(spacing, 1);
   scene.contact.verify = false;
+  scene.fluid.boundary = BoundaryModel::contact_only;
   scene.bodies = {mesh_body(sheet_mesh(Vec3(-0.25, 0, -0.25), Vec3(0, 0, 0.5), Vec3(0.5, 0, 0), 70, 70))};
-  scene.emitters = {water_box(Vec3(-half, 0.002, -half), Vec3(half, 0.002 + layers * spacing, half))};
+  scene.emitters = {water_box(Vec3(-half, low, -half), Vec3(half, low + layers * spacing, half))};
   return scene;
 }
 
