@@ -219,7 +219,8 @@ void Picture::Impl::set_up(const View& view) {
   // It would stain the lines of a cut, and knows nothing of what shines through.
   renderer->SetPass(view.slice || look == WaterLook::clear ? nullptr : occlusion.Get());
   legend->SetLookupTable(scale.colours);
-  legend->SetTitle(scale.title);
+  // The empty line keeps the title off the label below it: VTK leaves no gap between the two.
+  legend->SetTitle((std::string(scale.title) + "\n ").c_str());
 }
 
 /// The next view shows no balls, or other colours of them.
