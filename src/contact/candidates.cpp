@@ -53,13 +53,16 @@ void CandidateSet::query(Context& context, std::uint32_t surface,
   const double reach =
       std::max(std::max(motion.thickness, 2 * motion.delta) + prediction_margin(*context.particles),
                wall_layer(*context.particles, motion));
-  boxes_.resize(particles.size());
   context.workers->for_each(particles.size(), chunk, [&](std::size_t k) {
     const std::uint32_t p = particles[k];
-    boxes_[k] = context.out_of_play[p] ? Box{} : swept_box(*context.particles, p).inflated(reach);
-    set.box[p] = boxes_[k];
+    set.box[p] = context.out_of_play[p] ? Box{} : swept_box(*context.particles, p).inflated(reach);
   });
-  context.geometry[surface]->tree.query(boxes_, *context.workers, set.scratch);
+  const bool all = particles.size() == set.box.size();  // in their order
+  if (!all) {
+    boxes_.resize(particles.size());
+    for (std::size_t k = 0; k < particles.size(); ++k) boxes_[k] = set.box[particles[k]];
+  }
+  context.geometry[surface]->tree.query(all ? set.box : boxes_, *context.workers, set.scratch);
   OILSKIN_ASSERT(reach > 2 * motion.delta && std::isfinite(reach));
   OILSKIN_ASSERT(set.pool.size() + set.scratch.triangle.size() <= std::numeric_limits<std::uint32_t>::max());
   const auto base = static_cast<std::uint32_t>(set.pool.size());
