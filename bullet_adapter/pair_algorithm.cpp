@@ -86,7 +86,8 @@ bool is_of_soft(const btBroadphasePair& pair) {
 
 btManifoldArray manifolds_of(const btBroadphasePair& pair) {
   btManifoldArray manifolds;
-  if (pair.m_algorithm) pair.m_algorithm->getAllContactManifolds(manifolds);
+  // Bullet's algorithm of two soft bodies returns a pointer that it never sets.
+  if (pair.m_algorithm && !is_of_soft(pair)) pair.m_algorithm->getAllContactManifolds(manifolds);
   return manifolds;
 }
 

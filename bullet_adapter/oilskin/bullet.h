@@ -47,9 +47,10 @@ struct btFluidReading;
 /// drawing only: actions run before Bullet solves the cloth, so nothing is coupled there.
 ///
 /// Attached objects must be removed from the coupling before they are deleted, except those that it can miss:
-/// soft bodies with btFluidSoftBodySolver, all objects with setCollisionWorld(). Bodies may be cut, refined
-/// and re-ordered while they are attached: they become new surfaces. Attached objects carry a number in
-/// Bullet's internal extension pointer, where that was null.
+/// soft bodies with btFluidSoftBodySolver, if the next call of the coupling is that of Bullet's next
+/// sub-step, and all objects with setCollisionWorld(). Bodies may be cut, refined and re-ordered while they
+/// are attached: they become new surfaces. Attached objects carry a number in Bullet's internal extension
+/// pointer, where that was null.
 class btFluidCoupling : public btActionInterface {
  public:
   /// Adds the fluid, if there is one.
@@ -231,7 +232,8 @@ class btFluidCoupling : public btActionInterface {
 /// or btSoftMultiBodyDynamicsWorld. It has the functions of btFluidCoupling.
 ///
 /// Every sub-step detaches soft bodies that the world does not have, with a message, so that a cloth may be
-/// deleted after removeSoftBody() alone.
+/// deleted after removeSoftBody() alone. Other calls before that sub-step, as saveState(), would read it:
+/// where they come, call removeCloth() or setCollisionWorld().
 class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
  public:
   btFluidSoftBodySolver();

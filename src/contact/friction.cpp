@@ -77,20 +77,20 @@ double wall_drag(const Context& context, const ContactConstraint& constraint, do
   return context.dt * p.viscosity * p.rest_density * constraint.wall_area / (z + slip_length);
 }
 
-/// (B.36): y⁺² of the particle, squared over that of the edge of the viscous sublayer.
+/// ψ (B.36), with the area that the particle has of the wall: contacts that share it are one wall, and those
+/// without a part of it (C.19) must not stick where the first one lets it move.
 double viscous_share(const Context& context, const ContactConstraint& constraint) {
-  constexpr double sublayer = 25;  // y⁺ = 5
+  constexpr double sublayer = 25;  // y⁺ = 5, squared
   const ParticleMotion& p = *context.particles;
   const Contact& c = constraint.contact;
   const SurfaceMotion& s = *context.surfaces[c.surface];
   const double u = p.inverse_mass[c.particle];
-  if (s.slip_on(c.back).model != SlipModel::sticking || !(constraint.wall_area > 0) || !(u > 0)) return 0;
+  if (s.slip_on(c.back).model != SlipModel::sticking || !(u > 0)) return 0;
   const auto tangential = [&](const Vec3& v) { return (v - v.dot(c.normal) * c.normal).norm(); };
   const Vec3 &v = p.velocity[c.particle], slip = relative_velocity(context, c);
   const Vec3 change = context.start_velocity.empty() ? v : Vec3(v - context.start_velocity[c.particle]);
-  const double z = shear_distance(context, constraint), nu = p.viscosity;
-  const double of_forces =
-      tangential(change) * z * z / (u * context.dt * constraint.wall_area * p.rest_density * nu * nu);
+  const double z = shear_distance(context, constraint), nu = p.viscosity, area = p.spacing * p.spacing;
+  const double of_forces = tangential(change) * z * z / (u * context.dt * area * p.rest_density * nu * nu);
   const double ratio = std::max(of_forces, tangential(slip) * z / nu) / sublayer;
   return 1 / (1 + ratio * ratio);
 }

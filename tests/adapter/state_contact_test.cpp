@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "core/frame.h"
 #include "state_scene.h"
@@ -97,6 +98,30 @@ TEST(ContactState, a_pile_goes_back_and_on) {
     EXPECT_TRUE(fresh.save() == saved);
     EXPECT_TRUE(fresh.run(50) == right) << steps;
   }
+}
+
+/// Whatever the memory held before that Bullet takes for the algorithm of a pair.
+void dirty_memory_of_algorithms(btDispatcher& dispatcher) {
+  constexpr int size = 64;
+  std::vector<void*> taken(64);
+  for (void*& memory : taken) std::memset(memory = dispatcher.allocateCollisionAlgorithm(size), 0x40, size);
+  for (void* memory : taken) dispatcher.freeCollisionAlgorithm(memory);
+}
+
+TEST(ContactState, soft_bodies_that_overlap_go_back_and_on) {
+  btFluidSoftBodySolver solver;
+  SoftWorld bullet{btVector3(0, bt(-9.81), 0), &solver};
+  dirty_memory_of_algorithms(*bullet.world.getDispatcher());
+  for (const double y : {0.1, 0.105})
+    ASSERT_TRUE(solver.addCloth(bullet.patch(7, 0.3, y, 15), bt(0.004)).ok());
+  bullet.step(1.0 / 240);
+  ASSERT_EQ(bullet.world.getPairCache()->getNumOverlappingPairs(), 1);
+  Bytes saved, again;
+  ASSERT_TRUE(solver.saveState(&saved, &bullet.world).ok());
+  for (int i = 0; i < 5; ++i) bullet.step(1.0 / 240);
+  ASSERT_TRUE(solver.restoreState(saved, &bullet.world).ok());
+  ASSERT_TRUE(solver.saveState(&again, &bullet.world).ok());
+  EXPECT_TRUE(again == saved);
 }
 
 /// Bullet keeps parts of compounds that touched before; they cannot always be made again.

@@ -219,6 +219,30 @@ TEST_P(WallFriction, a_thick_film_that_sticks_follows_its_series) {
   }
 }
 
+// A particle in front of an inner edge may have a contact with each triangle there: they are one wall.
+TEST_P(WallFriction, a_film_sticks_alike_in_front_of_edges_and_of_faces) {
+  Block b = block(2);
+  b.thickness = 0.002;
+  b.viscosity = 3e-3;
+  b.xsph_rate = 0;
+  b.slip.model = SlipModel::sticking;
+  std::vector<Vec3> speed[2];
+  for (int in_front_of_edges : {0, 1}) {
+    b.cells = in_front_of_edges ? b.dx : 0;  // each particle is in front of a diagonal
+    OnPlane water(b);
+    water.run(2 * b.dt);
+    const Span<const Vec3> v = water.world().velocities(), x = water.world().positions();
+    for (std::size_t i = 0; i < v.size(); ++i)
+      if (x[i].y() < b.dx) speed[in_front_of_edges].push_back(v[i]);
+  }
+  ASSERT_EQ(speed[0].size(), static_cast<std::size_t>(b.long_ * b.wide));
+  ASSERT_EQ(speed[1].size(), speed[0].size());
+  for (std::size_t i = 0; i < speed[0].size(); ++i) {
+    EXPECT_GT(speed[0][i].x(), 1e-3);
+    EXPECT_NEAR(speed[1][i].x(), speed[0][i].x(), 0.02 * speed[0][i].x());
+  }
+}
+
 TEST_P(WallFriction, thin_water_that_sticks_stays) {
   Block b = block(1);
   b.slip.model = SlipModel::sticking;
