@@ -104,6 +104,10 @@ Status btFluid::setStepBudget(btScalar seconds) {
   return m_world->set_step_budget(static_cast<double>(seconds));
 }
 
+btScalar btFluid::getStepBudget() const {
+  return static_cast<btScalar>(m_world->settings().step_budget);
+}
+
 Status btFluid::setGravity(const btVector3& gravity) {
   if (m_coupling && m_coupling->followsClothGravity())
     return Status::refused(

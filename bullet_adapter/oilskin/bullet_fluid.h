@@ -81,6 +81,8 @@ class btFluid {
   /// below 0 and those that are not finite. Where it is too short, iterations and fluid sub-steps are left
   /// out (WorldSettings::step_budget), and the report says so. Nothing crosses.
   Status setStepBudget(btScalar seconds);
+  /// [s]; 0 = no limit.
+  btScalar getStepBudget() const;
 
   /// [m/s²]. Refuses numbers that are not finite, and is refused while the coupling takes the gravity of a
   /// cloth: set that cloth's btSoftBodyWorldInfo::m_gravity, or call setUseClothGravity(false) first.

@@ -144,8 +144,5 @@ inline Mask4 operator&(Mask4 a, Mask4 b) {
 inline D4 choose(Mask4 mask, D4 a, D4 b) {
   return _mm256_blendv_pd(b.v, a.v, mask.v);
 }
-inline std::uint32_t bits(Mask4 mask) {
-  return static_cast<std::uint32_t>(_mm256_movemask_pd(mask.v));
-}
 
 }  // namespace oilskin::simd::avx2

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cmath>
-#include <cstdint>
 
 #include "core/simd.h"
 
@@ -58,10 +57,6 @@ inline D4 choose(const Mask4& mask, const D4& a, const D4& b) {
   return {_mm_or_pd(_mm_and_pd(mask.low, a.low), _mm_andnot_pd(mask.low, b.low)),
           _mm_or_pd(_mm_and_pd(mask.high, a.high), _mm_andnot_pd(mask.high, b.high))};
 }
-/// Bit k: the k-th is true.
-inline std::uint32_t bits(const Mask4& mask) {
-  return static_cast<std::uint32_t>(_mm_movemask_pd(mask.low) | _mm_movemask_pd(mask.high) << 2);
-}
 
 #else
 
@@ -109,12 +104,6 @@ inline Mask4 operator&(const Mask4& a, const Mask4& b) {
 /// `a` where the mask is true, else `b`.
 inline D4 choose(const Mask4& mask, const D4& a, const D4& b) {
   return of_doubles([&](int k) { return mask.v[k] ? a.v[k] : b.v[k]; });
-}
-/// Bit k: the k-th is true.
-inline std::uint32_t bits(const Mask4& mask) {
-  std::uint32_t all = 0;
-  for (int k = 0; k < 4; ++k) all |= static_cast<std::uint32_t>(mask.v[k]) << k;
-  return all;
 }
 
 #endif

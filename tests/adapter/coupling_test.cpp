@@ -307,6 +307,15 @@ TEST(Fluid, reads_out_in_bullets_numbers_and_in_strides) {
   }
 }
 
+TEST(Fluid, a_step_may_have_a_time_limit) {
+  btFluid water(coarse_fluid(), small_world(), ContactSettings());
+  EXPECT_EQ(water.getStepBudget(), 0);
+  EXPECT_TRUE(water.setStepBudget(bt(0.25)).ok());
+  EXPECT_EQ(water.getStepBudget(), bt(0.25));
+  EXPECT_FALSE(water.setStepBudget(-1).ok());
+  EXPECT_EQ(water.getStepBudget(), bt(0.25));
+}
+
 TEST(Fluid, jets_start_at_the_present_time) {
   SmallFluid water;
   for (int i = 0; i < 50; ++i) ASSERT_TRUE(water.getWorld().step(0.001).status.ok());

@@ -178,14 +178,6 @@ TEST(Removal, nothing_crosses_cloth_whose_water_is_taken_away) {
   EXPECT_EQ(water.carried_by(*cloth), inside_border);
 }
 
-TEST(Removal, a_step_may_have_a_time_limit) {
-  btFluid water(coarse_fluid(), small_world(), ContactSettings());
-  EXPECT_TRUE(water.setStepBudget(bt(0.25)).ok());
-  EXPECT_EQ(water.getWorld().settings().step_budget, 0.25);
-  EXPECT_FALSE(water.setStepBudget(-1).ok());
-  EXPECT_EQ(water.getWorld().settings().step_budget, 0.25);
-}
-
 TEST(Removal, clear_and_the_limit_of_particles) {
   btFluid water(coarse_fluid(), small_world(), ContactSettings());
   btFluidCoupling coupling(&water);

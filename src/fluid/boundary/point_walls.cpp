@@ -133,18 +133,16 @@ void PointWalls::add_plane() {
 }
 
 void PointWalls::add_triangles() {
-  std::vector<WallPlane>& planes = buffers_.planes;
-  Shadows& shadows = buffers_.shadows;
-  planes.clear();
-  shadows.clear();
+  planes_.clear();
+  shadows_.clear();
   for (std::size_t k = 0; k < near_.size(); ++k) {
     const std::array<Eigen::Vector3f, 3> x = corners(k);
-    planes.emplace_back(x);
-    if (planes.back().acts()) shadows.add(planes.back(), {x.data(), 3});
+    planes_.emplace_back(x);
+    if (planes_.back().acts()) shadows_.add(planes_.back(), {x.data(), 3});
   }
-  shadows.integrate();
+  shadows_.integrate();
   for (std::size_t k = 0, shadow = 0; k < near_.size(); ++k)
-    if (planes[k].acts()) add(k, view_with_shadow(planes[k], shadows[shadow++]));
+    if (planes_[k].acts()) add(k, view_with_shadow(planes_[k], shadows_[shadow++]));
 }
 
 std::array<Eigen::Vector3f, 3> PointWalls::corners(std::size_t k) const {

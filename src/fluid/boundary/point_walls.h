@@ -24,7 +24,8 @@ class PointWalls {
         cell_(buffers.cell),
         near_(buffers.near),
         parts_(buffers.parts),
-        buffers_(buffers),
+        shadows_(buffers.shadows),
+        planes_(buffers.planes),
         x_(input.x[point.particle]),
         point_(point),
         walls_(walls) {}
@@ -55,7 +56,8 @@ class PointWalls {
   const CellTriangles& cell_;
   NearTriangles& near_;
   VisibleParts& parts_;
-  WallBuffers& buffers_;
+  Shadows& shadows_;
+  std::vector<WallPlane>& planes_;
   std::size_t nearest_ = 0;
   const Vec3 x_;
   WallPoint& point_;
