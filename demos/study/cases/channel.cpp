@@ -1,8 +1,9 @@
 /// Viscous flow between two plates from rest: plane Poiseuille and Couette flow.
 ///
 /// There are no periodic directions: a slug fills a piece of the channel, with open ends and sides without
-/// friction. It moves by a tenth of a spacing before the flow is steady. It is 4 widths long and 1.6 deep,
-/// and only its middle is looked at: what ends and sides still do there is below 2 %.
+/// friction. It moves by a tenth of a spacing before the flow is steady. Only its middle is looked at. The
+/// walls brake its ends less, and pressure carries what they gain to the middle: 10 % of the walls' stress in
+/// a slug of 2 widths, 4 % of 4 widths, 1 % of 8 widths, as here. Its depth of 1.6 widths does below 2 %.
 #include <cmath>
 
 #include "study/cases/case_table.h"
@@ -11,7 +12,7 @@
 namespace oilskin::demo {
 namespace {
 
-constexpr double width = 0.05, depth = 0.08, length = 0.2;  // [m]
+constexpr double width = 0.05, depth = 0.08, length = 0.4;  // [m]
 constexpr double viscosity = 0.01;                          // [m²/s]
 constexpr double reynolds = 0.01;                           // of the largest speed and the width
 
@@ -60,7 +61,7 @@ class Profile : public Probe {
   }
 
  private:
-  /// The 5 % hold at ten particles across, which is not the finest grid.
+  /// The 5 % hold at ten particles across, which is not the finest grid.
   static double share(double finest) { return finest / (width / 10); }
 
   template <class F>
