@@ -14,6 +14,9 @@ namespace {
 /// Walls of one side of a surface whose normals deviate by less than 60° are one wall.
 constexpr double same_wall_cosine = 0.5;
 
+/// Normals whose cosines with a load differ by less are one normal.
+constexpr double same_normal = 1e-3;
+
 /// The part of an old spare load that an interval with less load leaves (B.35).
 constexpr double spare_left = 0.8;
 
@@ -133,13 +136,18 @@ void WallsOfParticle::append(const WallGroup& group) {
   constraints_.back().wall_impulse = std::max(0.0, contact.normal.dot(group.impulse));
 }
 
+/// To the wall whose normal is nearest to that of the load; of walls in one plane, as floors side by side, to
+/// the nearest one.
 void WallsOfParticle::give_spare_load(const Vec3& spare_load) {
+  const double size = spare_load.norm(), same = same_normal * size;
   ContactConstraint* found = nullptr;
-  double best = same_wall_cosine * spare_load.norm();
+  double best = same_wall_cosine * size;
   for (std::size_t k = begin_; k < constraints_.size(); ++k) {
     const Contact& c = constraints_[k].contact;
     const double along = c.normal.dot(spare_load);
-    if (!is_dry(context_, c.surface, c.back) || !(along > best)) continue;
+    if (!is_dry(context_, c.surface, c.back) || !(along > same_wall_cosine * size)) continue;
+    const bool is_nearer = found && along > best - same && c.distance < found->contact.distance;
+    if (!(along > best + (found ? same : 0)) && !is_nearer) continue;
     best = along;
     found = &constraints_[k];
   }

@@ -243,6 +243,42 @@ TEST_P(WallFriction, a_film_sticks_alike_in_front_of_edges_and_of_faces) {
   }
 }
 
+// Lanes side by side, whose floors lie in one plane: the water of one lane must not lean on the floor of the
+// next.
+TEST_P(WallFriction, floors_side_by_side_keep_their_laws) {
+  constexpr double dx = 0.008, wide = 4 * dx, angle = M_PI / 6, friction[] = {0.3, 1};
+  WorldSettings ws;
+  ws.gravity = g * Vec3(std::sin(angle), -std::cos(angle), 0);
+  ws.threads = 1;
+  FluidSettings fs;
+  fs.spacing = dx;
+  fs.solver = GetParam().solver;
+  World w(ws, fs);
+  test::StaticMesh sides, floor[2];
+  for (int k : {0, 1, 2}) sides.add_rectangle({-0.2, -0.1, k * wide}, {1.2, 0, 0}, {0, 0.3, 0});
+  SurfaceSettings s = test::sheet_settings();
+  ASSERT_TRUE(w.attach(sides, s, nullptr).ok());
+  SurfaceId id[2];
+  for (int k : {0, 1}) {
+    floor[k].add_rectangle({-0.2, 0, k * wide}, {0, 0, wide}, {1.2, 0, 0});
+    s.slip = {SlipModel::coulomb, friction[k], 0};
+    ASSERT_TRUE(w.attach(floor[k], s, &id[k]).ok());
+    BoxEmitter box;  // two layers that slide, one that stays
+    box.box = {Vec3(0, 0, k * wide), Vec3(4 * dx, (2 - k) * dx, (k + 1) * wide)};
+    ASSERT_TRUE(w.add_emitter(box).ok());
+  }
+  Vec3 on_floor[2] = {Vec3::Zero(), Vec3::Zero()};
+  while (w.time() < 0.35) {
+    w.step(0.2 * dx);
+    for (int k : {0, 1})
+      if (w.time() > 0.12)
+        for (const Vec3& impulse : w.surface(id[k])->impulse) on_floor[k] += impulse;
+  }
+  const double slope = std::tan(angle);
+  EXPECT_NEAR(on_floor[0].x() / -on_floor[0].y(), friction[0], 0.03 * friction[0]);
+  EXPECT_NEAR(on_floor[1].x() / -on_floor[1].y(), slope, 0.03 * slope);
+}
+
 TEST_P(WallFriction, thin_water_that_sticks_stays) {
   Block b = block(1);
   b.slip.model = SlipModel::sticking;
