@@ -175,6 +175,11 @@ class Effect {
   /// Whether exchange() changes masses. Must not change.
   virtual bool changes_masses() const { return false; }
 
+  /// Whether act() is friction within the liquid and at its surfaces, as FluidSettings::viscosity is. What it
+  /// takes is lost then, as by that one; what other effects take is work that they do, and is in
+  /// EnergyReport::work_outside. Must not change.
+  virtual bool is_friction() const { return false; }
+
   /// Adds forces, before the pressure solve.
   virtual void act(EffectForces&) {}
   /// Exchanges, after the certificate.

@@ -128,7 +128,10 @@ struct DiscEmitter {
   std::uint64_t seed = 1;
 };
 
-/// Fills a box with the lattice once. Points closer than 2 δ to a surface are left out and counted.
+/// Fills a box with the lattice once. What would start compressed, and burst, is left out and counted in
+/// StepReport::blocked_starts: points closer than 2 δ to a surface; with BoundaryModel::mirrored also those
+/// closer than a fifth of a spacing, but for cloth that the volume lies on one side of, which yields; and
+/// those closer than 0.9 spacings to other water, as of an emitter that overlaps.
 struct BoxEmitter {
   /// The box to fill [m].
   Box box;

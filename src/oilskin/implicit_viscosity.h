@@ -65,6 +65,7 @@ class ImplicitViscosity : public Effect {
   /// What the surface's host holds of the drag (V.10): forces [N] and a velocity [m/s].
   std::vector<double> node_values() const override;
   double wall_reach() const override { return std::numeric_limits<double>::infinity(); }
+  bool is_friction() const override { return true; }
   void act(EffectForces& forces) override;
   /// The settings.
   std::vector<std::uint8_t> save() const override;

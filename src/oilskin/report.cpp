@@ -134,7 +134,7 @@ std::vector<std::string> flag_texts(std::uint32_t flags) {
       {flag_many_holds, "many_holds: nodes were held; use more cloth substeps or iterations"},
       {flag_no_promise, "no_promise: contact.ccd or contact.zones is off, or particles started too close"},
       {flag_scatter_mismatch, "scatter_mismatch: the host does not store the numbers that it is given"},
-      {flag_pressure_diverged, "pressure_diverged: keep fluid.support_ratio at 2.2 or below"},
+      {flag_pressure_diverged, "pressure_diverged: lower dt, or keep fluid.support_ratio at 2.2 or below"},
       {flag_energy_made, "energy_made: the step is too long for the water or for light cloth; see messages"},
       {flag_viscosity_limited,
        "viscosity_limited: a smaller viscosity than fluid.viscosity was applied; lower dt or raise "

@@ -59,7 +59,8 @@ enum StepFlag : std::uint32_t {
   flag_no_promise = 1u << 8,
   /// A host does not store what it was given: correct its adapter.
   flag_scatter_mismatch = 1u << 9,
-  /// The error of the pressure grew and the relaxation ω was halved: keep support_ratio ≤ 2.2.
+  /// The error of the pressure grew and the relaxation ω was halved: water is pressed between surfaces or on
+  /// light cloth at a long step, or the support radius is large. Lower dt, or keep support_ratio ≤ 2.2.
   flag_pressure_diverged = 1u << 10,
   /// Energy was made (EnergyReport::risen above energy_made_limit of its scale): StepReport::messages names
   /// the cause and a step or a mass of the cloth that avoids it.
@@ -187,8 +188,8 @@ struct EnergyReport {
   /// Work of hosts on their free nodes, as their links, damping and forces do: the change of momentum that is
   /// neither the fluid's nor gravity's × mean speed. Positive where a host drives its cloth, or gains energy.
   double work_host = 0;
-  /// Done to particles by effects, and between steps: add_velocities(), a change of gravity, particles moved
-  /// or removed at a new surface.
+  /// Done to particles by effects but friction, and between steps: add_velocities(), a change of gravity,
+  /// particles moved or removed at a new surface.
   double work_outside = 0;
   /// The largest work of gravity so far.
   double released_potential = 0;

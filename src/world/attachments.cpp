@@ -282,7 +282,7 @@ namespace {
 
 /// `x`: x_t0 or x_t1 of its motion.
 StandingSurface standing_at(const std::vector<Vec3>& x, Attachment& a) {
-  return {a.motion.triangles, x, a.motion.delta, &a.geometry, a.motion.still};
+  return {a.motion.triangles, x, a.motion.inverse_mass, a.motion.delta, &a.geometry, a.motion.still};
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ class Forces : public View<EffectForces> {
       if (!impulse.allFinite()) continue;
       push_node(s, node, impulse);
       step.ledger.effect(impulse);
-      step.energy.drive(impulse.dot(s.x_t1[node] - s.x_t0[node]) / dt);
+      if (!slot_.effect->is_friction()) step.energy.drive(impulse.dot(s.x_t1[node] - s.x_t0[node]) / dt);
     }
   }
 };
@@ -264,8 +264,10 @@ void Effects::fill(Attachment& a) const {
 
 void Effects::act(const EffectInput& input) const {
   std::vector<Vec3>& sum = input.interval.acceleration;
+  std::vector<Vec3>& friction = input.interval.friction;
   sum.assign(input.particles.size(), Vec3::Zero());
   for (const Slot& slot : slots_) {
+    const std::vector<Vec3> before = slot.effect->is_friction() ? sum : std::vector<Vec3>();
     Forces forces(slot, input, sum);
     slot.effect->act(forces);
     std::uint64_t wrong = 0;
@@ -278,6 +280,9 @@ void Effects::act(const EffectInput& input) const {
       input.interval.step.report.messages.push_back(
           "the effect " + slot.name + " gave " + std::to_string(wrong) +
           " particles an acceleration that is not finite; they got none by effects");
+    if (before.empty()) continue;
+    friction.resize(sum.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < sum.size(); ++i) friction[i] += sum[i] - before[i];
   }
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "core/assert.h"
+#include "world/free_starts.h"
 #include "world/particle_limit.h"
 #include "world/world_impl.h"
 
@@ -9,23 +10,6 @@ namespace oilskin {
 
 using world::IntervalContext;
 using world::StepContext;
-
-namespace {
-
-std::vector<fluid::Outcome> find_blocked_starts(const std::vector<fluid::Start>& starts, const Box& kill_box,
-                                                const world::ActiveSurfaces& surfaces,
-                                                const Workers& workers) {
-  std::vector<Vec3> points;
-  points.reserve(starts.size());
-  for (const fluid::Start& s : starts) points.push_back(s.position);
-  const std::vector<std::uint8_t> blocked = world::find_blocked_points(surfaces.at_start(), points, workers);
-  std::vector<fluid::Outcome> outcomes(points.size(), fluid::Outcome::emitted);
-  for (std::size_t k = 0; k < points.size(); ++k)
-    if (blocked[k] || !kill_box.contains(points[k])) outcomes[k] = fluid::Outcome::blocked;
-  return outcomes;
-}
-
-}  // namespace
 
 void World::Impl::emit(IntervalContext& interval) {
   StepContext& step = interval.step;
@@ -40,7 +24,7 @@ void World::Impl::emit(IntervalContext& interval) {
   const double live_mass = particles.sum_of_relative_masses();
   const std::vector<fluid::Start>& starts = emission->due(interval.begin, interval.dt);
   std::vector<fluid::Outcome> outcomes =
-      find_blocked_starts(starts, settings.kill_box, step.surfaces, *workers);
+      world::judge_starts(starts, fluid_settings, settings.kill_box, step.surfaces, particles, *workers);
   const std::uint64_t limit = world::particle_limit(settings);
   for (std::size_t k = 0; k < starts.size(); ++k) {
     const fluid::Start& start = starts[k];

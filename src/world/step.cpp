@@ -319,7 +319,7 @@ bool World::Impl::commit_particle(IntervalContext& interval, std::size_t i, worl
   const Vec3 motion_before = particles.motion[i];
   world::EnergyBalance::move(particles, i, start, interval.remaining[i], interval.dt);
   if (!interval.acceleration.empty() && i < interval.live)
-    energy.drive(particles.relative_mass(i), interval.acceleration[i],
+    energy.drive(particles.relative_mass(i), interval.driving_acceleration(i),
                  0.5 * (motion_before + particles.motion[i]), interval.dt, sums.energy);
   if (!interval.mass_left.empty() && !keep_mass(interval, i, sums)) return false;
   if (inside && !takes(interval, i, sums)) {

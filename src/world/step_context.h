@@ -54,11 +54,17 @@ struct IntervalContext {
   Span<const std::vector<std::uint32_t>> near;  // per surface: triangles within H of the fluid, at least
   std::vector<fluid::PredictionContact> prediction;
   std::vector<Vec3> acceleration;       // by effects; empty = there are none [m/s²]
+  std::vector<Vec3> friction;           // the part of it by effects that are friction; empty = there are none
   std::vector<std::uint32_t> taken_by;  // per particle: the sink, or Sinks::none; empty = no sink acts
   std::vector<float> mass_left;  // where surfaces absorbed: relative masses at the end; empty = nowhere
 
   // Output
   ContactReport report;
+
+  /// Of particle i by effects that do work [m/s²].
+  Vec3 driving_acceleration(std::size_t i) const {
+    return friction.empty() ? acceleration[i] : Vec3(acceleration[i] - friction[i]);
+  }
 };
 
 }  // namespace oilskin::world

@@ -166,6 +166,43 @@ class BoxWorld {
   double start_ = 0;
 };
 
+/// A lattice that starts too dense: in each step pressure accelerates it, and the viscosity brakes it at
+/// once. What the brake takes is lost, and not work that makes up for it: the balance has what is there.
+TEST(ImplicitViscosity, what_it_takes_is_lost) {
+  const double dx = 0.01;
+  World w(world_of(Vec3::Zero()), fluid_of(dx));
+  ImplicitViscosity viscosity({0.01});
+  ASSERT_TRUE(w.add_effect(viscosity).ok());
+  fill(w, lattice(10, 10, 10, 0.93 * dx, Vec3::Zero()), at_rest);
+  double largest = 0;
+  for (int k = 0; k < 40; ++k) largest = std::max(largest, w.step(0.0005).energy.water_kinetic);
+  const EnergyReport& e = w.report().energy;
+  EXPECT_GT(largest, 1e-6 * w.fluid_mass());
+  EXPECT_NEAR(e.made, e.water_kinetic, 1e-9 * largest);
+  EXPECT_NEAR(e.work_outside, 0, 1e-9 * largest);
+}
+
+/// A plate that slides under honey works: by its impulses, like any prescribed surface.
+TEST(ImplicitViscosity, work_of_a_plate_that_drags_is_that_of_prescribed_nodes) {
+  const double dx = 0.01;
+  World w(world_of(Vec3::Zero()), fluid_of(dx));
+  ImplicitViscosity viscosity({0.1});
+  ASSERT_TRUE(w.add_effect(viscosity).ok());
+  SlidingMesh plate;
+  plate.speed = 0.5;
+  plate.add_rectangle(Vec3(-0.2, 0, -0.2), Vec3(0, 0, 0.4), Vec3(0.4, 0, 0), 4, 4);
+  SurfaceSettings settings = sheet_settings();
+  settings.slip.model = SlipModel::viscous_wall;
+  ASSERT_TRUE(w.attach(plate, settings, nullptr).ok());
+  fill(w, lattice(8, 4, 8, dx, Vec3(-0.04, 0, -0.04)), at_rest);
+  for (int k = 0; k < 60; ++k) w.step(0.001);
+  const EnergyReport& e = w.report().energy;
+  EXPECT_GT(e.water_kinetic, 0.01 * 0.5 * w.fluid_mass() * 0.25);
+  EXPECT_GT(e.work_prescribed, e.water_kinetic);
+  EXPECT_NEAR(e.work_outside, 0, 1e-12 * e.work_prescribed);
+  EXPECT_LE(e.made_fraction(), 0.01);
+}
+
 TEST(ImplicitViscosity, a_dam_and_a_falling_block_make_no_energy) {
   Block dam, falling;
   dam.m = 10;

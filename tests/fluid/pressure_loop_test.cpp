@@ -82,6 +82,10 @@ TEST(PressureLoop, a_growing_error_halves_the_relaxation) {
   // Near the tolerance a growing error is no divergence.
   loop.start({1e-3, 1, {}});
   for (int n = 1; n <= 8; ++n) EXPECT_FALSE(loop.judge(errors_of(2e-3 + 1e-4 * n)).restart);
+
+  // Nor is one that creeps.
+  loop.start({1e-3, 1, {}});
+  for (int n = 1; n <= 50; ++n) EXPECT_FALSE(loop.judge(errors_of(0.1 + 1e-4 * n)).restart);
 }
 
 TEST(PressureLoop, an_error_that_is_not_finite_resets_the_pressures) {

@@ -69,7 +69,10 @@ struct Emission::Impl {
   /// The source at `time` of an interval of dt.
   PlacedSource at(const Source& source, double time, double dt) const;
   void emit(std::size_t source, const PlacedSource& placed, std::size_t site, double remaining) {
-    starts.push_back({placed.place_of(site), placed.velocity_of(site), remaining, sources[source].max_age});
+    const Source& s = sources[source];
+    const auto number = static_cast<std::uint32_t>(source + 1);
+    starts.push_back({placed.place_of(site), placed.velocity_of(site), remaining, s.max_age,
+                      s.kind == Source::Kind::volume ? number : 0});
     origins.push_back({static_cast<std::uint32_t>(source), static_cast<std::uint32_t>(site)});
   }
   void emit_waiting(std::size_t source, double time, double dt);

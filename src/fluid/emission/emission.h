@@ -15,6 +15,7 @@ struct Start {
   Vec3 velocity = Vec3::Zero();  ///< [m/s]
   double remaining = 0;          ///< time from the emission to the end of the interval [s], 0 … dt
   double max_age = std::numeric_limits<double>::infinity();  ///< after which it ends [s]
+  std::uint32_t volume = 0;                                  ///< of a box or a mesh: its number; 0 = of none
 };
 
 /// What became of a start.

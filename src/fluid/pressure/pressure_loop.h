@@ -106,8 +106,9 @@ class PressureLoop {
   Errors errors_;
   bool converged_ = false, diverged_ = false;
   bool fewer_would_do_ = false;
-  double last_mean_ = 0;  // of the previous iteration
-  int growing_ = 0;       // consecutive iterations with a growing error
+  double last_mean_ = 0;      // of the previous iteration
+  int growing_ = 0;           // consecutive iterations with a growing error
+  double before_growth_ = 0;  // the error before them
 };
 
 void write(const PressureLoop& loop, FluidReport& report);
