@@ -1,6 +1,7 @@
 #include "contact/wall_friction.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "contact/contacts.h"
 #include "core/assert.h"
@@ -139,19 +140,21 @@ void WallsOfParticle::append(const WallGroup& group) {
 /// To the wall whose normal is nearest to that of the load; of walls in one plane, as floors side by side, to
 /// the nearest one.
 void WallsOfParticle::give_spare_load(const Vec3& spare_load) {
-  const double size = spare_load.norm(), same = same_normal * size;
+  const double size = spare_load.norm();
+  const auto along = [&](const ContactConstraint& k) { return k.contact.normal.dot(spare_load); };
   ContactConstraint* found = nullptr;
-  double best = same_wall_cosine * size;
+  const auto is_better = [&](const ContactConstraint& k) {
+    if (!found) return true;
+    const double more = along(k) - along(*found);
+    return std::abs(more) < same_normal * size ? k.contact.distance < found->contact.distance : more > 0;
+  };
   for (std::size_t k = begin_; k < constraints_.size(); ++k) {
-    const Contact& c = constraints_[k].contact;
-    const double along = c.normal.dot(spare_load);
-    if (!is_dry(context_, c.surface, c.back) || !(along > same_wall_cosine * size)) continue;
-    const bool is_nearer = found && along > best - same && c.distance < found->contact.distance;
-    if (!(along > best + (found ? same : 0)) && !is_nearer) continue;
-    best = along;
-    found = &constraints_[k];
+    ContactConstraint& c = constraints_[k];
+    if (!is_dry(context_, c.contact.surface, c.contact.back) || !(along(c) > same_wall_cosine * size))
+      continue;
+    if (is_better(c)) found = &c;
   }
-  if (found) found->spare_load = best;
+  if (found) found->spare_load = along(*found);
 }
 
 }  // namespace

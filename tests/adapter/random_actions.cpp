@@ -14,6 +14,16 @@
 
 namespace oilskin::bullet::test {
 
+namespace {
+
+btVector3 inertia_of(const btCollisionShape& shape, btScalar mass) {
+  btVector3 inertia(0, 0, 0);
+  if (mass > 0) shape.calculateLocalInertia(mass, inertia);
+  return inertia;
+}
+
+}  // namespace
+
 // --- water
 
 void RandomGame::change_fluid() {
@@ -220,10 +230,7 @@ void RandomGame::change_object() {
 
 void RandomGame::delete_object() {
   if (objects_.empty() || !once_in(3)) return;
-  std::swap(objects_.back(), objects_[random_.below(static_cast<std::uint32_t>(objects_.size()))]);
-  solver_->removeCollisionObject(objects_.back().get());
-  bullet_.world.removeCollisionObject(objects_.back().get());
-  objects_.pop_back();
+  destroy(take_any(objects_));
 }
 
 // --- rigid bodies
@@ -232,9 +239,7 @@ void RandomGame::make_body() {
   if (bodies_.size() >= 4) return;
   btCollisionShape* shape = new_shape();
   const btScalar mass = once_in(5) ? 0 : bt(random_.log_uniform(1e-3, 10));
-  btVector3 inertia(0, 0, 0);
-  if (mass > 0) shape->calculateLocalInertia(mass, inertia);
-  btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, inertia);
+  btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, inertia_of(*shape, mass));
   info.m_startWorldTransform = pose();
   bodies_.push_back(std::make_unique<btRigidBody>(info));
   bullet_.world.addRigidBody(bodies_.back().get());
@@ -263,19 +268,14 @@ void RandomGame::change_body() {
       return body.setCollisionFlags(body.getCollisionFlags() ^ btCollisionObject::CF_KINEMATIC_OBJECT);
     case 4: {
       const btScalar mass = once_in(3) ? 0 : bt(random_.uniform(0.01, 1));
-      btVector3 inertia(0, 0, 0);
-      if (mass > 0) body.getCollisionShape()->calculateLocalInertia(mass, inertia);
-      body.setMassProps(mass, inertia);
+      body.setMassProps(mass, inertia_of(*body.getCollisionShape(), mass));
     }
   }
 }
 
 void RandomGame::delete_body() {
   if (bodies_.empty() || !once_in(3)) return;
-  std::swap(bodies_.back(), bodies_[random_.below(static_cast<std::uint32_t>(bodies_.size()))]);
-  solver_->removeRigidBody(bodies_.back().get());
-  bullet_.world.removeRigidBody(bodies_.back().get());
-  bodies_.pop_back();
+  destroy(take_any(bodies_));
 }
 
 // --- cloth
@@ -289,7 +289,7 @@ void RandomGame::make_cloth() {
 
 void RandomGame::attach_cloth() {
   if (cloths_.empty()) return make_cloth();
-  btSoftBody* cloth = cloths_[random_.below(static_cast<std::uint32_t>(cloths_.size()))];
+  btSoftBody* cloth = cloths_[index_in(cloths_)];
   if (once_in(6)) return solver_->removeCloth(cloth);
   SurfaceSettings settings;
   settings.thickness = static_cast<double>(number(0.002, 0.012));
@@ -299,7 +299,7 @@ void RandomGame::attach_cloth() {
 
 void RandomGame::change_cloth() {
   if (cloths_.empty()) return;
-  btSoftBody& cloth = *cloths_[random_.below(static_cast<std::uint32_t>(cloths_.size()))];
+  btSoftBody& cloth = *cloths_[index_in(cloths_)];
   const auto node = [&] {
     return static_cast<int>(random_.below(static_cast<std::uint32_t>(cloth.m_nodes.size())));
   };
@@ -331,11 +331,10 @@ void RandomGame::change_cloth() {
 /// What is deleted without a word to the solver is detached in the next sub-step, which must come first.
 void RandomGame::delete_cloth() {
   if (cloths_.empty() || !once_in(3)) return;
-  std::swap(cloths_.back(), cloths_[random_.below(static_cast<std::uint32_t>(cloths_.size()))]);
+  btSoftBody* const cloth = take_any(cloths_);
   const bool silent = !is_within_call_ && once_in(2);
-  if (!silent) solver_->removeCloth(cloths_.back());
-  bullet_.destroy(cloths_.back());
-  cloths_.pop_back();
+  if (!silent) solver_->removeCloth(cloth);
+  bullet_.destroy(cloth);
   if (silent) step();
 }
 

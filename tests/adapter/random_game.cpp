@@ -17,17 +17,19 @@ RandomGame::~RandomGame() {
     listeners_.clear();
     fluids_.clear();
   }
-  while (!objects_.empty()) {
-    solver_->removeCollisionObject(objects_.back().get());
-    bullet_.world.removeCollisionObject(objects_.back().get());
-    objects_.pop_back();
-  }
-  while (!bodies_.empty()) {
-    solver_->removeRigidBody(bodies_.back().get());
-    bullet_.world.removeRigidBody(bodies_.back().get());
-    bodies_.pop_back();
-  }
+  for (; !objects_.empty(); objects_.pop_back()) destroy(std::move(objects_.back()));
+  for (; !bodies_.empty(); bodies_.pop_back()) destroy(std::move(bodies_.back()));
   for (btSoftBody* cloth : cloths_) solver_->removeCloth(cloth);
+}
+
+void RandomGame::destroy(std::unique_ptr<btCollisionObject> object) {
+  solver_->removeCollisionObject(object.get());
+  bullet_.world.removeCollisionObject(object.get());
+}
+
+void RandomGame::destroy(std::unique_ptr<btRigidBody> body) {
+  solver_->removeRigidBody(body.get());
+  bullet_.world.removeRigidBody(body.get());
 }
 
 void RandomGame::play(int steps) {

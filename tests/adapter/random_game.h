@@ -2,9 +2,7 @@
 /// calls of listeners: objects come, go, change and are deleted, numbers are odd, saved states damaged.
 #pragma once
 
-#include <list>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "support/random.h"  // before Bullet, which has a global seed
@@ -34,7 +32,7 @@ class RandomGame {
 
   void play(int steps);
   const Seen& seen() const { return seen_; }
-  /// Of the water and of all objects.
+  /// Of the water, the cloth and the rigid bodies.
   std::uint64_t state_hash() const;
 
  private:
@@ -52,14 +50,28 @@ class RandomGame {
   btScalar number(double low, double high);
   btVector3 place(double half) { return to_bt(random_.in_cube(half)); }
   btTransform pose();
+  template <class List>
+  std::uint32_t index_in(const List& list) {
+    return random_.below(static_cast<std::uint32_t>(list.size()));
+  }
   template <class Object>
   Object& any(Owned<Object>& all) {
-    return *all[random_.below(static_cast<std::uint32_t>(all.size()))];
+    return *all[index_in(all)];
   }
   template <class Object>
   void erase_any(Owned<Object>& all) {
-    if (!all.empty()) all.erase(all.begin() + random_.below(static_cast<std::uint32_t>(all.size())));
+    if (!all.empty()) all.erase(all.begin() + index_in(all));
   }
+  /// Takes one out of the list; the last one takes its place.
+  template <class Item>
+  Item take_any(std::vector<Item>& all) {
+    std::swap(all.back(), all[index_in(all)]);
+    Item item = std::move(all.back());
+    all.pop_back();
+    return item;
+  }
+  void destroy(std::unique_ptr<btCollisionObject> object);
+  void destroy(std::unique_ptr<btRigidBody> body);
   btFluid* fluid() { return solver_->getCoupling().getFluid(); }
 
   // What may be done: random_actions.cpp
