@@ -63,6 +63,7 @@ std::atomic<const Available*> in_use{nullptr};
 const Available& chosen() {
   const Available* now = in_use.load(std::memory_order_acquire);
   if (now) return *now;
+  now = &kept(InstructionSet::baseline);
   for (const InstructionSet set : all_instruction_sets)
     if (is_available(set)) now = &kept(set);
   in_use.store(now, std::memory_order_release);
