@@ -188,8 +188,8 @@ struct EnergyReport {
   /// Work of hosts on their free nodes, as their links, damping and forces do: the change of momentum that is
   /// neither the fluid's nor gravity's × mean speed. Positive where a host drives its cloth, or gains energy.
   double work_host = 0;
-  /// Done to particles by effects but friction, and between steps: add_velocities(), a change of gravity,
-  /// particles moved or removed at a new surface.
+  /// Done to particles by effects but friction, by nozzles and rain that start water below others (F.76), and
+  /// between steps: add_velocities(), a change of gravity, particles moved or removed at a new surface.
   double work_outside = 0;
   /// The largest work of gravity so far.
   double released_potential = 0;

@@ -10,6 +10,7 @@
 #include "world/clearance.h"
 #include "world/numeric_range.h"
 #include "world/particle_limit.h"
+#include "world/point_cells.h"
 
 namespace oilskin::world {
 
@@ -33,9 +34,17 @@ LiquidChange& change_of(Attachment& a) {
   return c;
 }
 
-bool is_far_from_particles(const fluid::Particles& particles, const Vec3& x, double distance) {
-  return std::none_of(particles.position.begin(), particles.position.end(),
-                      [&](const Vec3& p) { return (p - x).squaredNorm() < distance * distance; });
+/// The particles that releases may be near to.
+PointCells particles_near(const fluid::Particles& particles, const std::vector<Vec3>& releases,
+                          double distance) {
+  Box bounds;
+  for (const Vec3& x : releases)
+    if (is_in_range(x)) bounds.add(x);
+  bounds = bounds.inflated(distance);
+  PointCells cells(distance);
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    if (bounds.contains(particles.position[i])) cells.add(i, particles.position[i]);
+  return cells;
 }
 
 bool is_way_free(const ActiveSurfaces& active, const Vec3& from, const Vec3& to) {
@@ -120,11 +129,11 @@ void release_particles(Span<const Release> releases, const ActiveSurfaces& activ
   std::vector<Vec3> places;
   for (const Release& r : releases) places.push_back(r.position);
   const std::vector<std::uint8_t> blocked = find_blocked_points(active.at_end(), places, workers);
+  PointCells taken = particles_near(particles, places, free_distance * spacing);
   for (std::size_t k = 0; k < releases.size(); ++k) {
     const Release& r = releases[k];
     if (blocked[k] || !is_release(r, active, particle_mass) || !world.kill_box.contains(r.position) ||
-        particles.size() >= particle_limit(world) ||
-        !is_far_from_particles(particles, r.position, free_distance * spacing) ||
+        particles.size() >= particle_limit(world) || taken.has_near(r.position) ||
         !is_way_free(active, r.from, r.position))
       continue;
     Attachment& a = *active.attachment[r.surface];
@@ -132,6 +141,7 @@ void release_particles(Span<const Release> releases, const ActiveSurfaces& activ
     double sum = 0;
     for (const auto& [node, mass] : r.nodes) sum += take(a, node, mass);
     OILSKIN_ASSERT(std::abs(sum - particle_mass) <= 2 * release_tolerance * particle_mass);
+    taken.add(particles.size(), r.position);
     particles.push_back(next_id++, r.position, velocity, rest_density);
     ledger.released(velocity);
   }

@@ -4,6 +4,7 @@
 #include "core/assert.h"
 #include "world/free_starts.h"
 #include "world/particle_limit.h"
+#include "world/work_of_starts.h"
 #include "world/world_impl.h"
 
 namespace oilskin {
@@ -45,6 +46,8 @@ void World::Impl::emit(IntervalContext& interval) {
     step.energy.enter(start.position, start.velocity, interval.dt);
     step.ledger.gravity(1, start.remaining, settings.gravity);
   }
+  step.energy.drive(world::work_of_starts(starts, outcomes, particles, interval.live, settings.gravity,
+                                          fluid_settings, fluid->particle_mass()));
   step.ledger.emitted_mass(particles.size() - interval.live);
   step.ledger.gravity(live_mass, interval.dt, settings.gravity);
   step.report.blocked_starts += emission->settle(outcomes);

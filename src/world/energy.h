@@ -89,7 +89,7 @@ class EnergyBalance {
   void drive(double mass_ratio, const Vec3& acceleration, const Vec3& motion, double dt, Sums& sums) const {
     sums.by_effects += mass_ratio * mass_ * dt * acceleration.dot(motion);
   }
-  /// Work of effects on a surface [J].
+  /// Work of effects on a surface, or of emitters against pressure (F.76) [J].
   void drive(double work) { by_effects_ += work; }
 
   void stay(const fluid::Particles& particles, std::size_t i, double dt, Sums& sums) const;

@@ -1,11 +1,8 @@
 #include "world/free_starts.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <unordered_map>
 
-#include "core/hash.h"
+#include "world/point_cells.h"
 
 namespace oilskin::world {
 
@@ -18,43 +15,6 @@ constexpr double from_surfaces = 0.2;
 
 /// From other water [dx]: no place in a full cubic lattice is farther than 0.87 from its points.
 constexpr double from_water = 0.9;
-
-/// Points, and whether one is nearer than a distance to a place.
-class TakenPlaces {
- public:
-  explicit TakenPlaces(double distance) : distance_(distance) {}
-
-  void add(const Vec3& x) { cells_[cell_of(x)].push_back(x); }
-
-  bool has_near(const Vec3& x) const {
-    if (cells_.empty()) return false;
-    const Cell middle = cell_of(x);
-    for (int k = 0; k < 27; ++k) {
-      const int x_step = k % 3 - 1, y_step = k / 3 % 3 - 1, z_step = k / 9 - 1;
-      const auto found = cells_.find({middle[0] + x_step, middle[1] + y_step, middle[2] + z_step});
-      if (found == cells_.end()) continue;
-      for (const Vec3& p : found->second)
-        if ((p - x).squaredNorm() < distance_ * distance_) return true;
-    }
-    return false;
-  }
-
- private:
-  using Cell = std::array<double, 3>;  // integers, at any distance from the origin
-  struct HashOfCell {
-    std::size_t operator()(const Cell& c) const {
-      Hash64 hash;
-      for (const double x : c) hash.add(x + 0.0);  // −0 is 0
-      return hash.value();
-    }
-  };
-  Cell cell_of(const Vec3& x) const {
-    return {std::floor(x[0] / distance_), std::floor(x[1] / distance_), std::floor(x[2] / distance_)};
-  }
-
-  double distance_;
-  std::unordered_map<Cell, std::vector<Vec3>, HashOfCell> cells_;
-};
 
 /// Blocks points of volumes at surfaces.
 void block_crowded(const std::vector<fluid::Start>& starts, const std::vector<Vec3>& points,
@@ -74,9 +34,9 @@ void block_taken(const std::vector<fluid::Start>& starts, double distance, Span<
   for (std::size_t k = 0; k < starts.size(); ++k)
     if (starts[k].volume != 0 && outcomes[k] == fluid::Outcome::emitted) bounds.add(starts[k].position);
   bounds = bounds.inflated(distance);
-  TakenPlaces taken(distance);
-  for (const Vec3& x : particles)
-    if (bounds.contains(x)) taken.add(x);
+  PointCells taken(distance);
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    if (bounds.contains(particles[i])) taken.add(i, particles[i]);
   for (std::size_t begin = 0, end = 0; begin < starts.size(); begin = end) {
     while (end < starts.size() && starts[end].volume == starts[begin].volume) ++end;
     if (starts[begin].volume == 0) continue;
@@ -84,7 +44,7 @@ void block_taken(const std::vector<fluid::Start>& starts, double distance, Span<
       if (outcomes[k] == fluid::Outcome::emitted && taken.has_near(starts[k].position))
         outcomes[k] = fluid::Outcome::blocked;
     for (std::size_t k = begin; k < end && end < starts.size(); ++k)
-      if (outcomes[k] == fluid::Outcome::emitted) taken.add(starts[k].position);
+      if (outcomes[k] == fluid::Outcome::emitted) taken.add(k, starts[k].position);
   }
 }
 
