@@ -34,11 +34,17 @@ inline double longest_viscous_interval(const FluidSettings& s) {
   return std::max(0.5 * d / s.viscosity, d / (s.viscosity + 0.5 * d * s.xsph_rate.value_or(0)));
 }
 
-/// The longest interval [s] in which water at rest with boundary terms carries its own weight (F.55), g =
-/// |gravity| [m/s²]; infinity with contact alone, which holds it.
-inline double longest_resting_interval(const FluidSettings& s, double g) {
-  if (s.boundary != BoundaryModel::mirrored || !(g > 0)) return std::numeric_limits<double>::infinity();
-  return (s.solver == PressureSolver::pcisph ? 0.12 : 0.18) * std::sqrt(s.spacing / g);
+/// The pressure under a column of water of `layers` spacings, g = |gravity| [m/s²] [Pa].
+inline double pressure_under(const FluidSettings& s, double layers, double g) {
+  return s.rest_density * g * layers * s.spacing;
+}
+
+/// The longest interval [s] in which water under `pressure` [Pa] with boundary terms carries what lies above
+/// it (F.55); infinity with contact alone, and without pressure.
+inline double longest_loaded_interval(const FluidSettings& s, double pressure) {
+  if (s.boundary != BoundaryModel::mirrored || !(pressure > 0))
+    return std::numeric_limits<double>::infinity();
+  return (s.solver == PressureSolver::pcisph ? 0.5 : 0.8) * s.spacing * std::sqrt(s.rest_density / pressure);
 }
 
 /// The longest interval [s] of the state equation at the speed v [m/s] of the fluid; infinity for other

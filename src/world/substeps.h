@@ -5,12 +5,13 @@
 
 namespace oilskin::world {
 
-/// Speeds that decide how long a step may be [m/s].
+/// What decides how long a step may be; speeds [m/s].
 struct Speeds {
   double fluid = 0;     ///< of the fastest particle, live or due to start
   double gravity = 0;   ///< |g| [m/s²]
   double surfaces = 0;  ///< of the fastest node that may touch the fluid
   double change = 0;    ///< largest change per second by the fluid's own forces, in the last interval [m/s²]
+  double height = 0;    ///< extent of the water along gravity [m]
 };
 
 /// The number of equal parts of a step of dt [s] such that no displacement in a part exceeds `distance` [m]

@@ -6,11 +6,19 @@
 #include "core/assert.h"
 #include "fluid/stability.h"
 #include "world/numeric_range.h"
+#include "world/upper_pressure.h"
 #include "world/world_impl.h"
 
 namespace oilskin {
 
 using world::StepContext;
+
+namespace {
+
+/// Height of water that is expected where its pressure is not known yet, and that a budget must allow [dx].
+constexpr double high_column = 20;
+
+}  // namespace
 
 /// A wall gives its own speed to the water in front of it, so the speed of surfaces counts like that of the
 /// fluid, but only where their swept triangles overlap the fluid's box.
@@ -39,7 +47,11 @@ world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved
   world::Speeds found;
   found.fluid = std::max(std::sqrt(water.speed), emission->fastest_due(state.time, dt));
   found.change = state.max_acceleration;
-  found.gravity = found.fluid > 0 || state.particles.size() > 0 ? settings.gravity.norm() : 0;
+  const double g = settings.gravity.norm();
+  if (state.particles.size() > 0 && g > 0)
+    found.height =
+        (water.box.max - water.box.min).dot(settings.gravity.cwiseAbs()) / g + fluid_settings.spacing;
+  found.gravity = found.fluid > 0 || state.particles.size() > 0 ? g : 0;
   const double reach = fluid->support_radius() + found.fluid * dt;
   if (moved_for > 0) found.surfaces = world::fastest_node(moved, water.box.inflated(reach), moved_for);
   return found;
@@ -53,8 +65,25 @@ double World::Impl::stable_parts(const world::Speeds& found, double dt) const {
                     effects.longest_interval(f).interval}));
 }
 
-double World::Impl::resting_interval() const {
-  return fluid::longest_resting_interval(fluid_settings, settings.gravity.norm());
+/// The longest interval in which water under so many spacings carries itself (F.55).
+double World::Impl::loaded_interval_of(double layers) const {
+  return fluid::longest_loaded_interval(
+      fluid_settings, fluid::pressure_under(fluid_settings, layers, settings.gravity.norm()));
+}
+
+/// By the pressure of the last interval, in heights of a column. It is at most the height of the water:
+/// impacts have more, for a moment, and are limited by speeds. It is at least that height up to 20 dx, since
+/// in water that falls or fills a vessel the pressure rises too fast to be seen in time; before the first
+/// interval the height counts in full. With PCISPH shallow water bursts in longer intervals.
+double World::Impl::loaded_interval(double height) const {
+  const FluidSettings& f = fluid_settings;
+  const double of_layer = fluid::pressure_under(f, 1, settings.gravity.norm());
+  if (f.boundary != BoundaryModel::mirrored || !(of_layer > 0)) return loaded_interval_of(0);
+  const double least = f.solver == PressureSolver::pcisph ? high_column : 4;
+  const double reached = std::max(least, height / f.spacing);
+  const double pressure = world::upper_pressure(state.particles.pressure, *workers) / of_layer;
+  return loaded_interval_of(pressure > 0 ? std::clamp(pressure, std::min(reached, high_column), reached)
+                                         : reached);
 }
 
 namespace {
@@ -108,10 +137,13 @@ void World::Impl::choose_substeps(StepContext& step) {
   const world::Speeds found = speeds(surfaces, dt, dt);
   double& needed = step.report.substeps_needed;
   needed = state.particles.size() > 0 || found.fluid > 0 ? stable_parts(found, dt) : 1;
-  const double at_rest = state.particles.size() > 0 ? world::parts_needed(dt, resting_interval()) : 1;
-  count = world::substep_count(found, dt, distance, maximum);
-  const int least = static_cast<int>(std::min(std::max(needed, at_rest), static_cast<double>(maximum)));
-  count = within_budget(step, least, std::max(count, least));
+  const auto stable = [&](double longest) {
+    const double parts = state.particles.size() > 0 ? world::parts_needed(dt, longest) : 1;
+    return static_cast<int>(std::min(std::max(needed, parts), static_cast<double>(maximum)));
+  };
+  const double loaded = loaded_interval(found.height);
+  count = std::max(world::substep_count(found, dt, distance, maximum), stable(loaded));
+  count = within_budget(step, stable(std::max(loaded, loaded_interval_of(high_column))), count);
   if (needed > count) report_instability(step, found);
   OILSKIN_ASSERT(count >= 1 && count <= maximum);
   step.paths.begin(surfaces, count, dt / count);
@@ -130,7 +162,7 @@ double World::Impl::longest_dt(double largest) const {
     dt = std::min(dt, parts * 0.25 * std::sqrt(support / state.max_acceleration));
   dt = std::min(dt, parts * fluid::longest_viscous_interval(f));
   dt = std::min(dt, parts * fluid::longest_sound_interval(f, found.fluid));
-  dt = std::min(dt, parts * resting_interval());
+  dt = std::min(dt, parts * loaded_interval(found.height));
   dt = std::min(dt, parts * effects.longest_interval(f).interval);
   OILSKIN_ASSERT(dt > 0);
   return dt;

@@ -142,7 +142,8 @@ struct World::Impl {
   world::Speeds speeds(Span<SurfaceMotion* const> moved, double moved_for, double dt) const;
   double stable_parts(const world::Speeds& found, double dt) const;
   void report_instability(world::StepContext& step, const world::Speeds& found) const;
-  double resting_interval() const;  ///< longest interval of water at rest [s]
+  double loaded_interval_of(double layers) const;
+  double loaded_interval(double height) const;  ///< in which water of this height carries itself [s]
   double longest_dt(double largest) const;
 };
 
