@@ -31,6 +31,13 @@ double longest_step(const Speeds& speeds, double distance) {
   return longest;
 }
 
+bool has_free_nodes(Span<SurfaceMotion* const> surfaces) {
+  return std::any_of(surfaces.begin(), surfaces.end(), [](const SurfaceMotion* s) {
+    return s->still == 0 && !s->body &&
+           std::any_of(s->inverse_mass.begin(), s->inverse_mass.end(), [](double m) { return m > 0; });
+  });
+}
+
 double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, double dt) {
   OILSKIN_ASSERT(dt > 0);
   double longest = 0;  // squared

@@ -12,6 +12,7 @@ struct Speeds {
   double surfaces = 0;  ///< of the fastest node that may touch the fluid
   double change = 0;    ///< largest change per second by the fluid's own forces, in the last interval [m/s²]
   double height = 0;    ///< extent of the water along gravity [m]
+  bool has_cloth = false;  ///< a surface has nodes that yield on their own
 };
 
 /// The number of equal parts of a step of dt [s] such that no displacement in a part exceeds `distance` [m]
@@ -25,6 +26,9 @@ double parts_needed(double dt, double longest);
 
 /// The longest dt [s] without a displacement above `distance` [m]; infinity where nothing moves.
 double longest_step(const Speeds& speeds, double distance);
+
+/// Whether a node may move by the fluid's load, other than with a body.
+bool has_free_nodes(Span<SurfaceMotion* const> surfaces);
 
 /// The largest speed of a node whose triangle sweeps through the box `water` in a step of dt [s].
 double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, double dt);

@@ -52,6 +52,7 @@ world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved
     found.height =
         (water.box.max - water.box.min).dot(settings.gravity.cwiseAbs()) / g + fluid_settings.spacing;
   found.gravity = found.fluid > 0 || state.particles.size() > 0 ? g : 0;
+  found.has_cloth = world::has_free_nodes(moved);
   const double reach = fluid->support_radius() + found.fluid * dt;
   if (moved_for > 0) found.surfaces = world::fastest_node(moved, water.box.inflated(reach), moved_for);
   return found;
@@ -74,13 +75,14 @@ double World::Impl::loaded_interval_of(double layers) const {
 /// By the pressure of the last interval, in heights of a column. It is at most the height of the water:
 /// impacts have more, for a moment, and are limited by speeds. It is at least that height up to 20 dx, since
 /// in water that falls or fills a vessel the pressure rises too fast to be seen in time; before the first
-/// interval the height counts in full. With PCISPH shallow water bursts in longer intervals.
-double World::Impl::loaded_interval(double height) const {
+/// interval the height counts in full. In longer intervals drops on light cloth make energy, and PCISPH
+/// bursts in shallow water.
+double World::Impl::loaded_interval(const world::Speeds& found) const {
   const FluidSettings& f = fluid_settings;
   const double of_layer = fluid::pressure_under(f, 1, settings.gravity.norm());
   if (f.boundary != BoundaryModel::mirrored || !(of_layer > 0)) return loaded_interval_of(0);
-  const double least = f.solver == PressureSolver::pcisph ? high_column : 4;
-  const double reached = std::max(least, height / f.spacing);
+  const double least = found.has_cloth || f.solver == PressureSolver::pcisph ? high_column : 4;
+  const double reached = std::max(least, found.height / f.spacing);
   const double pressure = world::upper_pressure(state.particles.pressure, *workers) / of_layer;
   return loaded_interval_of(pressure > 0 ? std::clamp(pressure, std::min(reached, high_column), reached)
                                          : reached);
@@ -141,7 +143,7 @@ void World::Impl::choose_substeps(StepContext& step) {
     const double parts = state.particles.size() > 0 ? world::parts_needed(dt, longest) : 1;
     return static_cast<int>(std::min(std::max(needed, parts), static_cast<double>(maximum)));
   };
-  const double loaded = loaded_interval(found.height);
+  const double loaded = loaded_interval(found);
   count = std::max(world::substep_count(found, dt, distance, maximum), stable(loaded));
   count = within_budget(step, stable(std::max(loaded, loaded_interval_of(high_column))), count);
   if (needed > count) report_instability(step, found);
@@ -162,7 +164,7 @@ double World::Impl::longest_dt(double largest) const {
     dt = std::min(dt, parts * 0.25 * std::sqrt(support / state.max_acceleration));
   dt = std::min(dt, parts * fluid::longest_viscous_interval(f));
   dt = std::min(dt, parts * fluid::longest_sound_interval(f, found.fluid));
-  dt = std::min(dt, parts * loaded_interval(found.height));
+  dt = std::min(dt, parts * loaded_interval(found));
   dt = std::min(dt, parts * effects.longest_interval(f).interval);
   OILSKIN_ASSERT(dt > 0);
   return dt;

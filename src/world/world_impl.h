@@ -143,7 +143,7 @@ struct World::Impl {
   double stable_parts(const world::Speeds& found, double dt) const;
   void report_instability(world::StepContext& step, const world::Speeds& found) const;
   double loaded_interval_of(double layers) const;
-  double loaded_interval(double height) const;  ///< in which water of this height carries itself [s]
+  double loaded_interval(const world::Speeds& found) const;  ///< in which the water carries itself [s]
   double longest_dt(double largest) const;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/mock_cloth.h"
 #include "support/record.h"
 #include "support/static_mesh.h"
 #include "support/world_helpers.h"
@@ -104,11 +105,13 @@ TEST(LoadedWaterLimit, deep_water_is_compressed_where_sub_steps_are_too_few) {
 }
 
 /// Sub-steps of a step of 1/60 s in which nothing moves fast.
-int substeps_of(const std::vector<Vec3>& positions, BoundaryModel boundary) {
+int substeps_of(const std::vector<Vec3>& positions, BoundaryModel boundary, bool with_cloth = false) {
   FluidSettings s = Column::fluid(PressureSolver::dfsph, 1000);
   s.boundary = boundary;
   s.cfl = 100;
+  MockCloth<double> cloth;
   World w(box(5, Vec3(0, -g, 0)), s);
+  if (with_cloth) EXPECT_TRUE(w.attach(cloth, sheet_settings(), nullptr).ok());
   EXPECT_TRUE(w.add_particles(positions, std::vector<Vec3>(positions.size(), Vec3::Zero())).ok());
   return w.step(1.0 / 60).substeps;
 }
@@ -122,6 +125,7 @@ TEST(LoadedWaterLimit, takes_the_height_of_water_that_has_no_pressure_yet) {
       << "across gravity";
   EXPECT_EQ(substeps_of({Vec3::Zero(), Vec3(0, 2, 0)}, BoundaryModel::mirrored), parts(401));
   EXPECT_EQ(substeps_of({Vec3::Zero(), Vec3(0, 2, 0)}, BoundaryModel::contact_only), 1);
+  EXPECT_EQ(substeps_of({Vec3(0, 1, 0)}, BoundaryModel::mirrored, true), parts(20));
 }
 
 }  // namespace
