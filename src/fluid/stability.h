@@ -44,7 +44,7 @@ inline double pressure_under(const FluidSettings& s, double layers, double g) {
 inline double longest_loaded_interval(const FluidSettings& s, double pressure) {
   if (s.boundary != BoundaryModel::mirrored || !(pressure > 0))
     return std::numeric_limits<double>::infinity();
-  return (s.solver == PressureSolver::pcisph ? 0.5 : 0.8) * s.spacing * std::sqrt(s.rest_density / pressure);
+  return (s.solver == PressureSolver::pcisph ? 0.45 : 0.7) * s.spacing * std::sqrt(s.rest_density / pressure);
 }
 
 /// The longest interval [s] of the state equation at the speed v [m/s] of the fluid; infinity for other

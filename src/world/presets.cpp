@@ -22,9 +22,9 @@ Preset preset_of(double spacing, double dt) {
   return preset;
 }
 
-/// Sub-steps that a column of 20 spacings needs in a step of dt.
+/// Sub-steps that a column of 15 spacings needs in a step of dt.
 int parts_at_rest(const FluidSettings& fluid, double dt) {
-  const double pressure = fluid::pressure_under(fluid, 20, standard_gravity);
+  const double pressure = fluid::pressure_under(fluid, 15, standard_gravity);
   const double parts = std::ceil(dt / fluid::longest_loaded_interval(fluid, pressure));
   return static_cast<int>(std::clamp(parts, 1.0, 999.0));
 }

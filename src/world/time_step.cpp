@@ -16,7 +16,7 @@ using world::StepContext;
 namespace {
 
 /// Height of water that is expected where its pressure is not known yet, and that a budget must allow [dx].
-constexpr double high_column = 20;
+constexpr double high_column = 15;
 
 }  // namespace
 
@@ -73,7 +73,7 @@ double World::Impl::loaded_interval_of(double layers) const {
 }
 
 /// By the pressure of the last interval, in heights of a column. It is at most the height of the water:
-/// impacts have more, for a moment, and are limited by speeds. It is at least that height up to 20 dx, since
+/// impacts have more, for a moment, and are limited by speeds. It is at least that height up to 15 dx, since
 /// in water that falls or fills a vessel the pressure rises too fast to be seen in time; before the first
 /// interval the height counts in full. In longer intervals drops on light cloth make energy, and PCISPH
 /// bursts in shallow water.
@@ -81,7 +81,7 @@ double World::Impl::loaded_interval(const world::Speeds& found) const {
   const FluidSettings& f = fluid_settings;
   const double of_layer = fluid::pressure_under(f, 1, settings.gravity.norm());
   if (f.boundary != BoundaryModel::mirrored || !(of_layer > 0)) return loaded_interval_of(0);
-  const double least = found.has_cloth || f.solver == PressureSolver::pcisph ? high_column : 4;
+  const double least = found.has_cloth || f.solver == PressureSolver::pcisph ? high_column : 3;
   const double reached = std::max(least, found.height / f.spacing);
   const double pressure = world::upper_pressure(state.particles.pressure, *workers) / of_layer;
   return loaded_interval_of(pressure > 0 ? std::clamp(pressure, std::min(reached, high_column), reached)

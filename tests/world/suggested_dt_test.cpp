@@ -98,7 +98,7 @@ TEST(SuggestedDt, knows_accelerations_and_surfaces_from_the_last_step) {
                                    std::vector<Vec3>(2, Vec3::Zero()))
                     .ok());
     falls.step(1e-3);
-    const double limit = boundary == BoundaryModel::mirrored ? 0.8 * std::sqrt(0.005 / (41 * 9.81))  // (F.55)
+    const double limit = boundary == BoundaryModel::mirrored ? 0.7 * std::sqrt(0.005 / (41 * 9.81))  // (F.55)
                                                              : 0.25 * std::sqrt(0.01 / 9.81);
     EXPECT_NEAR(falls.suggested_dt(1), limit, 1e-6);
   }
