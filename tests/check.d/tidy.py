@@ -73,7 +73,6 @@ class Sources:
         digest.update('\n'.join(sorted(self.commands[name])).replace(repository.ROOT, '.').encode())
         return digest.hexdigest()
 
-
     def flags(self, name):
         """The compile command without the file and its object."""
         command = self.commands[name][0]
