@@ -34,17 +34,14 @@ inline double longest_viscous_interval(const FluidSettings& s) {
   return std::max(0.5 * d / s.viscosity, d / (s.viscosity + 0.5 * d * s.xsph_rate.value_or(0)));
 }
 
-/// The pressure under a column of water of `layers` spacings, g = |gravity| [m/s²] [Pa].
-inline double pressure_under(const FluidSettings& s, double layers, double g) {
-  return s.rest_density * g * layers * s.spacing;
-}
+/// The height of a column that presets, budgets and water without a known pressure allow for [dx].
+constexpr double usual_layers = 15;
 
-/// The longest interval [s] in which water under `pressure` [Pa] with boundary terms carries what lies above
-/// it (F.55); infinity with contact alone, and without pressure.
-inline double longest_loaded_interval(const FluidSettings& s, double pressure) {
-  if (s.boundary != BoundaryModel::mirrored || !(pressure > 0))
-    return std::numeric_limits<double>::infinity();
-  return (s.solver == PressureSolver::pcisph ? 0.45 : 0.7) * s.spacing * std::sqrt(s.rest_density / pressure);
+/// The longest interval [s] in which water with boundary terms carries a column of `layers` > 0 spacings
+/// above it (F.55), g = |gravity| [m/s²]; infinity with contact alone, which holds it.
+inline double longest_loaded_interval(const FluidSettings& s, double layers, double g) {
+  if (s.boundary != BoundaryModel::mirrored || !(g > 0)) return std::numeric_limits<double>::infinity();
+  return (s.solver == PressureSolver::pcisph ? 0.45 : 0.7) * std::sqrt(s.spacing / (layers * g));
 }
 
 /// The longest interval [s] of the state equation at the speed v [m/s] of the fluid; infinity for other

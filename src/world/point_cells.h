@@ -19,8 +19,7 @@ class PointCells {
 
   void add(std::size_t number, const Vec3& x) { cells_[cell_of(x)].push_back({number, x}); }
 
-  /// f(number, squared distance [m²]) for each point nearer than the distance. The order depends on that of
-  /// add() alone.
+  /// f(number) for each point nearer than the distance. The order depends on that of add() alone.
   template <class F>
   void for_near(const Vec3& x, const F& f) const {
     if (cells_.empty()) return;
@@ -30,13 +29,13 @@ class PointCells {
       const auto found = cells_.find({middle[0] + x_step, middle[1] + y_step, middle[2] + z_step});
       if (found == cells_.end()) continue;
       for (const Entry& e : found->second)
-        if (const double d = (e.x - x).squaredNorm(); d < distance_ * distance_) f(e.number, d);
+        if ((e.x - x).squaredNorm() < distance_ * distance_) f(e.number);
     }
   }
 
   bool has_near(const Vec3& x) const {
     bool found = false;
-    for_near(x, [&](std::size_t, double) { found = true; });
+    for_near(x, [&](std::size_t) { found = true; });
     return found;
   }
 

@@ -22,10 +22,10 @@ Preset preset_of(double spacing, double dt) {
   return preset;
 }
 
-/// Sub-steps that a column of 15 spacings needs in a step of dt.
+/// Sub-steps that a usual column of water at rest needs in a step of dt.
 int parts_at_rest(const FluidSettings& fluid, double dt) {
-  const double pressure = fluid::pressure_under(fluid, 15, standard_gravity);
-  const double parts = std::ceil(dt / fluid::longest_loaded_interval(fluid, pressure));
+  const double parts =
+      std::ceil(dt / fluid::longest_loaded_interval(fluid, fluid::usual_layers, standard_gravity));
   return static_cast<int>(std::clamp(parts, 1.0, 999.0));
 }
 

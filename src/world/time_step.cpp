@@ -1,6 +1,7 @@
 /// The longest accurate step, and the number of sub-steps of a step.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "core/assert.h"
@@ -12,13 +13,6 @@
 namespace oilskin {
 
 using world::StepContext;
-
-namespace {
-
-/// Height of water that is expected where its pressure is not known yet, and that a budget must allow [dx].
-constexpr double high_column = 15;
-
-}  // namespace
 
 /// A wall gives its own speed to the water in front of it, so the speed of surfaces counts like that of the
 /// fluid, but only where their swept triangles overlap the fluid's box.
@@ -66,26 +60,23 @@ double World::Impl::stable_parts(const world::Speeds& found, double dt) const {
                     effects.longest_interval(f).interval}));
 }
 
-/// The longest interval in which water under so many spacings carries itself (F.55).
-double World::Impl::loaded_interval_of(double layers) const {
-  return fluid::longest_loaded_interval(
-      fluid_settings, fluid::pressure_under(fluid_settings, layers, settings.gravity.norm()));
-}
-
 /// By the pressure of the last interval, in heights of a column. It is at most the height of the water:
 /// impacts have more, for a moment, and are limited by speeds. It is at least that height up to 15 dx, since
 /// in water that falls or fills a vessel the pressure rises too fast to be seen in time; before the first
 /// interval the height counts in full. In longer intervals drops on light cloth make energy, and PCISPH
 /// bursts in shallow water.
 double World::Impl::loaded_interval(const world::Speeds& found) const {
+  using fluid::usual_layers;
   const FluidSettings& f = fluid_settings;
-  const double of_layer = fluid::pressure_under(f, 1, settings.gravity.norm());
-  if (f.boundary != BoundaryModel::mirrored || !(of_layer > 0)) return loaded_interval_of(0);
-  const double least = found.has_cloth || f.solver == PressureSolver::pcisph ? high_column : 3;
+  const double g = settings.gravity.norm(), of_layer = f.rest_density * g * f.spacing;
+  if (f.boundary != BoundaryModel::mirrored || !(of_layer > 0))
+    return std::numeric_limits<double>::infinity();
+  const double least = found.has_cloth || f.solver == PressureSolver::pcisph ? usual_layers : 3;
   const double reached = std::max(least, found.height / f.spacing);
   const double pressure = world::upper_pressure(state.particles.pressure, *workers) / of_layer;
-  return loaded_interval_of(pressure > 0 ? std::clamp(pressure, std::min(reached, high_column), reached)
-                                         : reached);
+  const double layers =
+      pressure > 0 ? std::clamp(pressure, std::min(reached, usual_layers), reached) : reached;
+  return fluid::longest_loaded_interval(f, layers, g);
 }
 
 namespace {
@@ -143,9 +134,11 @@ void World::Impl::choose_substeps(StepContext& step) {
     const double parts = state.particles.size() > 0 ? world::parts_needed(dt, longest) : 1;
     return static_cast<int>(std::min(std::max(needed, parts), static_cast<double>(maximum)));
   };
-  const double loaded = loaded_interval(found);
+  const double loaded = loaded_interval(found),
+               usual = fluid::longest_loaded_interval(fluid_settings, fluid::usual_layers,
+                                                      settings.gravity.norm());
   count = std::max(world::substep_count(found, dt, distance, maximum), stable(loaded));
-  count = within_budget(step, stable(std::max(loaded, loaded_interval_of(high_column))), count);
+  count = within_budget(step, stable(std::max(loaded, usual)), count);
   if (needed > count) report_instability(step, found);
   OILSKIN_ASSERT(count >= 1 && count <= maximum);
   step.paths.begin(surfaces, count, dt / count);

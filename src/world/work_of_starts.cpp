@@ -31,7 +31,7 @@ std::vector<Submerged> find_submerged(const std::vector<Vec3>& starts, const flu
   std::vector<Submerged> found;
   for (const Vec3& x : starts) {
     double pressure = 0;
-    cells.for_near(x, [&](std::size_t i, double) { pressure = std::max(pressure, particles.pressure[i]); });
+    cells.for_near(x, [&](std::size_t i) { pressure = std::max(pressure, particles.pressure[i]); });
     if (pressure > 0) found.push_back({x, pressure});
   }
   return found;
@@ -83,7 +83,7 @@ double work_of_starts(const std::vector<fluid::Start>& starts, const std::vector
   for (const Submerged& s : submerged) {
     const double height = s.x.dot(up);
     heights.clear();
-    columns.for_near(across(s.x), [&](std::size_t i, double) {
+    columns.for_near(across(s.x), [&](std::size_t i) {
       if (const double h = particles.position[i].dot(up); h >= height) heights.push_back(h);
     });
     const double depth = depth_of(height, heights, fluid.spacing);

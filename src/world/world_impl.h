@@ -142,7 +142,6 @@ struct World::Impl {
   world::Speeds speeds(Span<SurfaceMotion* const> moved, double moved_for, double dt) const;
   double stable_parts(const world::Speeds& found, double dt) const;
   void report_instability(world::StepContext& step, const world::Speeds& found) const;
-  double loaded_interval_of(double layers) const;
   double loaded_interval(const world::Speeds& found) const;  ///< in which the water carries itself [s]
   double longest_dt(double largest) const;
 };
