@@ -33,6 +33,8 @@ Status FluidSettings::validate() const {
   if (min_iterations < 1) return refuse_value("fluid.min_iterations", min_iterations, "≥ 1");
   if (max_iterations < min_iterations)
     return refuse_value("fluid.max_iterations", max_iterations, "≥ fluid.min_iterations");
+  if (!within(gradient_correction, 0, 1))
+    return refuse_value("fluid.gradient_correction", gradient_correction, "0 … 1");
   if (!positive(stiffness)) return refuse_value("fluid.stiffness", stiffness, "finite and > 0 m²/s²");
   if (!not_negative(viscosity)) return refuse_value("fluid.viscosity", viscosity, "finite and ≥ 0 m²/s");
   if (!not_negative(xsph_rate.value_or(0)))

@@ -45,6 +45,9 @@ struct FluidSettings {
   int min_iterations = 3;
   /// PCISPH, DFSPH: ≥ min_iterations. A step that reaches it is counted.
   int max_iterations = 50;
+  /// DFSPH: the share of the correction of kernel gradients [Bonet1999] (F.77), 0 … 1. With 0, water under
+  /// pressure resists shear like a solid; with 1, water at rest keeps moving at some cm/s.
+  double gradient_correction = 0.8;
   /// MCG03: k [m²/s²], > 0. The speed of sound is √k, so a step longer than 0.4 H/(√k + v) is cut into fluid
   /// sub-steps. A longer sub-step sets flag_sound_too_fast; one above 0.4 H/√k lowers k to (0.4 H/dt)².
   double stiffness = 4;

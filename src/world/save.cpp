@@ -23,12 +23,12 @@ void visit(Archive& archive, WorldSettings& settings) {
 
 void visit(Archive& archive, FluidSettings& settings) {
   auto& [spacing, rest_density, support_ratio, solver, tolerance, divergence_tolerance, min_iterations,
-         max_iterations, stiffness, viscosity, xsph_rate, contact_aware, occlusion, boundary, cfl,
-         max_substeps, collision_group, collision_mask] = settings;
+         max_iterations, gradient_correction, stiffness, viscosity, xsph_rate, contact_aware, occlusion,
+         boundary, cfl, max_substeps, collision_group, collision_mask] = settings;
   double rate = xsph_rate.value_or(0);  // a world has one
   archive.values(spacing, rest_density, support_ratio, solver, tolerance, divergence_tolerance,
-                 min_iterations, max_iterations, stiffness, viscosity, rate, contact_aware, occlusion,
-                 boundary, cfl, max_substeps, collision_group, collision_mask);
+                 min_iterations, max_iterations, gradient_correction, stiffness, viscosity, rate,
+                 contact_aware, occlusion, boundary, cfl, max_substeps, collision_group, collision_mask);
   xsph_rate = rate;
 }
 

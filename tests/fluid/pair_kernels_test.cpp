@@ -20,8 +20,9 @@ constexpr PairFriction friction = {0.3f, 0.2f, 0.7f, 0.1f};
 /// Particles at random within one chunk of lists, some at the same place, one alone.
 struct Cloud {
   Neighbours neighbours;
-  std::vector<Record> x, v;  // s of the pressure in x.w; with one more for the padding
-  std::vector<float> mass_ratio;
+  std::vector<Record> x, v;                   // s of the pressure in x.w; with one more for the padding
+  std::vector<float> mass_ratio, weighted_s;  // the latter m s
+  std::vector<Record> diagonal, rest;         // of tensors
 
   Cloud() {
     std::vector<Vec3> places;
@@ -40,9 +41,22 @@ struct Cloud {
       x[i].w = random(5 * i) + 1;
       v.push_back({random(5 * i + 1), random(5 * i + 2), random(5 * i + 3), 0});
       mass_ratio.push_back(1.05f + random(5 * i + 4));
+      weighted_s.push_back(mass_ratio[i] * x[i].w);
+      const std::size_t k = 5000 + 6 * i;
+      diagonal.push_back({random(k), random(k + 1), random(k + 2), 0});
+      rest.push_back({random(k + 3), random(k + 4), random(k + 5), 0});
     }
     v.push_back({0, 0, 0, 0});
     mass_ratio.push_back(1);
+    weighted_s.push_back(0);
+    diagonal.push_back({0, 0, 0, 0});
+    rest.push_back({0, 0, 0, 0});
+  }
+  Eigen::Matrix3d tensor(std::size_t i) const {
+    const Record &d = diagonal[i], &r = rest[i];
+    Eigen::Matrix3f k;
+    k << d.x, r.x, r.y, r.x, d.y, r.z, r.y, r.z, d.z;
+    return k.cast<double>();
   }
   std::size_t size() const { return neighbours.size(); }
 };
@@ -52,6 +66,30 @@ using Results = std::map<std::string, std::vector<double>>;
 
 void add(Results& results, const std::string& name, std::initializer_list<double> values) {
   results[name].insert(results[name].end(), values);
+}
+
+Vec3 vector_of(const Record& r) {
+  return {r.x, r.y, r.z};
+}
+
+/// The sums with corrected gradients, after start() has written the slopes of `table`.
+void add_corrected(Results& r, const Cloud& cloud, const PairTable& table) {
+  const std::size_t n = cloud.size();
+  const GradientKernels& kernels = pair_kernels().corrected;
+  const PairRange all = {0, n};
+  const Tensors tensors = {cloud.diagonal.data(), cloud.rest.data()};
+  std::vector<float> corrected(3 * cloud.neighbours.pair_capacity(0)), compression(n);
+  std::vector<Change> exact(n);
+  std::vector<Record> push(n);
+  kernels.slopes(table, cloud.x.data(), tensors, all, corrected.data());
+  kernels.pressure(table, corrected.data(), cloud.weighted_s.data(), all, push.data());
+  kernels.pressure_exact(table, cloud.x.data(), tensors, corrected.data(), all, exact.data());
+  kernels.compression(table, cloud.x.data(), tensors, cloud.v.data(), all, compression.data());
+  for (std::size_t i = 0; i < n; ++i) {
+    add(r, "corrected pressure of the others", {push[i].x, push[i].y, push[i].z});
+    add(r, "exact corrected pressure", {exact[i].x, exact[i].y, exact[i].z});
+    add(r, "corrected compression", {compression[i]});
+  }
 }
 
 /// By the kernels in use.
@@ -83,12 +121,11 @@ Results sums(const Cloud& cloud, bool weighted, bool with_rates) {
     add(r, "gradient", {rates[i].gradient.x, rates[i].gradient.y, rates[i].gradient.z});
     add(r, "squares", {rates[i].gradient.w});
     add(r, "rate", {rates[i].compression});
+    const SecondMoments& m = rates[i].moments;
+    add(r, "moments", {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz});
   }
+  add_corrected(r, cloud, table);
   return r;
-}
-
-Vec3 vector_of(const Record& r) {
-  return {r.x, r.y, r.z};
 }
 
 /// By their definitions, in double, over all pairs. The particle's own mass is a factor of the squares.
@@ -96,7 +133,10 @@ Results expected_sums(const Cloud& cloud, bool weighted) {
   Results r;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     double density = 0, compression = 0, squares = 0;
+    double corrected_compression = 0;
     Vec3 rubbed = Vec3::Zero(), push = Vec3::Zero(), gradient = Vec3::Zero();
+    Vec3 of_others = Vec3::Zero(), corrected_push = Vec3::Zero();
+    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
     for (std::size_t j = 0; j < cloud.size(); ++j) {
       const Vec3 delta = vector_of(cloud.x[i]) - vector_of(cloud.x[j]);
       const Vec3 dv = vector_of(cloud.v[i]) - vector_of(cloud.v[j]);
@@ -109,6 +149,12 @@ Results expected_sums(const Cloud& cloud, bool weighted) {
       squares += m * g * g * q * q;
       compression += m * g * dv.dot(delta);
       push += m * s * g * delta;
+      const Vec3 own = g * cloud.tensor(i) * delta, other = g * cloud.tensor(j) * delta;
+      const double s_i = static_cast<double>(cloud.x[i].w), s_j = static_cast<double>(cloud.x[j].w);
+      of_others += static_cast<double>(cloud.mass_ratio[j]) * s_j * other;
+      corrected_push += m * (s_i * own + s_j * other);
+      corrected_compression += m * own.dot(dv);
+      moments += m * g * delta * delta.transpose();
       rubbed += m * (dv.dot(delta) * (0.3 * g / (q * q + 0.01) - 0.2 * u * u) * delta -
                      (0.7 * 6 * u + 0.1 * w) * dv);
     }
@@ -118,6 +164,11 @@ Results expected_sums(const Cloud& cloud, bool weighted) {
     add(r, "friction", {rubbed.x(), rubbed.y(), rubbed.z()});
     add(r, "gradient", {gradient.x(), gradient.y(), gradient.z()});
     add(r, "squares", {squares * (weighted ? cloud.mass_ratio[i] : 1)});
+    add(r, "moments",
+        {moments(0, 0), moments(1, 1), moments(2, 2), moments(0, 1), moments(0, 2), moments(1, 2)});
+    add(r, "corrected pressure of the others", {of_others.x(), of_others.y(), of_others.z()});
+    add(r, "exact corrected pressure", {corrected_push.x(), corrected_push.y(), corrected_push.z()});
+    add(r, "corrected compression", {corrected_compression});
   }
   return r;
 }

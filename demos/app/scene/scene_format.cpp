@@ -23,6 +23,7 @@ void describe(Fields& f, FluidSettings& s) {
   f.number("divergence_tolerance", s.divergence_tolerance, not_negative());
   f.integer("min_iterations", s.min_iterations, between(1, 100000));
   f.integer("max_iterations", s.max_iterations, between(1, 100000));
+  f.number("gradient_correction", s.gradient_correction, between(0, 1));
   f.number("stiffness", s.stiffness, positive());
   f.number("viscosity", s.viscosity, not_negative());
   f.optional_number("xsph_rate", s.xsph_rate, not_negative());

@@ -5,9 +5,9 @@
 
 #include "core/assert.h"
 #include "core/simd_double.h"
+#include "fluid/pairs/all_loops.h"
 #include "fluid/pairs/pair_kernels_avx2.h"
 #include "fluid/pairs/pair_kernels_avx512.h"
-#include "fluid/pairs/pair_loops.h"
 
 namespace oilskin::fluid {
 
@@ -31,7 +31,7 @@ struct BaselineLanes {
   }
 };
 
-constexpr PairKernels baseline = PairLoops<BaselineLanes>::kernels();
+constexpr PairKernels baseline = kernels_of_lanes<BaselineLanes>();
 
 struct Available {
   InstructionSet set;

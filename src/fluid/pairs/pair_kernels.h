@@ -38,10 +38,21 @@ struct PairFriction {
   float by_slope = 0, by_hat = 0, by_laplacian = 0, smoothing = 0;
 };
 
-/// Σ_j m_j of w'/q Δ and of w'/q (v_i − v_j)·Δ, Σ_j m_j (w'/q)² q².
+/// Σ_j m_j w'/q Δ ⊗ Δ.
+struct SecondMoments {
+  float xx, yy, zz, xy, xz, yz;
+};
+
+/// Σ_j m_j of w'/q Δ, of w'/q (v_i − v_j)·Δ and of w'/q Δ ⊗ Δ, Σ_j m_j (w'/q)² q².
 struct PairRates {
   Record gradient;    ///< w: the squares
   float compression;  ///< of the velocities
+  SecondMoments moments;
+};
+
+/// A symmetric tensor of each particle: xx, yy, zz and xy, xz, yz. With one more for the padding.
+struct Tensors {
+  const Record *diagonal, *rest;
 };
 
 /// Of a velocity, or in units of H.
@@ -64,6 +75,22 @@ struct Candidates {
   std::size_t count;
 };
 
+/// The loops of corrected gradients K_i Δ w'/q (F.77). `corrected`: w'/q K_j Δ of each pair, where slopes()
+/// put them.
+struct GradientKernels {
+  /// Writes `corrected`, which has space for three times as many floats as there are slopes.
+  void (*slopes)(const PairTable&, const Record* x, const Tensors& k, PairRange, float* corrected);
+  /// Σ_j s_j w'/q K_j Δ_ij with s_j = m_j φ_j: what the pressures of the neighbours do. In float, for
+  /// iterations.
+  void (*pressure)(const PairTable&, const float* corrected, const float* s, PairRange, Record* out);
+  /// Σ_j m_j w'/q (φ_i K_i + φ_j K_j) Δ_ij (F.79), φ being Record::w. In double, for what is applied.
+  void (*pressure_exact)(const PairTable&, const Record* x, const Tensors& k, const float* corrected,
+                         PairRange, Change* out);
+  /// Σ_j m_j w'/q (K_i Δ_ij)·(y_i − y_j): the compression by displacements y [H], over D (F.78).
+  void (*compression)(const PairTable&, const Record* x, const Tensors& k, const Record* y, PairRange,
+                      float* out);
+};
+
 struct PairKernels {
   /// Writes the slopes, too. Friction and rates are both asked for, or only friction, or none.
   void (*start)(const PairTable&, const Record* x, const Record* v, const PairFriction&, PairRange,
@@ -76,6 +103,7 @@ struct PairKernels {
   void (*pressure_exact)(const PairTable&, const Record* x, PairRange, Change* out);
   /// Σ_j m_j w'/q Δ_ij·(y_i − y_j): the compression by displacements y [H], over D (F.29).
   void (*compression)(const PairTable&, const Record* x, const Record* y, PairRange, float* out);
+  GradientKernels corrected;
   /// Writes the places of the records [range.begin, range.end) to columns, which have space for eight more.
   /// Reads up to seven records beyond the range.
   void (*columns)(const Record* records, PairRange range, float* x, float* y, float* z);

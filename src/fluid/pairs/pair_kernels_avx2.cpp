@@ -3,7 +3,7 @@
 #include "fluid/pairs/pair_kernels_avx2.h"
 
 #include "core/simd_avx2.h"
-#include "fluid/pairs/pair_loops.h"
+#include "fluid/pairs/all_loops.h"
 
 namespace oilskin::fluid {
 
@@ -42,7 +42,7 @@ struct Lanes {
   }
 };
 
-static constexpr PairKernels kernels = PairLoops<Lanes>::kernels();
+static constexpr PairKernels kernels = kernels_of_lanes<Lanes>();
 
 }  // namespace avx2
 

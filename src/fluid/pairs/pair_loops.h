@@ -3,9 +3,7 @@
 #pragma once
 
 #include "fluid/kernels.h"
-#include "fluid/pairs/edge_loops.h"
 #include "fluid/pairs/pair_kernels.h"
-#include "fluid/pairs/triangle_loops.h"
 
 namespace oilskin::fluid {
 
@@ -58,14 +56,26 @@ struct PairLoops {
 
   struct RateSums {
     F8 gx, gy, gz, squares, compression;
+    F8 xx, yy, zz, xy, xz, yz;
     void add(const Pairs& pairs, F8 slope, F8 weighted, F8 dv_dot_delta) {
-      gx += weighted * pairs.dx;
-      gy += weighted * pairs.dy;
-      gz += weighted * pairs.dz;
+      const F8 x = weighted * pairs.dx, y = weighted * pairs.dy, z = weighted * pairs.dz;
+      gx += x;
+      gy += y;
+      gz += z;
       squares += weighted * slope * pairs.q2;
       compression += weighted * dv_dot_delta;
+      xx += x * pairs.dx;
+      yy += y * pairs.dy;
+      zz += z * pairs.dz;
+      xy += x * pairs.dy;
+      xz += x * pairs.dz;
+      yz += y * pairs.dz;
     }
-    PairRates sum() const { return {{total(gx), total(gy), total(gz), total(squares)}, total(compression)}; }
+    PairRates sum() const {
+      return {{total(gx), total(gy), total(gz), total(squares)},
+              total(compression),
+              {total(xx), total(yy), total(zz), total(xy), total(xz), total(yz)}};
+    }
   };
 
   /// f(masses): one branch for a loop over many particles.
@@ -205,20 +215,6 @@ struct PairLoops {
       found += Lanes::select(greater_mask(one, dx * dx + dy * dy + dz * dz), c.particle + k, out + found);
     }
     return found;
-  }
-
-  static constexpr PairKernels kernels() {
-    return {start,
-            density,
-            pressure,
-            pressure_exact,
-            compression,
-            columns,
-            near,
-            EdgeLoops<Lanes>::edges,
-            TriangleLoops<Lanes>::hide,
-            TriangleLoops<Lanes>::touching,
-            TriangleLoops<Lanes>::closest};
   }
 };
 

@@ -11,6 +11,7 @@
 #include "core/assert.h"
 #include "fluid/pressure/contact_bounds.h"
 #include "fluid/pressure/density_response.h"
+#include "fluid/pressure/gradient_correction.h"
 #include "fluid/pressure/image_pairs.h"
 #include "fluid/pressure/momentum.h"
 #include "fluid/pressure/pressure_loop.h"
@@ -30,7 +31,8 @@ class Dfsph : public PressureModel {
   explicit Dfsph(const FluidSettings& settings)
       : fluid_(settings),
         loop_(fluid_.max_relaxation, settings.max_iterations),
-        walls_(fluid_, WallDensity::linear) {}
+        walls_(fluid_, WallDensity::linear),
+        correction_(settings.gradient_correction) {}
 
   double particle_volume() const override { return fluid_.settled_volume; }
   void explicit_terms(StepState& state) override;
@@ -71,6 +73,7 @@ class Dfsph : public PressureModel {
   const IncompressibleFluid fluid_;
   PressureLoop loop_;  // of both solvers: they share ω
   WallResponse walls_;
+  GradientCorrection correction_;
   IterationController controller_;  // of the density solver
 
   // Of the particles, at the start
@@ -93,17 +96,21 @@ void Dfsph::explicit_terms(StepState& state) {
   start_rate_.resize(state.size());
   const ExplicitModel model = fluid_.explicit_model(state.dt);
   const float rate_scale = model.density_scale * static_cast<float>(state.dt / fluid_.support_radius);
+  std::vector<SecondMoments>& moments = correction_.moments();
+  if (correction_.is_on()) moments.resize(state.size());
   run_explicit_sums(state, model, true, [&](const PairRates& rates, std::size_t i) {
     gradient_[i] = rates.gradient;
     start_rate_[i] = rate_scale * rates.compression;
+    if (correction_.is_on()) moments[i] = rates.moments;
   });
   add_wall_density(state);
-  add_image_slopes(state, gradient_);
+  add_image_slopes(state, gradient_, moments);
 }
 
 void Dfsph::pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) {
   OILSKIN_ASSERT(pressure.size() >= state.size() && gradient_.size() == state.size());
   begin_step(state);
+  if (correction_.is_on()) correction_.begin_step(state, gradient_, fluid_.density_scale);
   set_steps(state);
   solve_divergence(state, report);
   solve_density(state, pressure, report);
@@ -130,8 +137,9 @@ void Dfsph::set_steps(const StepState& state) {
   state.for_each([&](std::size_t i) {
     OILSKIN_ASSERT(std::max(1.0f, state.relative_density[i]) < std::numeric_limits<float>::infinity());
     const Record& g = gradient_[i];
-    const float response =
-        density_response(fluid_, state, i, scale * Eigen::Vector3f(g.x, g.y, g.z), scale * g.w);
+    const Eigen::Vector3f sum(g.x, g.y, g.z);
+    const Eigen::Vector3f pull = scale * (correction_.is_on() ? correction_.times(i, sum) : sum);
+    const float response = density_response(fluid_, state, i, pull, scale * g.w);
     step_[i] = density_step(fluid_, state.relative_density[i], response);
   });
 }
@@ -204,7 +212,11 @@ float Dfsph::density_error(const StepState& state, std::size_t i, float compress
 }
 
 void Dfsph::finish(StepState& state, std::vector<double>& pressure) {
-  apply_pressure(state, x_phi_, fluid_.support_radius / state.dt);
+  const double per_displacement = fluid_.support_radius / state.dt;
+  if (correction_.is_on())
+    correction_.apply_pressure(state, x_phi_, per_displacement);
+  else
+    apply_pressure(state, x_phi_, per_displacement);
   walls_.apply(state, x_phi_);
   const double scale = fluid_.phi_per_pascal(state.dt);
   state.for_each([&](std::size_t i) { pressure[i] = static_cast<double>(x_phi_[i].w) / scale; });
@@ -268,10 +280,14 @@ Errors Dfsph::correct(StepState& state, const RateOf& rates_of, const ErrorOf& e
 /// Displacements under the current pressures.
 void Dfsph::displace(StepState& state) {
   walls_.predict_walls(state, x_phi_);
+  if (correction_.is_on()) correction_.set_pressures(state, x_phi_);
   state.for_chunks([&](std::size_t begin, std::size_t end) {
     ContactCursor contacts(state.contacts, begin);
     Record push[chunk_size];
-    pair_kernels().pressure(pair_table(state, begin), x_phi_.data(), {begin, end}, push);
+    if (correction_.is_on())
+      correction_.push(state, x_phi_, {begin, end}, push);
+    else
+      pair_kernels().pressure(pair_table(state, begin), x_phi_.data(), {begin, end}, push);
     for (std::size_t i = begin; i < end; ++i) {
       Vec3 d = drift_[i] - to_vector(push[i - begin]);
       walls_.constrain(state, i, x_phi_[i].w, contacts.of(i), d);
@@ -283,8 +299,11 @@ void Dfsph::displace(StepState& state) {
 /// div_i (F.29): dt Dρ/Dt/ρ0 at the current displacements.
 void Dfsph::compression(StepState& state, PairRange range, float* out) const {
   // Not x_phi_: another chunk may be writing a φ beside the position that this one reads.
-  pair_kernels().compression(pair_table(state, range.begin), state.position().data(), displacement_.data(),
-                             range, out);
+  if (correction_.is_on())
+    correction_.compression(state, displacement_, range, out);
+  else
+    pair_kernels().compression(pair_table(state, range.begin), state.position().data(), displacement_.data(),
+                               range, out);
   for (std::size_t i = range.begin; i < range.end; ++i, ++out) {
     *out *= fluid_.density_scale;
     const std::uint32_t k = WallResponse::point_of(state, i);

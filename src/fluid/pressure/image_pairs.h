@@ -13,7 +13,8 @@ namespace oilskin::fluid {
 
 /// Adds f_ij (B.32) to the stored slopes w'/q of the pairs at walls.
 void add_image_slopes(StepState& state);
-/// The same, and adds what that changes of Σ w'/q Δ and of Σ |w'|² (Record::w) to the particles' `sums`.
-void add_image_slopes(StepState& state, std::vector<Record>& sums);
+/// The same, and adds what that changes of Σ w'/q Δ and of Σ |w'|² (Record::w) to the particles' `sums`, and
+/// of Σ w'/q Δ ⊗ Δ to `moments`; the latter may be empty.
+void add_image_slopes(StepState& state, std::vector<Record>& sums, std::vector<SecondMoments>& moments);
 
 }  // namespace oilskin::fluid
