@@ -58,7 +58,7 @@ Status FluidSettings::validate() const {
 }
 
 double default_xsph_rate(double spacing, double g) {
-  return 0.2 * std::sqrt(g / spacing);
+  return 0.5 * std::sqrt(g / spacing);
 }
 
 double default_thickness(double spacing) {

@@ -45,9 +45,9 @@ struct FluidSettings {
   int min_iterations = 3;
   /// PCISPH, DFSPH: ≥ min_iterations. A step that reaches it is counted.
   int max_iterations = 50;
-  /// DFSPH: the share of the correction of kernel gradients [Bonet1999] (F.77), 0 … 1. With 0, water under
-  /// pressure resists shear like a solid; with 1, water at rest keeps moving at some cm/s.
-  double gradient_correction = 0.8;
+  /// DFSPH: the share of the correction of kernel gradients [Bonet1999] (F.77), 0 … 1; 0 = none. Without it,
+  /// water under pressure resists shear like a solid.
+  double gradient_correction = 1;
   /// MCG03: k [m²/s²], > 0. The speed of sound is √k, so a step longer than 0.4 H/(√k + v) is cut into fluid
   /// sub-steps. A longer sub-step sets flag_sound_too_fast; one above 0.4 H/√k lowers k to (0.4 H/dt)².
   double stiffness = 4;
@@ -107,7 +107,7 @@ struct SlipSettings {
   double slip_length = 0;
 };
 
-/// ν_x of a fluid whose settings name none, 0.2 √(g/dx) [1/s] (F.73); g = |gravity| [m/s²].
+/// ν_x of a fluid whose settings name none, 0.5 √(g/dx) [1/s] (F.73); g = |gravity| [m/s²].
 double default_xsph_rate(double spacing, double g);
 
 /// The thickness h of a surface whose settings name none, dx/5 [m].
