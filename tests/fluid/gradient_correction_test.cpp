@@ -109,7 +109,9 @@ TEST(GradientCorrection, dilation_is_the_compression_that_it_was) {
   const auto dilation = [](const Vec3& x) { return Vec3(0.1 * x); };
   const std::vector<float> a = whole.compression(dilation), b = hardly.compression(dilation);
   for (std::size_t i = 0; i < whole.size(); ++i)
-    if (whole.has_all(i)) ASSERT_NEAR(a[i], b[i], 1e-5);
+    if (whole.has_all(i)) {
+      ASSERT_NEAR(a[i], b[i], 1e-5);
+    }
 }
 
 TEST(GradientCorrection, pressures_conserve_momentum_and_angular_momentum) {
