@@ -9,8 +9,8 @@ namespace oilskin::demo {
 namespace {
 
 constexpr double length = 0.12, depth = 0.06, breadth = 0.02;  // [m]
-// At the walls [m]: k a = 0.21. Water that is strained less than about 0.2 swings faster, on all spacings:
-// its particles keep their neighbours, and their arrangement resists shear.
+// At the walls [m]: k a = 0.21. Without corrected gradients water that is strained less than about 0.2 swings
+// faster, on all spacings: its particles keep their neighbours, and their arrangement resists shear.
 constexpr double amplitude = 0.008;
 constexpr double pi = 3.14159265358979323846;
 constexpr double wavenumber = pi / length;  // [1/m]
