@@ -78,8 +78,10 @@ TEST_F(Validate, repeats_what_is_damaged_or_asked_for) {
 }
 
 TEST_F(Validate, a_variation_has_a_file_of_its_own) {
-  ASSERT_EQ(short_run().exit_code, 0);
-  EXPECT_NE(short_run({"--step", "0.5"}).exit_code, 2) << "it may miss the tolerance of its energy";
+  // With corrected gradients a step of a half misses the tolerance of the energy.
+  const std::vector<std::string> base = {"--set", "fluid.gradient_correction=0"};
+  ASSERT_EQ(short_run(base).exit_code, 0);
+  ASSERT_EQ(short_run({base[0], base[1], "--step", "0.5"}).exit_code, 0);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path("out/runs")), {}), 2);
 }
 

@@ -12,9 +12,9 @@ using Eigen::Matrix3d;
 /// Largest Frobenius norm of B: K stays positive.
 constexpr double largest_correction = 1;
 
-/// Asymmetry |Σ m w'/q Δ D − γ| from which on nothing is corrected. At the surface of the water the moments
-/// lack a half; what a drop or a film needs is not a correction but cohesion. At walls the images complete
-/// the moments up to what settled water leaves, and columns at rest on contact alone boil without the limit.
+/// e of (F.77): the asymmetry |Ξ − γ| from which on nothing is corrected. At the surface of the water a half
+/// of the moments is missing. With 2 for all particles, columns at rest on contact alone boil. At walls the
+/// images complete the moments.
 constexpr double largest_pull_inside = 0.6, largest_pull_at_walls = 2;
 
 /// c_i of (F.77).
