@@ -39,6 +39,8 @@ Status FluidSettings::validate() const {
   if (!not_negative(viscosity)) return refuse_value("fluid.viscosity", viscosity, "finite and ≥ 0 m²/s");
   if (!not_negative(xsph_rate.value_or(0)))
     return refuse_value("fluid.xsph_rate", *xsph_rate, "finite and ≥ 0 1/s");
+  if (!not_negative(xsph_strain.value_or(0)))
+    return refuse_value("fluid.xsph_strain", *xsph_strain, "finite and ≥ 0");
   if (!not_negative(divergence_tolerance))
     return refuse_value("fluid.divergence_tolerance", divergence_tolerance, "finite and ≥ 0");
   if (!positive(cfl)) return refuse_value("fluid.cfl", cfl, "finite and > 0");
@@ -59,6 +61,11 @@ Status FluidSettings::validate() const {
 
 double default_xsph_rate(double spacing, double g) {
   return 0.5 * std::sqrt(g / spacing);
+}
+
+void set_smoothing(FluidSettings& fluid, double g) {
+  if (!fluid.xsph_strain) fluid.xsph_strain = fluid.xsph_rate ? 0 : 1;
+  if (!fluid.xsph_rate) fluid.xsph_rate = default_xsph_rate(fluid.spacing, g);
 }
 
 double default_thickness(double spacing) {

@@ -58,6 +58,10 @@ struct FluidSettings {
   /// The XSPH smoothing rate ν_x [1/s], ≥ 0; its factor per step is 1 − exp(−ν_x dt); 0 = none. Absent:
   /// default_xsph_rate() of the spacing and of the gravity with which the world is made.
   std::optional<double> xsph_rate;
+  /// The rate of a pair is greater by this factor times |v_ij·x_ij|/(|x_ij| dx), ≥ 0 (F.81); 0 = none. It
+  /// damps what approaches or leaves its neighbours, and no rotation. Absent: 1 where xsph_rate is absent,
+  /// too, and otherwise 0.
+  std::optional<double> xsph_strain;
   /// PCISPH, DFSPH: predicted positions stay in front of sheets in contact (F.36).
   bool contact_aware = true;
   /// Neighbours whose connecting segment crosses a surface are left out of every sum.
@@ -109,6 +113,8 @@ struct SlipSettings {
 
 /// ν_x of a fluid whose settings name none, 0.5 √(g/dx) [1/s] (F.73); g = |gravity| [m/s²].
 double default_xsph_rate(double spacing, double g);
+/// Sets xsph_rate and xsph_strain where they are absent; g = |gravity| [m/s²].
+void set_smoothing(FluidSettings& fluid, double g);
 
 /// The thickness h of a surface whose settings name none, dx/5 [m].
 double default_thickness(double spacing);

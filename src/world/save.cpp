@@ -23,13 +23,15 @@ void visit(Archive& archive, WorldSettings& settings) {
 
 void visit(Archive& archive, FluidSettings& settings) {
   auto& [spacing, rest_density, support_ratio, solver, tolerance, divergence_tolerance, min_iterations,
-         max_iterations, gradient_correction, stiffness, viscosity, xsph_rate, contact_aware, occlusion,
-         boundary, cfl, max_substeps, collision_group, collision_mask] = settings;
-  double rate = xsph_rate.value_or(0);  // a world has one
+         max_iterations, gradient_correction, stiffness, viscosity, xsph_rate, xsph_strain, contact_aware,
+         occlusion, boundary, cfl, max_substeps, collision_group, collision_mask] = settings;
+  double rate = xsph_rate.value_or(0), strain = xsph_strain.value_or(0);  // a world has both
   archive.values(spacing, rest_density, support_ratio, solver, tolerance, divergence_tolerance,
                  min_iterations, max_iterations, gradient_correction, stiffness, viscosity, rate,
-                 contact_aware, occlusion, boundary, cfl, max_substeps, collision_group, collision_mask);
+                 strain, contact_aware, occlusion, boundary, cfl, max_substeps, collision_group,
+                 collision_mask);
   xsph_rate = rate;
+  xsph_strain = strain;
 }
 
 void visit(Archive& archive, ContactSettings& settings) {

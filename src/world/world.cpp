@@ -37,8 +37,7 @@ World::Impl::Impl(const WorldSettings& world, const FluidSettings& fluid_in,
   for (const Status& s : {settings.validate(), fluid_settings.validate(), contact_settings.validate()})
     if (status.ok() && !s.ok()) status = s;
   if (!status.ok()) return;
-  if (!fluid_settings.xsph_rate)
-    fluid_settings.xsph_rate = default_xsph_rate(fluid_settings.spacing, settings.gravity.norm());
+  set_smoothing(fluid_settings, settings.gravity.norm());
   workers = std::make_shared<Workers>(settings.threads);
   fluid = std::make_unique<fluid::FluidSolver>(fluid_settings, workers);
   emission = std::make_unique<fluid::Emission>(fluid_settings.spacing, fluid_settings.rest_density,

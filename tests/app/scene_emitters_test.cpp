@@ -70,6 +70,7 @@ TEST_P(EmitterScenes, a_nozzle_that_is_carried_gives_its_velocity_to_the_water_i
 }
 
 TEST_P(EmitterScenes, a_nozzle_turns_about_its_axis_from_start_to_stop_and_rests_then) {
+  scene_.fluid.xsph_rate = 0;  // or water that left earlier brakes it
   Motion& motion = scene_.emitters[0].motion;
   motion.spin_axis = Vec3(0, 0, 2);
   motion.spin_rate = 0.5 * pi / 0.04;

@@ -15,7 +15,7 @@ namespace oilskin::fluid {
 namespace {
 
 constexpr double support_radius = 0.01;
-constexpr PairFriction friction = {0.3f, 0.2f, 0.7f, 0.1f};
+constexpr PairFriction friction = {0.3f, 0.2f, 0.7f, 0.1f, 0.4f, 0.2f};
 
 /// Particles at random within one chunk of lists, some at the same place, one alone.
 struct Cloud {
@@ -155,8 +155,9 @@ Results expected_sums(const Cloud& cloud, bool weighted) {
       corrected_push += m * (s_i * own + s_j * other);
       corrected_compression += m * own.dot(dv);
       moments += m * g * delta * delta.transpose();
+      const double smoothing = 0.1 + std::min(0.4 * std::abs(dv.dot(delta)) / std::sqrt(q * q + 0.01), 0.2);
       rubbed += m * (dv.dot(delta) * (0.3 * g / (q * q + 0.01) - 0.2 * u * u) * delta -
-                     (0.7 * 6 * u + 0.1 * w) * dv);
+                     (0.7 * 6 * u + smoothing * w) * dv);
     }
     for (const char* name : {"density", "density again"}) add(r, name, {density});
     for (const char* name : {"compression", "rate"}) add(r, name, {compression});

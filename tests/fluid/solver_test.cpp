@@ -200,6 +200,58 @@ TEST_P(EveryModel, smoothing_dissipates_and_ends_at_the_mean) {
   EXPECT_LT(last, 0.2 * 512 * 1e-3);
 }
 
+FluidSettings with_smoothing_by_strain(FluidSettings s) {
+  s.xsph_rate = 0;
+  s.xsph_strain = 0.5;
+  s.viscosity = 0;
+  return s;
+}
+
+TEST_P(EveryModel, smoothing_by_strain_leaves_a_rotation_alone) {
+  Tank tank(with_smoothing_by_strain(settings()));
+  tank.walls = false;
+  tank.gravity.setZero();
+  tank.fill(8, 8, 8, 0.00505);  // just apart: no pressure
+  const Vec3 middle = Vec3::Constant(4 * 0.00505), omega(3, -2, 5);
+  for (std::size_t i = 0; i < tank.particles.size(); ++i)
+    tank.particles.velocity[i] = omega.cross(tank.particles.position[i] - middle);
+  tank.solver.prepare(tank.particles, tank.seconds);  // sorts them
+  const std::vector<Vec3> before = tank.particles.velocity;
+  tank.solver.propose(1e-3, tank.gravity, tank.particles, {}, {}, tank.particles.velocity, tank.report,
+                      tank.seconds);
+  for (std::size_t i = 0; i < tank.particles.size(); ++i)
+    EXPECT_LT((tank.particles.velocity[i] - before[i]).norm(), 1e-6);
+}
+
+TEST_P(EveryModel, smoothing_by_strain_takes_a_share_that_grows_with_the_speed) {
+  // Particle 0 leaves its neighbours at v: it loses Σ D w(q) min(C |v·Δ|/√(q² + 0.01) dt/dx, 1/8) v.
+  const double dt = 1e-3;
+  for (const double v : {0.01, 0.1, 1.0, 100.0}) {
+    const FluidSettings s = with_smoothing_by_strain(settings());
+    Tank tank(s);
+    tank.walls = false;
+    tank.gravity.setZero();
+    const double d = 1.2 * s.spacing, h = s.support_ratio * s.spacing;
+    tank.add(Vec3(0.5, 0.5, 0.5), Vec3(v, 0, 0));
+    tank.add(Vec3(0.5 - d, 0.5, 0.5), Vec3::Zero());
+    tank.add(Vec3(0.5, 0.5 + d, 0.5), Vec3::Zero());
+    tank.solver.prepare(tank.particles, tank.seconds);
+    tank.solver.propose(dt, tank.gravity, tank.particles, {}, {}, tank.particles.velocity, tank.report,
+                        tank.seconds);
+    const double q = d / h, scale = std::pow(s.spacing, 3) / lattice_density<CubicSpline>(s.support_ratio) *
+                                    CubicSpline::norm / std::pow(h, 3);
+    const double share = std::min(0.5 * v * q / std::sqrt(q * q + 0.01) * dt / s.spacing, 0.125);
+    double fastest = 0;
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& u : tank.particles.velocity) {
+      fastest = std::max(fastest, u.norm());
+      sum += u;
+    }
+    EXPECT_NEAR(fastest, v * (1 - scale * CubicSpline::w(q) * share), 1e-6 * v) << v;
+    EXPECT_LT((sum - Vec3(v, 0, 0)).norm(), 1e-15 * v);
+  }
+}
+
 TEST_P(EveryModel, shear_decays_at_the_rate_of_the_viscosity) {
   // v_x = v0 sin(k z) in the middle of a block decays as exp(−ν k² t).
   FluidSettings s = settings();

@@ -123,7 +123,7 @@ TEST(HardFluid, one_iteration_is_too_few_is_flagged_and_is_stable) {
 }
 
 TEST(HardFluid, tolerances_out_of_reach_and_wide_supports_end_at_the_limit_of_iterations) {
-  HardCase c("32", "tolerance 0 and 1e-12, H/dx 2, 3 and 4, max_iterations = 30, two solvers");
+  HardCase c("32", "tolerance 0 and 1e-12, H/dx 2, 3 and 4, max_iterations = 25, two solvers");
   double gain = 0;
   int early = 0;
   for (PressureSolver solver : incompressible_solvers)
@@ -132,15 +132,15 @@ TEST(HardFluid, tolerances_out_of_reach_and_wide_supports_end_at_the_limit_of_it
         FluidSettings fluid = solver_of(solver);
         fluid.support_ratio = ratio;
         fluid.tolerance = tolerance;
-        fluid.max_iterations = 30;
+        fluid.max_iterations = 25;
         const BoxRun run = run_box(fluid, lattice(6, 10, 6, Vec3::Constant(0.5 * dx)), 40);
-        EXPECT_EQ(run.most_iterations, 30);
+        EXPECT_EQ(run.most_iterations, 25);
         EXPECT_GT(run.not_converged, 0);
         early += run.ended_early;
         gain = std::max(gain, run.energy_gain);
       }
   c.below("energy gain", gain, 0.01);
-  c.equal("steps that end unconverged before 30 iterations", static_cast<std::uint64_t>(early), 0);
+  c.equal("steps that end unconverged before the last iteration", static_cast<std::uint64_t>(early), 0);
 }
 
 TEST(HardFluid, a_pressure_loop_that_diverges_is_detected_and_damped) {

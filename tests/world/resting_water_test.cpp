@@ -150,13 +150,18 @@ TEST(NarrowVessel, has_the_pressure_of_its_depth) {
 
 TEST(SupportRadius, does_not_change_the_pressure) {
   for (const double ratio : {1.55, 2.35}) {
-    FluidSettings fluid = accurate();
-    fluid.support_ratio = ratio;
-    double depth = 0;
-    const ColumnMeans means = rest_in_vessel(6, 9, fluid, depth);
-    EXPECT_LT(means.pressure_error(9, depth), 0.06) << "H/dx " << ratio;
-    EXPECT_NEAR(means.height.mean() / depth, 1, 0.015) << "H/dx " << ratio;
-    test::record("pressure error over that at the floor", means.pressure_error(9, depth));
+    // Runs whose spacings differ by 1e-6 scatter by 0.005.
+    double error = 0, depth = 0;
+    for (int run = 0; run < 2; ++run) {
+      FluidSettings fluid = accurate();
+      fluid.spacing *= 1 + 1e-6 * run;
+      fluid.support_ratio = ratio;
+      const ColumnMeans means = rest_in_vessel(6, 9, fluid, depth);
+      error += means.pressure_error(9, depth) / 2;
+      EXPECT_NEAR(means.height.mean() / depth, 1, 0.015) << "H/dx " << ratio;
+    }
+    EXPECT_LT(error, 0.06) << "H/dx " << ratio;
+    test::record("pressure error over that at the floor", error);
   }
 }
 

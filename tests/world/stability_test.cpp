@@ -89,8 +89,26 @@ TEST(Viscosity, of_any_size_makes_no_energy_at_any_step) {
       for (int k = 0; k < 8; ++k) {
         FluidSettings fluid = thick(random.log_uniform(3e-3, 10), maximum, solver);
         fluid.xsph_rate = k % 3 == 0 ? random.log_uniform(10, 1e4) : 10;
+        fluid.xsph_strain = k % 2;
         expect_no_energy(fluid, random.log_uniform(1e-3, 1e-2), 0.02, random);
       }
+}
+
+TEST(Smoothing, that_is_not_named_follows_from_spacing_and_gravity) {
+  const auto smoothing = [](const FluidSettings& s) {
+    const World w(box(1, Vec3(0, -9.81, 0)), s);
+    return std::pair(*w.fluid_settings().xsph_rate, *w.fluid_settings().xsph_strain);
+  };
+  FluidSettings s;
+  EXPECT_EQ(smoothing(s), std::pair(default_xsph_rate(s.spacing, 9.81), 1.0));
+  s.xsph_rate = 10;
+  EXPECT_EQ(smoothing(s), std::pair(10.0, 0.0)) << "who names a rate gets that rate";
+  s.xsph_strain = 0.5;
+  EXPECT_EQ(smoothing(s), std::pair(10.0, 0.5));
+  s.xsph_rate.reset();
+  EXPECT_EQ(smoothing(s), std::pair(default_xsph_rate(s.spacing, 9.81), 0.5));
+  s.xsph_strain = -0.1;
+  EXPECT_NE(World(box(1), s).status().message.find("fluid.xsph_strain"), std::string::npos);
 }
 
 TEST(StateEquation, flags_sound_that_is_too_fast) {

@@ -27,6 +27,7 @@ void describe(Fields& f, FluidSettings& s) {
   f.number("stiffness", s.stiffness, positive());
   f.number("viscosity", s.viscosity, not_negative());
   f.optional_number("xsph_rate", s.xsph_rate, not_negative());
+  f.optional_number("xsph_strain", s.xsph_strain, not_negative());
   f.boolean("contact_aware", s.contact_aware);
   f.boolean("occlusion", s.occlusion);
   // The state equation has no boundary terms.
@@ -233,11 +234,6 @@ void apply_preset(Fields& f, Scene& s) {
   s.contact = preset.contact;
 }
 
-/// The report names the value that the world uses.
-void set_xsph_rate(Scene& s) {
-  if (!s.fluid.xsph_rate) s.fluid.xsph_rate = default_xsph_rate(s.fluid.spacing, s.world.gravity.norm());
-}
-
 /// The report names the thickness of each surface.
 void set_thicknesses(Scene& s) {
   const double thickness = default_thickness(s.fluid.spacing);
@@ -260,9 +256,10 @@ void describe(Fields& f, Scene& s) {
   f.integer("series_every", s.series_every, between(0, 1e9));
   f.unsigned_integer("seed", s.seed);
   f.vec3("gravity", s.world.gravity);
-  if (!f.reading()) set_xsph_rate(s);
+  const auto set_smoothing = [&] { oilskin::set_smoothing(s.fluid, s.world.gravity.norm()); };
+  if (!f.reading()) set_smoothing();  // the report names the values that the world uses
   f.object("fluid", [&](Fields& g) { describe(g, s.fluid); });
-  if (f.reading()) set_xsph_rate(s);
+  if (f.reading()) set_smoothing();
   f.list("emitters", s.emitters, [](Fields& g, Emitter& e) { describe_emitter(g, e); });
   if (!f.reading()) set_thicknesses(s);
   f.list("cloth", s.cloth, [](Fields& g, Cloth& c) { describe(g, c); });

@@ -92,6 +92,7 @@ struct PairLoops {
                        const M& masses, std::size_t i, std::size_t k, const StartSums& out) {
     const F8 by_slope(friction.by_slope), by_hat(friction.by_hat);
     const F8 by_laplacian(6 * friction.by_laplacian), smoothing(friction.smoothing);
+    const F8 by_strain(friction.by_strain), most_by_strain(friction.most_by_strain);
     F8 density;
     Sum8 sx, sy, sz;
     RateSums rates;
@@ -106,8 +107,12 @@ struct PairLoops {
         const F8 dv_dot_delta = vx * pairs.dx + vy * pairs.dy + vz * pairs.dz;
         if constexpr (with_rates) rates.add(pairs, g, masses.times(g, n.j), dv_dot_delta);
         const F8 hat = larger(F8(1.0f) - q, F8(0.0f));
-        const F8 along = dv_dot_delta * (by_slope * g / (pairs.q2 + F8(0.01f)) - by_hat * hat * hat);
-        const F8 against = by_laplacian * hat + smoothing * w;
+        const F8 r2 = pairs.q2 + F8(0.01f);
+        const F8 over_r2 = dv_dot_delta / r2;
+        const F8 along = by_slope * g * over_r2 - by_hat * hat * hat * dv_dot_delta;
+        const F8 approach = larger(over_r2, F8(0.0f) - over_r2) * root(r2);
+        const F8 against =
+            by_laplacian * hat + (smoothing + smaller(by_strain * approach, most_by_strain)) * w;
         masses.add(sx, along * pairs.dx - against * vx, n.j);
         masses.add(sy, along * pairs.dy - against * vy, n.j);
         masses.add(sz, along * pairs.dz - against * vz, n.j);

@@ -121,7 +121,7 @@ void Dfsph::begin_step(const StepState& state) {
   const std::size_t n = state.size();
   loop_.begin_step();
   walls_.begin_step(state);
-  set_targets(state, fluid_.settings.spacing, target_);
+  set_targets(state, fluid_.settings, target_);
   drift_.resize(n);
   step_.resize(n);
   previous_phi_.resize(n);

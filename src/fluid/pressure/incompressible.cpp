@@ -19,14 +19,16 @@ constexpr double overlap_time = 0.002;  // [s]
 struct Correction {
   float tolerated;       ///< s0: excess beyond it decays, excess below it is corrected within `linear_time`
   double recovery_time;  ///< t_r [s]
-  double linear_time;    ///< t_c dx [s]: a limit, else steps of a millionth of the length would explode
+  double linear_time;    ///< t_c [s]: a limit, else steps of a millionth of the length would explode
 };
 
-/// With boundary terms walls push what a correction moves, and contact does not stop it.
-Correction correction(bool has_walls, double spacing, double g) {
-  const double recovery_time = std::min(0.9 * std::sqrt(spacing / g), 4 * spacing);
-  if (has_walls) return {0.02f, recovery_time, 0.2 * spacing};
-  return {0.05f, recovery_time, 0.04 * spacing};
+/// With boundary terms walls push what a correction moves, and contact does not stop it. With corrected
+/// gradients shear changes the density (F.5) though no volume changes; to remove that at once makes energy.
+Correction correction(const FluidSettings& s, bool has_walls, double g) {
+  const double recovery_time = std::min(0.9 * std::sqrt(s.spacing / g), 4 * s.spacing);
+  if (!has_walls) return {0.05f, recovery_time, 0.04 * s.spacing};
+  const bool is_corrected = s.solver == PressureSolver::dfsph && s.gradient_correction > 0;
+  return {0.02f, recovery_time, std::max(is_corrected ? 0.002 : 0, 0.2 * s.spacing)};
 }
 
 /// V_s/V (F.6): volume of a particle in settled water, which is disordered, over its volume on the lattice at
@@ -70,7 +72,7 @@ IncompressibleFluid::IncompressibleFluid(const FluidSettings& s)
 }
 
 ExplicitModel IncompressibleFluid::explicit_model(double dt) const {
-  ExplicitModel model(volume, support_radius, -std::expm1(-settings.xsph_rate.value_or(0) * dt));
+  ExplicitModel model(settings, volume, support_radius, dt);
   const double scale = 2 * viscous_step(settings, dt) / (support_radius * support_radius);
   model.friction.by_slope = static_cast<float>(scale * viscous_weights.slope);
   model.friction.by_hat = static_cast<float>(scale * viscous_weights.hat);
@@ -92,9 +94,9 @@ double IncompressibleFluid::warm_start(const StepState& state) const {
   return 0.5 * ratio * ratio * phi_per_pascal(state.dt);
 }
 
-void set_targets(const StepState& state, double spacing, std::vector<float>& target) {
+void set_targets(const StepState& state, const FluidSettings& settings, std::vector<float>& target) {
   OILSKIN_ASSERT(state.relative_density.size() == state.size());
-  const Correction c = correction(!state.boundary.empty(), spacing, state.gravity.norm());
+  const Correction c = correction(settings, !state.boundary.empty(), state.gravity.norm());
   const float of_overlap = static_cast<float>(std::exp(-state.dt / overlap_time));
   const float of_excess = static_cast<float>(std::exp(-state.dt / c.recovery_time));
   const float of_tolerated = static_cast<float>(std::max(0.0, 1 - state.dt / c.linear_time));

@@ -38,6 +38,6 @@ struct IncompressibleFluid {
 
 /// ē_i (F.18): the density errors that the step aims at, 0 except for over-compressed
 /// particles.
-void set_targets(const StepState& state, double spacing, std::vector<float>& target);
+void set_targets(const StepState& state, const FluidSettings& settings, std::vector<float>& target);
 
 }  // namespace oilskin::fluid

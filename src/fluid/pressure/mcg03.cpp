@@ -22,11 +22,11 @@ class Mcg03 : public PressureModel {
   double particle_volume() const override { return volume_; }
 
   void explicit_terms(StepState& state) override {
-    ExplicitModel model(volume_, support_radius_, -std::expm1(-settings_.xsph_rate.value_or(0) * state.dt));
+    ExplicitModel model(settings_, volume_, support_radius_, state.dt);
     // (F.14), [Mueller2003] Eq. 14: f = μ Σ V (v_j − v_i) ∇²W, here with V = m/ρ0.
     model.friction.by_laplacian = static_cast<float>(viscous_step(settings_, state.dt) * volume_ *
                                                      ViscosityKernel::norm / std::pow(support_radius_, 5));
-    run_explicit_sums(state, model, settings_.viscosity > 0 || settings_.xsph_rate.value_or(0) > 0, nullptr);
+    run_explicit_sums(state, model, has_friction(settings_), nullptr);
   }
 
   void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) override;

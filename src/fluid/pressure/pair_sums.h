@@ -3,6 +3,7 @@
 
 #include "fluid/kernels.h"
 #include "fluid/pressure/step_state.h"
+#include "oilskin/settings.h"
 
 namespace oilskin::fluid {
 
@@ -42,17 +43,25 @@ inline void add_wall_density(StepState& state) {
 
 /// ρ/ρ0 = D (m_i w(0) + Σ m_j w) (F.5), m relative to a new particle, and XSPH [Schechter2012] (F.9) Δv = c Σ
 /// V (v_j − v_i) W with c = 1 − exp(−rate dt), so that the smoothing per second does not depend on dt. V is
-/// that of a new particle for all, weighted with m_j, so that the terms times m_i are antisymmetric.
+/// that of a new particle for all, weighted with m_j, so that the terms times m_i are antisymmetric. A pair
+/// that approaches or leaves smooths faster (F.81).
 struct ExplicitModel {
   float density_scale, self_density;
   PairFriction friction;
 
-  ExplicitModel(double volume, double support_radius, double smoothed_fraction)
+  ExplicitModel(const FluidSettings& s, double volume, double support_radius, double dt)
       : density_scale(static_cast<float>(volume * CubicSpline::norm / std::pow(support_radius, 3))),
         self_density(density_scale * static_cast<float>(CubicSpline::w(0.0))) {
-    friction.smoothing = static_cast<float>(smoothed_fraction) * density_scale;
+    friction.smoothing = static_cast<float>(-std::expm1(-s.xsph_rate.value_or(0) * dt)) * density_scale;
+    friction.by_strain = static_cast<float>(s.xsph_strain.value_or(0) * dt / s.spacing) * density_scale;
+    friction.most_by_strain = 0.125f * density_scale;
   }
 };
+
+/// Whether velocities of pairs act at all.
+inline bool has_friction(const FluidSettings& s) {
+  return s.viscosity > 0 || s.xsph_rate.value_or(0) > 0 || s.xsph_strain.value_or(0) > 0;
+}
 
 /// Density, slopes and, `with_friction`, viscosity and XSPH of all particles. keep(rates, i) takes the rates
 /// of particle i; nullptr: they are not asked for.

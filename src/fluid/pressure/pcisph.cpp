@@ -43,9 +43,7 @@ class Pcisph : public PressureModel {
 };
 
 void Pcisph::explicit_terms(StepState& state) {
-  const FluidSettings& s = fluid_.settings;
-  run_explicit_sums(state, fluid_.explicit_model(state.dt), s.viscosity > 0 || s.xsph_rate.value_or(0) > 0,
-                    nullptr);
+  run_explicit_sums(state, fluid_.explicit_model(state.dt), has_friction(fluid_.settings), nullptr);
   add_wall_density(state);
   add_image_slopes(state);
 }
@@ -64,7 +62,7 @@ void Pcisph::begin_step(StepState& state, const std::vector<double>& pressure) {
   OILSKIN_ASSERT(pressure.size() >= state.size() && state.velocity.size() == state.size() + 1);
   loop_.begin_step();
   walls_.begin_step(state);
-  set_targets(state, fluid_.settings.spacing, target_);
+  set_targets(state, fluid_.settings, target_);
   drift_.resize(state.size());
   x_phi_ = state.position();
   predicted_.resize(state.size() + 1);
