@@ -1,5 +1,6 @@
 // Messages to the owner of a coupling, and objects that the owner deleted.
 #include <algorithm>
+#include <string_view>
 
 #include "coupling_impl.h"
 
@@ -16,11 +17,43 @@ std::string left_the_world(const Attachment& a) {
   return text + "; attach it again if it comes back";
 }
 
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+/// The message without its numbers, but with that of the surface: messages that differ in what was measured
+/// say the same.
+std::string kind_of(const std::string& message) {
+  constexpr std::string_view before_id = "surface ";
+  std::string kind;
+  for (std::size_t k = 0; k < message.size(); ++k) {
+    const bool is_id = kind.size() >= before_id.size() &&
+                       kind.compare(kind.size() - before_id.size(), before_id.size(), before_id) == 0;
+    if (is_digit(message[k]) && !is_id) {
+      const auto in_number = [&](std::size_t i) {
+        const char c = message[i], last = message[i - 1];
+        return is_digit(c) || c == '.' || c == 'e' || ((c == '+' || c == '-') && last == 'e');
+      };
+      while (k + 1 < message.size() && in_number(k + 1)) ++k;
+      kind += '#';
+    } else {
+      for (; is_id && k + 1 < message.size() && is_digit(message[k + 1]); ++k) kind += message[k];
+      kind += message[k];
+    }
+  }
+  return kind;
+}
+
 }  // namespace
 
 void btFluidCoupling::Impl::note(const std::string& message) {
-  const bool is_known = std::find(messages.begin(), messages.end(), message) != messages.end();
-  if (!is_known && messages.size() < most_messages) messages.push_back(message);
+  const std::string kind = kind_of(message);
+  const auto known = std::find_if(messages.begin(), messages.end(),
+                                  [&](const std::string& other) { return kind_of(other) == kind; });
+  if (known != messages.end())
+    *known = message;
+  else if (messages.size() < most_messages)
+    messages.push_back(message);
 }
 
 void btFluidCoupling::Impl::note_report(const StepReport& report) {

@@ -115,8 +115,8 @@ class btFluidCoupling : public btActionInterface {
   void setCollisionWorld(const btCollisionWorld* world);
 
   /// The messages since the last call: objects that were detached because their world no longer has them,
-  /// settings that were overwritten, reasons of refused steps, and the messages of all steps' reports. Each
-  /// text once, in order; at most 256.
+  /// settings that were overwritten, reasons of refused steps, and the messages of all steps' reports. Of
+  /// messages about one surface that differ in numbers alone the last; at most 256.
   std::vector<std::string> takeMessages();
 
   /// The positions of the cloth at the next step are a teleport, not a motion.

@@ -1,10 +1,11 @@
 #include "contact/zones.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "contact/contacts.h"
 #include "contact/impacts.h"
-#include "contact/zone_velocity.h"
+#include "contact/zone_body.h"
 #include "core/assert.h"
 #include "core/body_motion.h"
 #include "core/disjoint_sets.h"
@@ -68,7 +69,9 @@ class Zones {
                   const std::vector<Violation>& violations, std::vector<std::uint8_t>& is_infeasible);
   void translate_free(const std::vector<std::uint32_t>& members);
   void translate_with_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement);
+  void move_with_body(const std::vector<std::uint32_t>& members, std::uint32_t surface);
   void hold(const std::vector<std::uint32_t>& members, bool hold_prescribed);
+  std::optional<std::uint32_t> only_support(const std::vector<std::uint32_t>& members) const;
   std::vector<std::uint32_t> bodies_of(const std::vector<std::uint32_t>& members) const;
   void count_members();
 
@@ -297,6 +300,34 @@ std::vector<std::uint32_t> Zones::bodies_of(const std::vector<std::uint32_t>& me
   return bodies;
 }
 
+/// The surface to which all prescribed members belong, if it has a body.
+std::optional<std::uint32_t> Zones::only_support(const std::vector<std::uint32_t>& members) const {
+  std::optional<std::uint32_t> support;
+  for (std::uint32_t m : members) {
+    if (inverse_mass(m) > 0) continue;
+    if (is_particle(m) || (support && surface_of(m) != *support)) return std::nullopt;
+    support = surface_of(m);
+  }
+  return support && context_.surfaces[*support]->body ? support : std::nullopt;
+}
+
+// (C.41).
+void Zones::move_with_body(const std::vector<std::uint32_t>& members, std::uint32_t surface) {
+  SurfaceMotion& s = *context_.surfaces[surface];
+  const BodyPath path = path_of_body(s, &initial_displacement_[offset_[surface]]);
+  RidingVelocity common(*s.body);
+  for (std::uint32_t m : members)
+    if (inverse_mass(m) > 0) common.add(inverse_mass(m), start(m), velocity(m));
+  for (std::uint32_t m : members) {
+    if (inverse_mass(m) == 0) continue;
+    set_end(m, path.end_of(start(m)) + (is_particle(m) ? separation_[m] : Vec3::Zero()));
+    const Vec3 v = common.at(start(m)), impulse = (v - velocity(m)) / inverse_mass(m);
+    set_velocity(m, v);
+    push_body(*s.body, start(m) - path.center_t0, -impulse);
+    record_on_body(*context_.report, *s.body, -impulse);
+  }
+}
+
 /// A held body takes part in the common velocity, but keeps its rotation.
 void Zones::hold(const std::vector<std::uint32_t>& members, bool hold_prescribed) {
   ZoneVelocity common;
@@ -337,6 +368,11 @@ void Zones::apply_zone(const std::vector<std::uint32_t>& members, Level level,
   }
   if (level == Level::translate && !any_prescribed) {
     translate_free(members);
+    return;
+  }
+  const std::optional<std::uint32_t> body = only_support(members);
+  if (level == Level::translate && body) {
+    move_with_body(members, *body);
     return;
   }
   if (level == Level::translate && equal) {

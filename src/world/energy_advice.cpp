@@ -62,7 +62,8 @@ std::string about_water(double distance, double dt, int substeps) {
       << rounded(1e3 * dt / substeps) << " ms: dt ≤ " << rounded(1e3 * dt / distance)
       << " ms, or fluid.max_substeps ≥ " << std::ceil(substeps * distance);
   } else {
-    s << "pressure made it at " << rounded(1e3 * dt) << " ms: dt ≤ " << rounded(500 * dt) << " ms";
+    s << "the pressure of the water raised it in a step of " << rounded(1e3 * dt) << " ms: dt ≤ "
+      << rounded(500 * dt) << " ms";
   }
   return s.str();
 }

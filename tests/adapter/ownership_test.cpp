@@ -1,6 +1,7 @@
 // Objects that the owner deletes, shares or mistakes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <new>
 
@@ -238,6 +239,32 @@ TEST(Mistakes, gravity_that_is_overwritten_is_told) {
   EXPECT_TRUE(has(game.messages(), "setUseClothGravity(false)"));
   game.run(2);
   EXPECT_EQ(game.messages(), "");
+}
+
+TEST(Messages, that_differ_in_numbers_alone_are_one) {
+  FluidSettings honey = coarse_fluid();
+  honey.viscosity = 0.5;
+  honey.max_substeps = 1;
+  btFluidCoupling coupling;
+  btFluid water{honey, small_world(), ContactSettings()};
+  ASSERT_TRUE(coupling.addFluid(&water).ok());
+  ASSERT_TRUE(water.addBox({bt(-0.05), bt(0.03), bt(-0.05)}, {bt(0.05), bt(0.08), bt(0.05)}).ok());
+  for (const double dt : {0.001, 0.0015, 0.0021}) coupling.step(bt(dt));
+  const std::vector<std::string> messages = coupling.takeMessages();
+  const auto of_viscosity = [](const std::string& m) { return has(m, "fluid.viscosity"); };
+  ASSERT_EQ(std::count_if(messages.begin(), messages.end(), of_viscosity), 1);
+  EXPECT_TRUE(has(*std::find_if(messages.begin(), messages.end(), of_viscosity), "at dt 0.0021 s")) << "the last";
+}
+
+TEST(Messages, about_several_surfaces_are_several) {
+  Game game;
+  btSoftBody* cloths[] = {game.bullet.patch(5, 0.4, 0, 15), game.bullet.patch(5, 0.4, bt(0.1), 15)};
+  for (btSoftBody* cloth : cloths) ASSERT_TRUE(game.solver.addCloth(cloth, bt(0.002)).ok());
+  game.run(1);
+  for (btSoftBody* cloth : cloths) game.bullet.world.removeSoftBody(cloth);
+  game.run(1);
+  const std::string messages = game.messages();
+  EXPECT_TRUE(has(messages, "(surface 1)") && has(messages, "(surface 2)")) << messages;
 }
 
 TEST(Mistakes, two_drivers_of_one_fluid_are_told) {

@@ -74,6 +74,34 @@ TEST(RigidBodyScene, a_body_lies_on_cloth_that_gets_wet) {
   EXPECT_LT(body->getLinearVelocity().length(), bt(1.5));
 }
 
+/// Bullet lets a body and light cloth overlap a little, with water between them. The body must move on: one
+/// that is held at its place, while Bullet pushes it, is shot off later.
+TEST(RigidBodyScene, a_crate_falls_on_light_wet_cloth_and_is_not_held) {
+  WetWorld w(down);
+  btSoftBody* cloth = w.bullet.patch(33, 0.4, 0, 15, 0.05);
+  cloth->m_cfg.piterations = 10;
+  cloth->getCollisionShape()->setMargin(bt(0.005));
+  ASSERT_TRUE(w.solver.addCloth(cloth, bt(0.002)).ok());
+  btRigidBody* crate = w.add_box(0.06, {bt(0.03), bt(0.03), bt(0.03)}, {bt(0.07), bt(0.35), bt(0.02)});
+  ASSERT_TRUE(w.solver.addRigidBody(crate, bt(0.002)).ok());
+  ASSERT_TRUE(w.water.addJet({0, bt(0.2), 0}, {0, -1, 0}, 1, bt(0.03)).ok());
+  double fastest = 0, lowest = 1;
+  std::uint64_t held = 0, wedged = 0;
+  for (int k = 0; k < 500; ++k) {
+    w.run(0.001, 0.001);
+    const ContactReport& contact = w.solver.getReport().contact;
+    held += contact.held > 0;
+    wedged += contact.zone_rounds > 0;
+    fastest = std::max(fastest, double(crate->getLinearVelocity().length()));
+    lowest = std::min(lowest, double(crate->getWorldTransform().getOrigin().y()));
+    EXPECT_EQ(contact.crossings_found_by_verify, 0u);
+  }
+  EXPECT_GT(wedged, 10u) << "or the case is too easy";
+  EXPECT_LT(lowest, 0) << "it lands on the cloth, which yields";
+  EXPECT_LE(held, 5u) << "steps";
+  EXPECT_LT(fastest, 4) << "m/s: it falls at 2.6";
+}
+
 /// In an ideal fluid a sphere that is let go accelerates by g (s − 1)/(s + ½), s its density over the
 /// water's: it takes half its volume of water along. The velocity that a step leaves holds the impulse of the
 /// water, but not yet the gravity with which the body moves on; the first step, whose gravity the held body

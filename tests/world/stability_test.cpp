@@ -111,6 +111,14 @@ TEST(Smoothing, that_is_not_named_follows_from_spacing_and_gravity) {
   EXPECT_NE(World(box(1), s).status().message.find("fluid.xsph_strain"), std::string::npos);
 }
 
+TEST(Settings, boundary_terms_need_a_pressure_solver_that_has_them) {
+  FluidSettings s;
+  s.solver = PressureSolver::mcg03;
+  s.boundary = BoundaryModel::mirrored;
+  EXPECT_FALSE(s.validate().ok());
+  EXPECT_NE(s.validate().message.find("boundary"), std::string::npos);
+}
+
 TEST(StateEquation, flags_sound_that_is_too_fast) {
   FluidSettings gas = thick(0, 1, PressureSolver::mcg03);
   gas.stiffness = 100;  // 10 m/s

@@ -66,12 +66,13 @@ bool display_answers() {
 }  // namespace
 
 bool pictures_available(std::string* why) {
-  if (std::getenv("DISPLAY") == nullptr) {
+  const char* display = std::getenv("DISPLAY");
+  if (display == nullptr || *display == '\0') {
     *why = "there is no X display (DISPLAY is not set); xvfb-run provides one, and demos/run uses it";
     return false;
   }
   if (!display_answers()) {
-    *why = "the X display " + std::string(std::getenv("DISPLAY")) + " does not answer";
+    *why = "the X display " + std::string(display) + " does not answer";
     return false;
   }
   return true;

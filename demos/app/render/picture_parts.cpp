@@ -180,12 +180,13 @@ void DrawnWater::show(const std::optional<Slice>& slice, WaterColour colour,
   fill(film_, film, colours);
 }
 
-DrawnSurface::DrawnSurface(bool is_cloth) : is_cloth_(is_cloth) {
+DrawnSurface::DrawnSurface(SurfaceLook look)
+    : is_cloth_(look == SurfaceLook::cloth), has_border_(look != SurfaceLook::body) {
   vtkNew<vtkPolyDataNormals> normals;
   normals->SetInputData(data_);
   normals->SplittingOff();
   normals->ConsistencyOff();
-  if (!is_cloth) {
+  if (!is_cloth_) {
     normals->SplittingOn();
     normals->SetFeatureAngle(40);
   }
@@ -193,7 +194,8 @@ DrawnSurface::DrawnSurface(bool is_cloth) : is_cloth_(is_cloth) {
   mapper->SetInputConnection(normals->GetOutputPort());
   mapper->ScalarVisibilityOff();
   actor_->SetMapper(mapper);
-  colour_surface(actor_, is_cloth);
+  colour_surface(actor_, is_cloth_);
+  actor_->GetProperty()->SetBackfaceCulling(look == SurfaceLook::tank);
 
   vtkNew<vtkPolyDataMapper> lines;
   lines->SetInputData(border_);
@@ -212,7 +214,7 @@ DrawnSurface::DrawnSurface(bool is_cloth) : is_cloth_(is_cloth) {
   vtkNew<vtkPolyDataMapper> cuts;
   cuts->SetInputData(cut_lines_);
   cut_->SetMapper(cuts);
-  cut_->GetProperty()->SetColor(is_cloth ? 0.78 : 0.45, is_cloth ? 0.30 : 0.46, is_cloth ? 0.16 : 0.50);
+  cut_->GetProperty()->SetColor(is_cloth_ ? 0.78 : 0.45, is_cloth_ ? 0.30 : 0.46, is_cloth_ ? 0.16 : 0.50);
   cut_->GetProperty()->SetLineWidth(5);
   cut_->GetProperty()->SetPointSize(5);
   cut_->GetProperty()->LightingOff();
@@ -221,7 +223,7 @@ DrawnSurface::DrawnSurface(bool is_cloth) : is_cloth_(is_cloth) {
 void DrawnSurface::show(const std::optional<Slice>& slice, const Vec3& lift) {
   const bool there = motion_ != nullptr;
   actor_->SetVisibility(there && !slice);
-  outline_->SetVisibility(there && !slice && is_cloth_);
+  outline_->SetVisibility(there && !slice && has_border_);
   pins_->SetVisibility(there && !slice && is_cloth_);
   cut_->SetVisibility(there && slice.has_value());
   if (!there || !slice) return;
@@ -253,7 +255,7 @@ void DrawnSurface::update(const SurfaceMotion* motion, Span<const float> wetness
   pinned_->SetPoints(points);
   if (!built_) {
     data_->SetPolys(to_vtk(motion->triangles));
-    if (is_cloth_) border_->SetLines(border_edges(motion->triangles));
+    if (has_border_) border_->SetLines(border_edges(motion->triangles));
     built_ = true;
   }
   auto pins = vtkSmartPointer<vtkCellArray>::New();

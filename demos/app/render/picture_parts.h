@@ -46,11 +46,13 @@ class DrawnWater {
   Part balls_, film_;
 };
 
-/// A cloth or a body, smoothly shaded, its two sides in two tints. In a cut it is the line where it crosses
-/// the middle plane.
+enum class SurfaceLook { cloth, body, tank };
+
+/// A cloth or a body, smoothly shaded, its two sides in two tints. Of a tank, only the walls that are seen
+/// from inside are drawn, and the rim. In a cut it is the line where it crosses the middle plane.
 class DrawnSurface {
  public:
-  explicit DrawnSurface(bool is_cloth);
+  explicit DrawnSurface(SurfaceLook look);
   /// `wetness`: saturation per node, which darkens it; empty = dry.
   void update(const SurfaceMotion* motion, Span<const float> wetness);
   /// The whole surface, or its line, moved by `lift` [m]; after update(), while its data lives.
@@ -63,7 +65,7 @@ class DrawnSurface {
  private:
   void darken(Span<const float> wetness);
 
-  bool is_cloth_, built_ = false;
+  bool is_cloth_, has_border_, built_ = false;
   const SurfaceMotion* motion_ = nullptr;
   vtkNew<vtkPolyData> data_, border_, pinned_, cut_lines_;
   vtkNew<vtkActor> actor_, outline_, pins_, cut_;
