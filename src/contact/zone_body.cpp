@@ -14,8 +14,7 @@ BodyPath path_of_body(const SurfaceMotion& s, const Vec3* displacement) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const double mirrored = (svd.matrixU() * svd.matrixV().transpose()).determinant();
   const Vec3 signs(1, 1, mirrored < 0 ? -1 : 1);
-  return {body.center_t0, body.center_t1,
-          svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose()};
+  return {body.center_t0, body.center_t1, svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose()};
 }
 
 }  // namespace oilskin::contact

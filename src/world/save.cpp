@@ -27,9 +27,8 @@ void visit(Archive& archive, FluidSettings& settings) {
          occlusion, boundary, cfl, max_substeps, collision_group, collision_mask] = settings;
   double rate = xsph_rate.value_or(0), strain = xsph_strain.value_or(0);  // a world has both
   archive.values(spacing, rest_density, support_ratio, solver, tolerance, divergence_tolerance,
-                 min_iterations, max_iterations, gradient_correction, stiffness, viscosity, rate,
-                 strain, contact_aware, occlusion, boundary, cfl, max_substeps, collision_group,
-                 collision_mask);
+                 min_iterations, max_iterations, gradient_correction, stiffness, viscosity, rate, strain,
+                 contact_aware, occlusion, boundary, cfl, max_substeps, collision_group, collision_mask);
   xsph_rate = rate;
   xsph_strain = strain;
 }

@@ -253,7 +253,8 @@ TEST(Messages, that_differ_in_numbers_alone_are_one) {
   const std::vector<std::string> messages = coupling.takeMessages();
   const auto of_viscosity = [](const std::string& m) { return has(m, "fluid.viscosity"); };
   ASSERT_EQ(std::count_if(messages.begin(), messages.end(), of_viscosity), 1);
-  EXPECT_TRUE(has(*std::find_if(messages.begin(), messages.end(), of_viscosity), "at dt 0.0021 s")) << "the last";
+  EXPECT_TRUE(has(*std::find_if(messages.begin(), messages.end(), of_viscosity), "at dt 0.0021 s"))
+      << "the last";
 }
 
 TEST(Messages, about_several_surfaces_are_several) {

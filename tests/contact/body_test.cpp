@@ -209,8 +209,7 @@ TEST(BodyPath, is_the_rotation_of_the_nodes_also_of_flat_bodies) {
     MockBody body = random_body(random);
     if (turn % 2) body.half.y() = 0;
     SurfaceMotion s = surface_of(body);
-    const Eigen::Matrix3d r =
-        Eigen::AngleAxisd(random.uniform(0, 3), random.direction()).toRotationMatrix();
+    const Eigen::Matrix3d r = Eigen::AngleAxisd(random.uniform(0, 3), random.direction()).toRotationMatrix();
     s.body->center_t1 = s.body->center_t0 + random.in_cube(1);
     std::vector<Vec3> displacement;
     for (const Vec3& x : s.x_t0)
@@ -244,10 +243,10 @@ TEST(RidingVelocity, keeps_momentum_and_angular_momentum) {
       EXPECT_EQ(s.body->velocity.x(), locked.x());
     }
     EXPECT_LE((momentum(p) - before + s.body->impulse).norm(), 1e-13 * scale);
-    EXPECT_LE((angular_momentum(p) - turning + s.body->angular_impulse +
-               s.body->center_t0.cross(s.body->impulse))
-                  .norm(),
-              1e-13 * scale);
+    EXPECT_LE(
+        (angular_momentum(p) - turning + s.body->angular_impulse + s.body->center_t0.cross(s.body->impulse))
+            .norm(),
+        1e-13 * scale);
   }
 }
 

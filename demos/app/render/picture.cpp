@@ -123,7 +123,7 @@ Picture::Impl::Impl(const Scene& scene, bool is_window)
       has_water_mesh(scene.water_mesh.has_value()),
       name(scene.name),
       interactive(is_window) {
-  for (std::size_t i = 0; i < scene.cloth.size(); ++i) 
+  for (std::size_t i = 0; i < scene.cloth.size(); ++i)
     cloth.push_back(std::make_unique<DrawnSurface>(SurfaceLook::cloth));
   for (const Body& body : scene.bodies) {
     const bool is_tank = std::holds_alternative<TankShape>(body.shape);

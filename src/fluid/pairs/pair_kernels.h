@@ -33,8 +33,8 @@ struct PairTable {
 };
 
 /// The pair term of viscosity and XSPH: a Δ − b (v_i − v_j) with a = v_ij·Δ (by_slope w'/q/(q² + 0.01) −
-/// by_hat u²) and b = by_laplacian 6 u + (smoothing + min(by_strain |v_ij·Δ|/√(q² + 0.01), most_by_strain)) w,
-/// u = max(0, 1 − q).
+/// by_hat u²) and b = by_laplacian 6 u + (smoothing + min(by_strain |v_ij·Δ|/√(q² + 0.01), most_by_strain))
+/// w, u = max(0, 1 − q).
 struct PairFriction {
   float by_slope = 0, by_hat = 0, by_laplacian = 0, smoothing = 0, by_strain = 0, most_by_strain = 0;
 };

@@ -24,13 +24,12 @@ struct Correction {
 
 /// With boundary terms walls push what a correction moves, and contact does not stop it. With corrected
 /// gradients shear changes the density (F.5) though no volume changes; to remove that at once makes energy.
-/// But what decays by less than half in a step may be below the tolerance in each step and add up: then the
-/// pressure of 40 layers swings by a third.
-Correction correction(const FluidSettings& s, bool has_walls, double g, double dt) {
+/// With t_c above 0.5 s/m dx the pressure of 40 layers at rest swings by a third.
+Correction correction(const FluidSettings& s, bool has_walls, double g) {
   const double recovery_time = std::min(0.9 * std::sqrt(s.spacing / g), 4 * s.spacing);
   if (!has_walls) return {0.05f, recovery_time, 0.04 * s.spacing};
   const bool is_corrected = s.solver == PressureSolver::dfsph && s.gradient_correction > 0;
-  const double slow = is_corrected ? std::min(0.002, 2 * dt) : 0;
+  const double slow = is_corrected ? std::min(0.002, 0.4 * s.spacing) : 0;
   return {0.02f, recovery_time, std::max(slow, 0.2 * s.spacing)};
 }
 
@@ -99,7 +98,7 @@ double IncompressibleFluid::warm_start(const StepState& state) const {
 
 void set_targets(const StepState& state, const FluidSettings& settings, std::vector<float>& target) {
   OILSKIN_ASSERT(state.relative_density.size() == state.size());
-  const Correction c = correction(settings, !state.boundary.empty(), state.gravity.norm(), state.dt);
+  const Correction c = correction(settings, !state.boundary.empty(), state.gravity.norm());
   const float of_overlap = static_cast<float>(std::exp(-state.dt / overlap_time));
   const float of_excess = static_cast<float>(std::exp(-state.dt / c.recovery_time));
   const float of_tolerated = static_cast<float>(std::max(0.0, 1 - state.dt / c.linear_time));
