@@ -17,29 +17,16 @@ std::string left_the_world(const Attachment& a) {
   return text + "; attach it again if it comes back";
 }
 
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
-
-/// The message without its numbers, but with that of the surface: messages that differ in what was measured
-/// say the same.
+/// Equal for messages about the same surfaces that differ in numbers alone: the message without what numbers
+/// are written with, and the numbers of its surfaces.
 std::string kind_of(const std::string& message) {
-  constexpr std::string_view before_id = "surface ";
+  constexpr std::string_view in_numbers = "0123456789.e+-", before_id = "surface ";
   std::string kind;
-  for (std::size_t k = 0; k < message.size(); ++k) {
-    const bool is_id = kind.size() >= before_id.size() &&
-                       kind.compare(kind.size() - before_id.size(), before_id.size(), before_id) == 0;
-    if (is_digit(message[k]) && !is_id) {
-      const auto in_number = [&](std::size_t i) {
-        const char c = message[i], last = message[i - 1];
-        return is_digit(c) || c == '.' || c == 'e' || ((c == '+' || c == '-') && last == 'e');
-      };
-      while (k + 1 < message.size() && in_number(k + 1)) ++k;
-      kind += '#';
-    } else {
-      for (; is_id && k + 1 < message.size() && is_digit(message[k + 1]); ++k) kind += message[k];
-      kind += message[k];
-    }
+  for (const char c : message)
+    if (in_numbers.find(c) == std::string_view::npos) kind += c;
+  for (std::size_t at = message.find(before_id); at != std::string::npos; at = message.find(before_id, at)) {
+    at += before_id.size();
+    kind += ' ' + message.substr(at, message.find_first_not_of("0123456789", at) - at);
   }
   return kind;
 }
