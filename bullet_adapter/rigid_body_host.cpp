@@ -1,9 +1,8 @@
 #include "rigid_body_host.h"
 
-#include <algorithm>
-
 #include "convert.h"
 #include "core/body_motion.h"
+#include "core/body_path.h"
 
 namespace oilskin::bullet {
 
@@ -27,17 +26,6 @@ BodyMotion motion_of(const btRigidBody& body) {
   motion.angular_velocity = to_vec3(body.getAngularVelocity());
   motion.gravity = to_vec3(body.getGravity());
   return motion;
-}
-
-/// Of the way from x_t0 to `proposed`, the part that the nodes went: less than 1 where contact held the body.
-double part_of_way(const SurfaceMotion& motion, const std::vector<Vec3>& proposed) {
-  double along = 0, whole = 0;
-  for (std::size_t i = 0; i < proposed.size(); ++i) {
-    const Vec3 way = proposed[i] - motion.x_t0[i];
-    along += way.dot(motion.x_t1[i] - motion.x_t0[i]);
-    whole += way.squaredNorm();
-  }
-  return whole > 0 ? std::clamp(along / whole, 0.0, 1.0) : 1;
 }
 
 }  // namespace
@@ -71,21 +59,27 @@ void RigidBodyHost::scatter(SurfaceMotion& motion) {
     body_->applyCentralImpulse(to_bt(body.impulse));
     body_->applyTorqueImpulse(to_bt(to_vec3(body_->getAngularFactor()).cwiseProduct(body.angular_impulse)));
   }
-  if (motion.x_t1 != proposed_) hold(motion);
+  if (motion.x_t1 != proposed_) follow_nodes(motion);
   start_ = body_->getWorldTransform();
 }
 
 /// The certified nodes remain where they are: the transform follows them to rounding.
-void RigidBodyHost::hold(const SurfaceMotion& motion) {
-  const auto part = static_cast<btScalar>(part_of_way(motion, proposed_));
-  const btTransform& end = body_->getWorldTransform();
-  btTransform held = start_;
-  if (part > 0) {
-    held.setOrigin(start_.getOrigin().lerp(end.getOrigin(), part));
-    held.setRotation(start_.getRotation().slerp(end.getRotation(), part));
+void RigidBodyHost::follow_nodes(const SurfaceMotion& motion) {
+  btTransform end = start_;
+  if (motion.x_t1 != motion.x_t0) {
+    std::vector<Vec3> displacement;
+    for (std::size_t i = 0; i < motion.x_t1.size(); ++i)
+      displacement.push_back(motion.x_t1[i] - motion.x_t0[i]);
+    const BodyPath path = path_of_body(motion, displacement.data());
+    end.setOrigin(to_bt(path.end_of(to_vec3(start_.getOrigin()))));
+    btMatrix3x3 rotation;
+    for (int row = 0; row < 3; ++row) rotation[row] = to_bt(path.rotation.row(row).transpose());
+    btQuaternion turned;
+    (rotation * start_.getBasis()).getRotation(turned);
+    end.setRotation(turned.normalized());
   }
-  body_->setCenterOfMassTransform(held);
-  body_->setInterpolationWorldTransform(held);
+  body_->setCenterOfMassTransform(end);
+  body_->setInterpolationWorldTransform(end);
   forget_positions();
 }
 

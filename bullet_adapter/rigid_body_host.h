@@ -8,9 +8,9 @@
 namespace oilskin::bullet {
 
 /// While the body is dynamic it receives the impulses of the water: Bullet's sub-step has moved it already,
-/// so they act from the next one on. Contact may hold it for an interval, where a particle has no other way
-/// out. Linear and angular factors are respected. While it is static or kinematic, it is a
-/// CollisionObjectHost.
+/// so they act from the next one on. Contact may hold it for an interval, or let it move with a heavier body,
+/// where a particle has no other way out. Linear and angular factors are respected. While it is static or
+/// kinematic, it is a CollisionObjectHost.
 class RigidBodyHost : public CollisionObjectHost {
  public:
   /// Static planes are clipped to `kill_box` [m].
@@ -28,7 +28,7 @@ class RigidBodyHost : public CollisionObjectHost {
 
  private:
   bool is_dynamic() const;
-  void hold(const SurfaceMotion& motion);
+  void follow_nodes(const SurfaceMotion& motion);
 
   btRigidBody* body_;
   btTransform start_ = btTransform::getIdentity();  // as the last step left it

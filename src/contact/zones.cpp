@@ -6,8 +6,10 @@
 #include "contact/contacts.h"
 #include "contact/impacts.h"
 #include "contact/zone_body.h"
+#include "contact/zone_velocity.h"
 #include "core/assert.h"
 #include "core/body_motion.h"
+#include "core/body_path.h"
 #include "core/disjoint_sets.h"
 
 namespace oilskin::contact {
@@ -69,9 +71,13 @@ class Zones {
                   const std::vector<Violation>& violations, std::vector<std::uint8_t>& is_infeasible);
   void translate_free(const std::vector<std::uint32_t>& members);
   void translate_with_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement);
-  void move_with_body(const std::vector<std::uint32_t>& members, std::uint32_t surface);
+  void move_with_body(const std::vector<std::uint32_t>& members, std::uint32_t surface,
+                      const std::vector<std::uint32_t>& other_bodies);
+  void carry_body(SurfaceMotion& carrier, std::uint32_t surface, const BodyPath& path,
+                  const RidingVelocity& common);
   void hold(const std::vector<std::uint32_t>& members, bool hold_prescribed);
-  std::optional<std::uint32_t> only_support(const std::vector<std::uint32_t>& members) const;
+  std::optional<std::uint32_t> carrier(const std::vector<std::uint32_t>& members,
+                                       const std::vector<std::uint32_t>& bodies, bool may_hold) const;
   std::vector<std::uint32_t> bodies_of(const std::vector<std::uint32_t>& members) const;
   void count_members();
 
@@ -300,24 +306,38 @@ std::vector<std::uint32_t> Zones::bodies_of(const std::vector<std::uint32_t>& me
   return bodies;
 }
 
-/// The surface to which all prescribed members belong, if it has a body.
-std::optional<std::uint32_t> Zones::only_support(const std::vector<std::uint32_t>& members) const {
-  std::optional<std::uint32_t> support;
-  for (std::uint32_t m : members) {
-    if (inverse_mass(m) > 0) continue;
-    if (is_particle(m) || (support && surface_of(m) != *support)) return std::nullopt;
-    support = surface_of(m);
+/// Of `bodies`, the one with which the zone moves: the heaviest, or the one with a locked axis. None where
+/// something else is prescribed, where the others may not be moved, or where several have locked axes.
+std::optional<std::uint32_t> Zones::carrier(const std::vector<std::uint32_t>& members,
+                                            const std::vector<std::uint32_t>& bodies, bool may_hold) const {
+  if (bodies.empty() || (bodies.size() > 1 && !may_hold)) return std::nullopt;
+  for (std::uint32_t m : members)
+    if (inverse_mass(m) == 0 && !belongs_to_body(m)) return std::nullopt;
+  std::uint32_t best = bodies.front();
+  int locked = 0;
+  for (std::uint32_t s : bodies) {
+    const BodyMotion &body = *context_.surfaces[s]->body, &heaviest = *context_.surfaces[best]->body;
+    if (!is_free(body)) {
+      best = s;
+      ++locked;
+    } else if (locked == 0 && body.inverse_mass.maxCoeff() < heaviest.inverse_mass.maxCoeff()) {
+      best = s;
+    }
   }
-  return support && context_.surfaces[*support]->body ? support : std::nullopt;
+  return locked > 1 ? std::nullopt : std::make_optional(best);
 }
 
 // (C.41).
-void Zones::move_with_body(const std::vector<std::uint32_t>& members, std::uint32_t surface) {
+void Zones::move_with_body(const std::vector<std::uint32_t>& members, std::uint32_t surface,
+                           const std::vector<std::uint32_t>& bodies) {
   SurfaceMotion& s = *context_.surfaces[surface];
   const BodyPath path = path_of_body(s, &initial_displacement_[offset_[surface]]);
   RidingVelocity common(*s.body);
   for (std::uint32_t m : members)
     if (inverse_mass(m) > 0) common.add(inverse_mass(m), start(m), velocity(m));
+  for (std::uint32_t other : bodies)
+    if (other != surface) common.add(*context_.surfaces[other]->body);
+  common.solve();
   for (std::uint32_t m : members) {
     if (inverse_mass(m) == 0) continue;
     set_end(m, path.end_of(start(m)) + (is_particle(m) ? separation_[m] : Vec3::Zero()));
@@ -326,6 +346,22 @@ void Zones::move_with_body(const std::vector<std::uint32_t>& members, std::uint3
     push_body(*s.body, start(m) - path.center_t0, -impulse);
     record_on_body(*context_.report, *s.body, -impulse);
   }
+  for (std::uint32_t other : bodies)
+    if (other != surface) carry_body(s, other, path, common);
+}
+
+void Zones::carry_body(SurfaceMotion& carrier, std::uint32_t surface, const BodyPath& path,
+                       const RidingVelocity& common) {
+  SurfaceMotion& s = *context_.surfaces[surface];
+  BodyMotion& body = *s.body;
+  const Vec3 impulse = (common.at(body.center_t0) - body.velocity).cwiseQuotient(body.inverse_mass);
+  const Vec3 moment = inertia_of(body) * (common.angular_velocity() - body.angular_velocity);
+  push_and_turn(body, impulse, moment);
+  push_and_turn(*carrier.body, -impulse, -moment - (body.center_t0 - path.center_t0).cross(impulse));
+  record_on_body(*context_.report, body, impulse);
+  record_on_body(*context_.report, *carrier.body, -impulse);
+  for (std::uint32_t i = 0; i < s.x_t0.size(); ++i) context_.set_node_end(surface, i, path.end_of(s.x_t0[i]));
+  body.center_t1 = path.end_of(body.center_t0);
 }
 
 /// A held body takes part in the common velocity, but keeps its rotation.
@@ -370,16 +406,17 @@ void Zones::apply_zone(const std::vector<std::uint32_t>& members, Level level,
     translate_free(members);
     return;
   }
-  const std::optional<std::uint32_t> body = only_support(members);
+  const bool may_hold = all_holdable && context_.settings->infeasible == Infeasible::stall;
+  const std::vector<std::uint32_t> bodies = bodies_of(members);
+  const std::optional<std::uint32_t> body = carrier(members, bodies, may_hold);
   if (level == Level::translate && body) {
-    move_with_body(members, *body);
+    move_with_body(members, *body, bodies);
     return;
   }
   if (level == Level::translate && equal) {
     translate_with_prescribed(members, displacement);
     return;
   }
-  const bool may_hold = all_holdable && context_.settings->infeasible == Infeasible::stall;
   hold(members, may_hold);
   if (!any_prescribed || may_hold) return;
   const std::uint32_t root = zones_.find(members.front());

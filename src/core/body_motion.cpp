@@ -17,12 +17,6 @@ bool is_in_range(const Vec3& x) {
   return (x.array().abs() < max_number).all();
 }
 
-Eigen::Matrix3d cross_matrix(const Vec3& a) {
-  Eigen::Matrix3d m;
-  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return m;
-}
-
 /// Eigenvalues below this part of the largest are rounding.
 constexpr double rounding = 1e-10;
 
@@ -39,6 +33,12 @@ Status check_inertia(const Eigen::Matrix3d& inverse) {
 }
 
 }  // namespace
+
+Eigen::Matrix3d cross_matrix(const Vec3& a) {
+  Eigen::Matrix3d m;
+  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return m;
+}
 
 Eigen::Matrix3d inverse_mass_at(const BodyMotion& body, const Vec3& arm) {
   const Eigen::Matrix3d r = cross_matrix(arm);
@@ -66,6 +66,12 @@ Eigen::Matrix3d inertia_of(const BodyMotion& body) {
   for (int k = 0; k < 3; ++k)
     if (of.eigenvalues()[k] > least) inertia[k] = 1 / of.eigenvalues()[k];
   return of.eigenvectors() * inertia.asDiagonal() * of.eigenvectors().transpose();
+}
+
+bool is_free(const BodyMotion& body) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> of(body.inverse_inertia, Eigen::EigenvaluesOnly);
+  return (body.inverse_mass.array() > 0).all() &&
+         of.eigenvalues().minCoeff() > rounding * of.eigenvalues().maxCoeff();
 }
 
 void start_body(SurfaceMotion& m, const std::optional<BodyMotion>& before, bool is_new, double dt) {

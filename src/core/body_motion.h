@@ -21,6 +21,13 @@ inline void push_body(BodyMotion& body, const Vec3& arm, const Vec3& impulse) {
   body.angular_impulse += moment;
 }
 
+/// An impulse [N s] at the centre of mass and a moment [N m s].
+inline void push_and_turn(BodyMotion& body, const Vec3& impulse, const Vec3& moment) {
+  push_body(body, Vec3::Zero(), impulse);
+  body.angular_velocity += body.inverse_inertia * moment;
+  body.angular_impulse += moment;
+}
+
 /// An impulse on a node: of a body, of a sheet, or the reaction of a prescribed node.
 inline void push_node(SurfaceMotion& s, std::uint32_t node, const Vec3& impulse) {
   s.add_impulse(node, impulse);
@@ -40,6 +47,9 @@ inline void record_on_body(ContactReport& report, const BodyMotion& body, const 
   report.impulse_on_prescribed += impulse - taken;
 }
 
+/// [a]×: [a]× b = a × b.
+Eigen::Matrix3d cross_matrix(const Vec3& a);
+
 /// The matrix A of Δv = A J at the point at `arm` [1/kg] (C.37).
 Eigen::Matrix3d inverse_mass_at(const BodyMotion& body, const Vec3& arm);
 
@@ -51,6 +61,8 @@ void set_node_velocities(SurfaceMotion& surface);
 
 /// The inertia about the centre of mass [kg m²]; 0 about axes that the host locks.
 Eigen::Matrix3d inertia_of(const BodyMotion& body);
+/// Whether the host locks no axis.
+bool is_free(const BodyMotion& body);
 
 /// What the caller of contact fills in of a body for a step of dt [s]. `before`: the body as the last step
 /// left it; a new surface starts where it ends.

@@ -91,8 +91,8 @@ struct SurfaceMotion {
   /// The part of `carried_mass` that the host adds to the node for this interval [kg], less than
   /// 1/inverse_mass; empty = none. `inverse_mass` is then 1/(own + added mass).
   std::vector<double> added_mass;
-  /// The dynamic rigid body that the nodes belong to; absent = they belong to none. Then all inverse masses
-  /// are 0, and a node that is holdable holds the whole body.
+  /// The rigid body that the nodes belong to; absent = none. Then all inverse masses are 0. Where nodes are
+  /// holdable, contact may hold the body, or carry it with a heavier one: x_t1 is then x_t0 moved rigidly.
   std::optional<BodyMotion> body;
 
   // --- output of contact, with x_t1 and velocity as corrected

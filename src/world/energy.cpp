@@ -128,18 +128,21 @@ bool EnergyBalance::is_too_fast(const fluid::Particles& particles, std::size_t i
 void EnergyBalance::end_interval(const Sums& sums, std::uint64_t next_id, double dt) {
   left_ += sums.left;
   by_effects_ += sums.by_effects;
+  state_.max_specific += sums.most_by_effects;
   state_.water = sums.water;
   state_.report.max_speed = std::sqrt(sums.max_speed);
   state_.interval = dt;
   state_.first_new_id = next_id;
 }
 
-/// Of a body, by its motion over a step of dt: along axes in which it may move, and its rotation.
+/// Of a body, by its motion over a step of dt, or by its velocity where it was attached last: along axes in
+/// which it may move, and its rotation.
 Energy energy_of_body(const SurfaceMotion& m, double dt) {
   Energy energy;
-  if (!m.body || !(dt > 0)) return energy;
+  if (!m.body) return energy;
   const BodyMotion& body = *m.body;
-  const Vec3 u = (body.center_t1 - body.center_t0) / dt, middle = body.center_t1 - 0.5 * dt * u;
+  const Vec3 u = dt > 0 ? Vec3((body.center_t1 - body.center_t0) / dt) : body.velocity;
+  const Vec3 middle = body.center_t1 - 0.5 * dt * u;
   for (int k = 0; k < 3; ++k) {
     if (!(body.inverse_mass[k] > 0)) continue;
     energy.kinetic += 0.5 * u[k] * u[k] / body.inverse_mass[k];

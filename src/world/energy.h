@@ -60,13 +60,15 @@ class EnergyBalance {
   /// Of some of the particles in an interval: threads add up their own.
   struct Sums {
     Energy water, left;
-    double by_effects = 0;  // [J]
-    double max_speed = 0;   // squared
+    double by_effects = 0;       // [J]
+    double most_by_effects = 0;  // on any particle [J/kg]
+    double max_speed = 0;        // squared
 
     void operator+=(const Sums& o) {
       water += o.water;
       left += o.left;
       by_effects += o.by_effects;
+      most_by_effects = std::max(most_by_effects, o.most_by_effects);
       max_speed = std::max(max_speed, o.max_speed);
     }
   };
@@ -87,7 +89,9 @@ class EnergyBalance {
   /// Effects accelerated a particle for dt. `motion`: mean of its speeds in the last interval and in this
   /// one, with which free motion conserves energy to rounding, as (F.57) does in gravity.
   void drive(double mass_ratio, const Vec3& acceleration, const Vec3& motion, double dt, Sums& sums) const {
-    sums.by_effects += mass_ratio * mass_ * dt * acceleration.dot(motion);
+    const double work = dt * acceleration.dot(motion);  // [J/kg]
+    sums.by_effects += mass_ratio * mass_ * work;
+    sums.most_by_effects = std::max(sums.most_by_effects, work);
   }
   /// Work of effects on a surface, or of emitters against pressure (F.76) [J].
   void drive(double work) { by_effects_ += work; }

@@ -102,6 +102,37 @@ TEST(RigidBodyScene, a_crate_falls_on_light_wet_cloth_and_is_not_held) {
   EXPECT_LT(fastest, 4) << "m/s: it falls at 2.6";
 }
 
+/// Water between two crates and a cloth wedges both bodies. They move on together; where they were held in
+/// each step, the cloth went on to push them, and shot them off.
+TEST(RigidBodyScene, crates_that_fall_on_each_other_on_wet_cloth_are_not_held) {
+  WetWorld w(down);
+  btSoftBody* cloth = w.bullet.patch(21, 0.3, 0, 15, 0.3);
+  cloth->m_cfg.piterations = 10;
+  cloth->getCollisionShape()->setMargin(bt(0.005));
+  ASSERT_TRUE(w.solver.addCloth(cloth, bt(0.001)).ok());
+  ASSERT_TRUE(w.water.addBox({bt(-0.1), bt(0.006), bt(-0.1)}, {bt(0.1), bt(0.03), bt(0.1)}).ok());
+  ASSERT_TRUE(w.water.addBox({bt(-0.03), bt(0.125), bt(-0.03)}, {bt(0.03), bt(0.145), bt(0.03)}).ok());
+  btRigidBody* crates[] = {w.add_box(0.2, {bt(0.04), bt(0.03), bt(0.04)}, {0, bt(0.08), 0}),
+                           w.add_box(0.27, {bt(0.04), bt(0.03), bt(0.04)}, {bt(0.005), bt(0.2), 0})};
+  for (btRigidBody* crate : crates) ASSERT_TRUE(w.solver.addRigidBody(crate, bt(0.001)).ok());
+  crates[1]->setLinearVelocity({0, bt(-3.7), 0});
+  double fastest = 0;
+  int in_a_row = 0, longest = 0;
+  btVector3 before = crates[0]->getWorldTransform().getOrigin();
+  for (int k = 0; k < 125; ++k) {
+    w.run(0.004, 0.004);
+    EXPECT_EQ(w.solver.getReport().contact.crossings_found_by_verify, 0u);
+    for (const btRigidBody* crate : crates)
+      fastest = std::max(fastest, double(crate->getLinearVelocity().length()));
+    const btVector3 at = crates[0]->getWorldTransform().getOrigin();
+    in_a_row = at == before ? in_a_row + 1 : 0;
+    before = at;
+    longest = std::max(longest, in_a_row);
+  }
+  EXPECT_LE(longest, 2) << "steps at one place";
+  EXPECT_LT(fastest, 4.5) << "m/s: the upper one arrives at 3.9";
+}
+
 /// In an ideal fluid a sphere that is let go accelerates by g (s − 1)/(s + ½), s its density over the
 /// water's: it takes half its volume of water along. The velocity that a step leaves holds the impulse of the
 /// water, but not yet the gravity with which the body moves on; the first step, whose gravity the held body

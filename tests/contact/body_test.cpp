@@ -3,29 +3,12 @@
 
 #include <cmath>
 
-#include "contact/zone_body.h"
-#include "support/mock_body.h"
-#include "support/particle_arrays.h"
-#include "support/random.h"
+#include "bodies.h"
 
 namespace oilskin {
 namespace {
 
-using test::MockBody;
-using test::ParticleArrays;
-using test::Random;
-
-/// The body as a surface that stands where it is.
-SurfaceMotion surface_of(MockBody& body, double thickness = 0.001) {
-  SurfaceMotion s;
-  EXPECT_TRUE(body.gather(0, s).status.ok());
-  s.id = 1;
-  s.thickness = thickness;
-  s.delta = minimum_separation(thickness, 10, s.storage);
-  s.x_t0 = s.x_t1;
-  s.body->center_t0 = s.body->center_t1;
-  return s;
-}
+using namespace test;
 
 struct Hit {
   ContactReport report;
@@ -46,51 +29,6 @@ Hit resolve(MockBody& body, const ParticleArrays& particles, const SlipSettings&
   EXPECT_TRUE(status.ok()) << status.message;
   body.scatter(hit.surface);
   return hit;
-}
-
-/// Of particles on their x_t0.
-Vec3 momentum(const ParticleArrays& p) {
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 0; i < p.id.size(); ++i) sum += p.velocity[i] / p.inverse_mass[i];
-  return sum;
-}
-Vec3 angular_momentum(const ParticleArrays& p) {
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 0; i < p.id.size(); ++i) sum += p.x_t0[i].cross(p.velocity[i]) / p.inverse_mass[i];
-  return sum;
-}
-double energy(const ParticleArrays& p) {
-  double sum = 0;
-  for (std::size_t i = 0; i < p.id.size(); ++i) sum += 0.5 * p.velocity[i].squaredNorm() / p.inverse_mass[i];
-  return sum;
-}
-
-MockBody random_body(Random& random) {
-  MockBody body;
-  body.mass = std::exp(random.uniform(-3, 3));
-  body.half = Vec3(random.uniform(0.02, 0.1), random.uniform(0.02, 0.1), random.uniform(0.02, 0.1));
-  body.center = random.in_cube(0.3);
-  body.rotation = Eigen::AngleAxisd(random.uniform(0, 6), random.direction()).toRotationMatrix();
-  body.velocity = random.in_cube(1);
-  body.spin = random.in_cube(5);
-  return body;
-}
-
-/// Particles just outside random points of the faces, which approach.
-ParticleArrays around(const MockBody& body, Random& random, int count) {
-  ParticleArrays p;
-  for (int k = 0; k < count; ++k) {
-    Vec3 at(random.uniform(-0.8, 0.8), random.uniform(-0.8, 0.8), random.uniform(-0.8, 0.8));
-    const int axis = k % 3;
-    const double side = k % 2 ? 1 : -1;
-    Vec3 local = at.cwiseProduct(body.half), out = Vec3::Zero();
-    local[axis] = side * (body.half[axis] + 0.0005);
-    out[axis] = side;
-    p.add(body.center + body.rotation * local, body.velocity - 2 * (body.rotation * out) + random.in_cube(1),
-          std::exp(random.uniform(-4, 1)));
-  }
-  p.move(1e-3);
-  return p;
 }
 
 TEST(Body, a_hit_beside_the_centre_turns_it_as_the_closed_form_says) {
@@ -201,104 +139,6 @@ TEST(Body, numbers_that_make_no_sense_are_refused) {
   EXPECT_NE(refusal([](SurfaceMotion& s) { s.body->inverse_inertia(2, 2) = -1; }), "");
   EXPECT_NE(refusal([](SurfaceMotion& s) { s.body->inverse_inertia(0, 0) = INFINITY; }), "");
   EXPECT_NE(refusal([](SurfaceMotion& s) { s.inverse_mass[3] = 1; }), "");
-}
-
-TEST(BodyPath, is_the_rotation_of_the_nodes_also_of_flat_bodies) {
-  Random random(14);
-  for (int turn = 0; turn < 100; ++turn) {
-    MockBody body = random_body(random);
-    if (turn % 2) body.half.y() = 0;
-    SurfaceMotion s = surface_of(body);
-    const Eigen::Matrix3d r = Eigen::AngleAxisd(random.uniform(0, 3), random.direction()).toRotationMatrix();
-    s.body->center_t1 = s.body->center_t0 + random.in_cube(1);
-    std::vector<Vec3> displacement;
-    for (const Vec3& x : s.x_t0)
-      displacement.emplace_back(s.body->center_t1 + r * (x - s.body->center_t0) - x);
-    const contact::BodyPath path = contact::path_of_body(s, displacement.data());
-    EXPECT_LE((path.rotation - r).norm(), 1e-12) << "turn " << turn;
-    const Vec3 x = random.in_cube(1);
-    EXPECT_LE((path.end_of(x) - s.body->center_t1 - r * (x - s.body->center_t0)).norm(), 1e-12);
-  }
-}
-
-TEST(RidingVelocity, keeps_momentum_and_angular_momentum) {
-  Random random(16);
-  for (int turn = 0; turn < 50; ++turn) {
-    MockBody body = random_body(random);
-    SurfaceMotion s = surface_of(body);
-    if (turn % 3 == 0) s.body->inverse_mass.x() = 0;  // the host moves it along x
-    const Vec3 locked = s.body->velocity;
-    ParticleArrays p = around(body, random, 6);
-    const Vec3 before = momentum(p), turning = angular_momentum(p);
-    contact::RidingVelocity common(*s.body);
-    for (std::size_t i = 0; i < p.id.size(); ++i) common.add(p.inverse_mass[i], p.x_t0[i], p.velocity[i]);
-    for (std::size_t i = 0; i < p.id.size(); ++i) {
-      const Vec3 v = common.at(p.x_t0[i]);
-      push_body(*s.body, p.x_t0[i] - s.body->center_t0, -(v - p.velocity[i]) / p.inverse_mass[i]);
-      p.velocity[i] = v;
-    }
-    const double scale = before.norm() + s.body->impulse.norm();
-    EXPECT_LE((s.body->velocity - common.value()).norm(), 1e-12 * scale / body.mass);
-    if (turn % 3 == 0) {
-      EXPECT_EQ(s.body->velocity.x(), locked.x());
-    }
-    EXPECT_LE((momentum(p) - before + s.body->impulse).norm(), 1e-13 * scale);
-    EXPECT_LE(
-        (angular_momentum(p) - turning + s.body->angular_impulse + s.body->center_t0.cross(s.body->impulse))
-            .norm(),
-        1e-13 * scale);
-  }
-}
-
-/// A body that turns closes on particles that lie on a free sheet. They move on with the body, and the sheet
-/// with them: nothing is held, and momentum is kept.
-TEST(Body, that_presses_particles_on_a_free_sheet_takes_both_along) {
-  Random random(15);
-  std::uint64_t rounds = 0;
-  for (int turn = 0; turn < 40; ++turn) {
-    MockBody body = random_body(random);
-    body.half = Vec3::Constant(0.05);
-    const Vec3 n = body.rotation.col(1), u = body.rotation.col(0), w = body.rotation.col(2);
-    const Vec3 foot = body.center - 0.05 * n;
-    body.velocity = -2 * n + 0.2 * random.in_cube(1);
-    body.spin = random.in_cube(3);
-    const double dt = 1e-3;
-    SurfaceMotion hull = surface_of(body);
-    const Vec3 center_t0 = hull.body->center_t0;
-    SurfaceMotion sheet = test::make_grid(5, 5, foot - 0.0004 * n - 0.08 * (u + w), 0.16 * u, 0.16 * w, 1e-3,
-                                          0.001, 10, Storage::float64, 2);
-    ParticleArrays p;
-    for (int k = 0; k < 5; ++k)
-      p.add(foot - 0.0002 * n + random.uniform(-0.03, 0.03) * u + random.uniform(-0.03, 0.03) * w,
-            Vec3::Zero(), 1e-4);
-    const auto nodes = [&] {
-      Vec3 sum = Vec3::Zero();
-      for (std::size_t i = 0; i < sheet.x_t0.size(); ++i) sum += sheet.velocity[i] / sheet.inverse_mass[i];
-      return sum;
-    };
-    ASSERT_TRUE(body.gather(dt, hull).status.ok());
-    hull.body->center_t0 = center_t0;
-    const Vec3 before = body.momentum() + momentum(p) + nodes();
-    SurfaceMotion* surfaces[] = {&hull, &sheet};
-    ParticleMotion motion = p.motion();
-    ContactReport report;
-    StageSeconds seconds;
-    ContactSettings settings;
-    settings.ccd_iterations = 0;  // zones alone
-    settings.repulsion = Repulsion::none;
-    settings.verify = true;
-    ASSERT_TRUE(ContactSolver(settings).resolve(dt, motion, surfaces, report, seconds).ok());
-    EXPECT_EQ(report.crossings_found_by_verify, 0u);
-    EXPECT_EQ(report.removed, 0u);
-    EXPECT_EQ(report.held, 0u) << "turn " << turn;
-    rounds += report.zone_rounds;
-    const Vec3 pushed = hull.body->impulse;
-    const double scale = before.norm() + pushed.norm();
-    EXPECT_GT(pushed.norm(), 1e-6);
-    EXPECT_LE((body.momentum() + pushed + momentum(p) + nodes() - before).norm(), 1e-13 * scale);
-    EXPECT_LE((report.impulse_on_bodies - pushed).norm(), 1e-13 * scale);
-  }
-  EXPECT_GT(rounds, 20u) << "or the case is too easy";
 }
 
 /// Closes on particles over a prescribed floor from above.

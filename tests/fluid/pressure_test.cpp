@@ -47,20 +47,28 @@ TEST_P(Incompressible, column_comes_to_rest_and_carries_its_weight) {
   EXPECT_NEAR(bottom / counted / (1000 * 9.81 * 0.06), 1, 0.5);
 }
 
-TEST_P(Incompressible, warm_start_saves_iterations) {
+TEST_P(Incompressible, warm_start_saves_iterations_or_lowers_the_error) {
   FluidSettings s = settings();
   s.tolerance = 2e-4;
   Column warm(s, 10, 12), cold(s, 10, 12);
   int warm_iterations = 0, cold_iterations = 0;
-  for (int step = 0; step < 100; ++step) {
+  double warm_error = 0, cold_error = 0;
+  for (int step = 0; step < 300; ++step) {
     warm.step(5e-4);
     std::fill(cold.particles.pressure.begin(), cold.particles.pressure.end(), 0.0);
     cold.step(5e-4);
-    if (step < 20) continue;
+    if (step < 200) continue;  // until the starts are forgotten (F.35)
+    warm_error += warm.report.density_error_mean;
+    cold_error += cold.report.density_error_mean;
     warm_iterations += warm.report.iterations;
     cold_iterations += cold.report.iterations;
   }
-  EXPECT_LT(warm_iterations, 0.9 * cold_iterations);
+  if (GetParam() == PressureSolver::pcisph) {
+    EXPECT_LT(warm_iterations, 0.9 * cold_iterations);
+  } else {  // the number is kept for a while (F.35): the gain is in the error
+    EXPECT_LE(warm_iterations, cold_iterations);
+    EXPECT_LT(warm_error, 0.7 * cold_error);
+  }
 }
 
 TEST_P(Incompressible, warm_start_scales_with_the_step) {

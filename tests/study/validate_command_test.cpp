@@ -15,9 +15,9 @@ class Validate : public testing::Test {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return oilskin(arguments);
   }
-  /// A short run of a small case; 0.05 s is too short for its water to come to rest.
+  /// A short run of a small case.
   Outcome short_run(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments = {"drift", "--levels", "1", "--set", "duration=0.02"};
+    std::vector<std::string> arguments = {"slope", "--levels", "1"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return validate(arguments);
   }
@@ -42,8 +42,8 @@ class Validate : public testing::Test {
 TEST_F(Validate, a_good_case_gives_exit_code_0_and_tables) {
   const Outcome outcome = short_run();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
-  EXPECT_NE(folder.read("out/validation.csv").find("drift,0.01,"), std::string::npos);
-  EXPECT_NE(folder.read("out/validation.md").find("## drift"), std::string::npos);
+  EXPECT_NE(folder.read("out/validation.csv").find("slope,0.008,"), std::string::npos);
+  EXPECT_NE(folder.read("out/validation.md").find("## slope"), std::string::npos);
 }
 
 TEST_F(Validate, a_missed_tolerance_gives_exit_code_1) {
@@ -69,7 +69,7 @@ TEST_F(Validate, repeats_what_is_damaged_or_asked_for) {
   ASSERT_EQ(short_run().exit_code, 0);
   const auto quantities = [&] { return nlohmann::json::parse(folder.read(only_run())).at("quantities"); };
   const nlohmann::json first = quantities();
-  for (const char* text : {"", "{", R"({"case": "drift"})"}) {
+  for (const char* text : {"", "{", R"({"case": "slope"})"}) {
     folder.write(only_run(), text);
     EXPECT_EQ(short_run().out.find("there already"), std::string::npos) << text;
     EXPECT_EQ(quantities(), first) << "the same numbers again";

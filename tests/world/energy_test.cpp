@@ -5,7 +5,9 @@
 #include <cmath>
 #include <map>
 
+#include "oilskin/force_fields.h"
 #include "support/busy_scene.h"
+#include "support/mock_body.h"
 #include "world/driven_sheet.h"
 
 namespace oilskin::test {
@@ -141,6 +143,44 @@ TEST(Energy, emitters_bring_theirs_and_removal_takes_it_away) {
   EXPECT_LT(std::abs(e.made_fraction()), 1e-4);
   EXPECT_GT(e.left_kinetic, 5 * removed);
   EXPECT_EQ(w.report().removed_too_fast, 0u);
+}
+
+TEST(Energy, what_a_force_field_does_explains_the_speed_of_what_leaves) {
+  WorldSettings settings;
+  settings.gravity.setZero();
+  settings.kill_box = {Vec3::Constant(-0.5), Vec3::Constant(0.5)};
+  World w(settings);
+  ForceFields fields;
+  ASSERT_TRUE(w.add_effect(fields).ok());
+  UniformForce force;
+  force.acceleration = Vec3(10, 0, 0);
+  ASSERT_TRUE(fields.add(force).ok());
+  ASSERT_TRUE(w.add_particles(std::vector<Vec3>{Vec3(-0.1, 0, 0)}, std::vector<Vec3>{Vec3::Zero()}).ok());
+  for (int k = 0; k < 200 && w.particle_count() > 0; ++k) w.step(2e-3);
+  EXPECT_EQ(w.particle_count(), 0u);
+  EXPECT_EQ(w.report().removed, 1u);
+  EXPECT_EQ(w.report().removed_too_fast, 0u);
+}
+
+/// A body brings its energy when it is attached, wherever the origin is.
+TEST(Energy, of_a_body_that_is_attached_enters) {
+  for (const double height : {-1.0, 0.0, 3.0}) {
+    WorldSettings settings;
+    settings.kill_box = {Vec3::Constant(-5), Vec3::Constant(5)};
+    World w(settings);
+    MockBody body;
+    body.mass = 2;
+    body.gravity = settings.gravity;
+    body.center.y() = height;
+    body.velocity = Vec3(0.5, 0, 0);
+    SurfaceId id;
+    ASSERT_TRUE(w.attach(body, sheet_settings(), &id).ok());
+    for (int k = 0; k < 10; ++k) w.step(1e-3);
+    const EnergyReport& e = w.report().energy;
+    EXPECT_NEAR(e.work_host, 0, 0.02) << "J: it falls by 0.5 mm";
+    EXPECT_NEAR(e.entered_potential, 2 * (9.81 * height + 0.125), 0.02);
+    EXPECT_LT(e.scale, 0.1);
+  }
 }
 
 /// Nodes that fly straight on, unless their owner pushes them.

@@ -38,12 +38,10 @@ class Dfsph : public PressureModel {
   void explicit_terms(StepState& state) override;
   void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) override;
   void limit_iterations(int most) override { loop_.limit_iterations(most); }
-  Memory memory() const override {
-    return {loop_.relaxation(), controller_.iterations, controller_.settled_steps};
-  }
+  Memory memory() const override { return {loop_.relaxation(), controller_}; }
   void set_memory(const Memory& memory) noexcept override {
     loop_.set_relaxation(memory.relaxation);
-    controller_ = {memory.iterations, memory.settled_steps};
+    controller_ = memory.controller;
   }
   void visit(Archive& archive) override {
     loop_.visit(archive);
@@ -164,7 +162,7 @@ void Dfsph::solve_divergence(StepState& state, FluidReport& report) {
   const Errors at_start = correct(state, start_rates, error_of);
   const double tolerance = fluid_.settings.divergence_tolerance;
   if (!(at_start.mean(at_start.sum) > tolerance)) return;
-  iterate(state, Solver::divergence, {tolerance, 1, {}});
+  iterate(state, Solver::divergence, {tolerance, 1, state.dt, {}});
   report.divergence_iterations = loop_.iterations();
   report.diverged = loop_.diverged();
   state.for_each([&](std::size_t i) { min_phi_[i] = x_phi_[i].w; });
@@ -200,7 +198,8 @@ void Dfsph::solve_density(StepState& state, const std::vector<double>& pressure,
     x_phi_[i].w = std::max(min_phi_[i], static_cast<float>(warm_start * pressure[i]));
   });
   restart_momentum(state);
-  iterate(state, Solver::density, {fluid_.settings.tolerance, fluid_.settings.min_iterations, controller_});
+  iterate(state, Solver::density,
+          {fluid_.settings.tolerance, fluid_.settings.min_iterations, state.dt, controller_});
   write(loop_, report);
   controller_ = loop_.next_controller();
 }

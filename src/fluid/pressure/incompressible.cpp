@@ -24,13 +24,15 @@ struct Correction {
 
 /// With boundary terms walls push what a correction moves, and contact does not stop it. With corrected
 /// gradients shear changes the density (F.5) though no volume changes; to remove that at once makes energy.
-/// With t_c above 0.5 s/m dx the pressure of 40 layers at rest swings by a third.
 Correction correction(const FluidSettings& s, bool has_walls, double g) {
   const double recovery_time = std::min(0.9 * std::sqrt(s.spacing / g), 4 * s.spacing);
   if (!has_walls) return {0.05f, recovery_time, 0.04 * s.spacing};
   const bool is_corrected = s.solver == PressureSolver::dfsph && s.gradient_correction > 0;
-  const double slow = is_corrected ? std::min(0.002, 0.4 * s.spacing) : 0;
-  return {0.02f, recovery_time, std::max(slow, 0.2 * s.spacing)};
+  return {0.02f, recovery_time, is_corrected ? recovery_time / 2 : 0.2 * s.spacing};
+}
+
+Correction correction(const StepState& state, const FluidSettings& settings) {
+  return correction(settings, !state.boundary.empty(), state.gravity.norm());
 }
 
 /// V_s/V (F.6): volume of a particle in settled water, which is disordered, over its volume on the lattice at
@@ -87,18 +89,27 @@ double IncompressibleFluid::phi_per_pascal(double dt) const {
          (settings.rest_density * support_radius * support_radius);
 }
 
-/// The displacement by pressure starts at half of that of the last step. More than half makes slow modes of a
-/// column at rest grow from step to step. After a longer step the pressure is kept, not the displacement:
-/// within a millionth of the time that would accelerate the water.
+/// The displacement by pressure starts at a part w of that of the last step. A mode whose pressure is found
+/// only in part falls behind its compression by w/(1 − w) steps, and such a spring makes energy. The damping,
+/// which is the part of the pressure that answers the rate of compression, takes it where 1 − w > dt/t_c
+/// (F.82). After a longer step the pressure is kept, not the displacement: within a millionth of the time
+/// that would accelerate the water.
 double IncompressibleFluid::warm_start(const StepState& state) const {
   OILSKIN_ASSERT(state.previous_dt >= 0 && state.dt > 0);
+  const double kept = 1 - 1.25 * state.dt / correction(state, settings).linear_time;
   const double ratio = std::min(1.0, state.previous_dt / state.dt);
-  return 0.5 * ratio * ratio * phi_per_pascal(state.dt);
+  return std::min(std::max(kept, 0.5), 0.95) * ratio * ratio * phi_per_pascal(state.dt);
+}
+
+/// What a loop leaves in each step gathers until its correction within t_c is as large. So the error of the
+/// density at rest is this part of the tolerance times t_c/dt.
+double IncompressibleFluid::error_per_step(const StepState& state) const {
+  return settings.tolerance * std::min(1.0, 2 * state.dt / correction(state, settings).linear_time);
 }
 
 void set_targets(const StepState& state, const FluidSettings& settings, std::vector<float>& target) {
   OILSKIN_ASSERT(state.relative_density.size() == state.size());
-  const Correction c = correction(settings, !state.boundary.empty(), state.gravity.norm());
+  const Correction c = correction(state, settings);
   const float of_overlap = static_cast<float>(std::exp(-state.dt / overlap_time));
   const float of_excess = static_cast<float>(std::exp(-state.dt / c.recovery_time));
   const float of_tolerated = static_cast<float>(std::max(0.0, 1 - state.dt / c.linear_time));

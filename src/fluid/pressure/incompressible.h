@@ -34,6 +34,8 @@ struct IncompressibleFluid {
   double phi_per_pascal(double dt) const;
   /// φ at the start per pressure of the last step [1/Pa] (F.25).
   double warm_start(const StepState& state) const;
+  /// η of the stop rule (F.19): at most `settings.tolerance`.
+  double error_per_step(const StepState& state) const;
 };
 
 /// ē_i (F.18): the density errors that the step aims at, 0 except for over-compressed

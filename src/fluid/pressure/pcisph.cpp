@@ -22,7 +22,7 @@ class Pcisph : public PressureModel {
   void explicit_terms(StepState& state) override;
   void pressure_terms(StepState& state, std::vector<double>& pressure, FluidReport& report) override;
   void limit_iterations(int most) override { loop_.limit_iterations(most); }
-  Memory memory() const override { return {loop_.relaxation(), 0, 0}; }
+  Memory memory() const override { return {loop_.relaxation(), {}}; }
   void set_memory(const Memory& memory) noexcept override { loop_.set_relaxation(memory.relaxation); }
   void visit(Archive& archive) override { loop_.visit(archive); }
 
@@ -76,7 +76,7 @@ void Pcisph::begin_step(StepState& state, const std::vector<double>& pressure) {
 }
 
 void Pcisph::iterate(StepState& state) {
-  loop_.start({fluid_.settings.tolerance, fluid_.settings.min_iterations, {}});
+  loop_.start({fluid_.settings.tolerance, fluid_.settings.min_iterations, state.dt, {}});
   PressureLoop::Verdict verdict;
   do {
     predict_positions(state);

@@ -8,10 +8,11 @@ namespace oilskin::fluid {
 
 namespace {
 
-/// The number of iterations falls by one, or by this ratio, after so many settled steps, in which the smaller
-/// number would have left at most this part of the tolerance (F.35).
-constexpr double max_fall = 1.18;
-constexpr int min_settled_steps = 3;
+/// Of the number of iterations (F.35): what it falls by in a step, at least by one, and the time for which
+/// the largest number that was needed is kept. Water at rest swings with periods of 30 to 80 ms.
+constexpr double max_fall = 0.15;
+constexpr double kept_time = 0.05;  // [s]
+/// The number that would have left this part of the tolerance was needed.
 constexpr double margin = 0.8;
 
 /// Growth of the error from which on a loop diverges. What no pressure removes, as a particle that surfaces
@@ -26,8 +27,15 @@ constexpr double relaxation_rise = 1.02;
 }  // namespace
 
 void IterationController::visit(Archive& archive) {
-  archive.values(iterations, settled_steps);
-  archive.require(iterations >= 0 && settled_steps >= 0, "the number of iterations");
+  archive.values(iterations, needed_now, needed_before, interval_elapsed);
+  archive.require(iterations >= 0 && needed_now >= 0 && needed_before >= 0 && interval_elapsed >= 0,
+                  "the number of iterations");
+}
+
+int IterationController::floor() const {
+  const double fallen = iterations - std::max(1.0, max_fall * iterations);
+  return static_cast<int>(std::min<double>(
+      std::lround(std::min(std::max({needed_now, needed_before, fallen}), 1e6)), iterations));
 }
 
 void PressureLoop::visit(Archive& archive) {
@@ -43,7 +51,7 @@ void PressureLoop::start(const LoopGoal& goal) {
   OILSKIN_ASSERT(goal.min_iterations >= 1 && goal.min_iterations <= max_iterations_);
   goal_ = goal;
   iterations_ = 0;
-  converged_ = diverged_ = fewer_would_do_ = false;
+  converged_ = diverged_ = false;
   last_mean_ = 0;
   growing_ = 0;
 }
@@ -54,7 +62,7 @@ PressureLoop::Verdict PressureLoop::judge(const Errors& errors) {
   const double mean = errors.mean(errors.above_target);
   converged_ = mean <= goal_.tolerance;
   Verdict verdict;
-  verdict.stop = may_end(mean);
+  verdict.stop = may_end();
   if (verdict.stop) return verdict;
   verdict.finite = std::isfinite(mean);
   if (!verdict.finite || diverges(mean)) {
@@ -67,23 +75,25 @@ PressureLoop::Verdict PressureLoop::judge(const Errors& errors) {
   return verdict;
 }
 
-/// A step with more iterations than necessary leaves the next ones little to do; those then iterate too
-/// little, and the pressures oscillate between the two. So the number of iterations falls slowly, and only
-/// where fewer would have satisfied the tolerance for some steps: the error is proportional to their inverse
-/// square.
-bool PressureLoop::may_end(double mean) {
-  if (!converged_ || iterations_ < goal_.min_iterations) return false;
-  const IterationController& last = goal_.controller;
-  if (iterations_ >= last.iterations) return true;
-  const double ratio = static_cast<double>(last.iterations) / iterations_;
-  if (iterations_ + 1 < last.iterations && ratio > max_fall) return false;
-  if (ratio * ratio * mean <= margin * goal_.tolerance) fewer_would_do_ = true;
-  return fewer_would_do_ && last.settled_steps >= min_settled_steps;
+/// More iterations make the fluid stiffer against its compression. If their number follows the error, a
+/// column that swings is stiffer while it expands than while it is compressed, and gains energy in each
+/// period. So the number does not fall below what was needed within such a period.
+bool PressureLoop::may_end() const {
+  return converged_ && iterations_ >= std::max(goal_.min_iterations, goal_.controller.floor());
 }
 
 IterationController PressureLoop::next_controller() const {
-  const bool fell = iterations_ < goal_.controller.iterations;
-  return {iterations_, fewer_would_do_ && !fell ? goal_.controller.settled_steps + 1 : 0};
+  IterationController next = goal_.controller;
+  next.iterations = iterations_;
+  next.interval_elapsed += goal_.dt;
+  if (next.interval_elapsed > kept_time) {
+    next.needed_before = next.needed_now;
+    next.needed_now = next.interval_elapsed = 0;
+  }
+  // In water at rest the error is proportional to the inverse square of the number.
+  const double part = errors_.mean(errors_.above_target) / (margin * goal_.tolerance);
+  next.needed_now = std::max(next.needed_now, iterations_ * (part < 1 ? std::sqrt(part) : 1));
+  return next;
 }
 
 bool PressureLoop::diverges(double mean) {

@@ -41,11 +41,15 @@ struct Errors {
   double mean(double total) const { return counted > 0 ? total / static_cast<double>(counted) : 0; }
 };
 
-/// Number of iterations of the last step, where it may fall only slowly (F.35).
+/// Number of iterations of the last step, and how many the steps of the last 50 to 100 ms needed: below that
+/// the number does not fall (F.35).
 struct IterationController {
-  int iterations = 0;     // of the last step; 0 = the loop ends when it has converged
-  int settled_steps = 0;  // consecutive steps in which fewer iterations would have satisfied the tolerance
+  int iterations = 0;           // of the last step; 0 = the loop ends when it has converged
+  double needed_now = 0;        // largest number that a step of the present interval of 50 ms needed
+  double needed_before = 0;     // and of the interval before
+  double interval_elapsed = 0;  // [s]
 
+  int floor() const;
   void visit(Archive& archive);
 };
 
@@ -53,6 +57,7 @@ struct IterationController {
 struct LoopGoal {
   double tolerance = 0;  // of the mean error above the target
   int min_iterations = 1;
+  double dt = 0;  // [s]
   IterationController controller;
 };
 
@@ -92,7 +97,7 @@ class PressureLoop {
   void visit(Archive& archive);
 
  private:
-  bool may_end(double mean);
+  bool may_end() const;
   bool diverges(double mean);
 
   const double max_relaxation_;  // ω of the calibration
@@ -105,7 +110,6 @@ class PressureLoop {
   int iterations_ = 0;
   Errors errors_;
   bool converged_ = false, diverged_ = false;
-  bool fewer_would_do_ = false;
   double last_mean_ = 0;      // of the previous iteration
   int growing_ = 0;           // consecutive iterations with a growing error
   double before_growth_ = 0;  // the error before them

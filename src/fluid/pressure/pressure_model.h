@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "core/archive.h"
+#include "fluid/pressure/pressure_loop.h"
 #include "fluid/pressure/step_state.h"
 #include "oilskin/report.h"
 
@@ -30,7 +31,7 @@ class PressureModel {
   /// default is for models without.
   struct Memory {
     double relaxation = 0;
-    int iterations = 0, settled_steps = 0;
+    IterationController controller;
   };
   virtual Memory memory() const { return {}; }
   virtual void set_memory(const Memory&) noexcept {}

@@ -1,0 +1,20 @@
+/// The rigid motion of a body within an interval.
+#pragma once
+
+#include "oilskin/surface_motion.h"
+
+namespace oilskin {
+
+/// x → c¹ + R (x − c⁰).
+struct BodyPath {
+  Vec3 center_t0, center_t1;
+  Eigen::Matrix3d rotation;
+
+  Vec3 end_of(const Vec3& start) const { return center_t1 + rotation * (start - center_t0); }
+};
+
+/// R is the rotation that takes the nodes from x_t0 to x_t0 + displacement[i] with the least squares of
+/// errors [Kabsch1976]. `displacement` has as many as there are nodes of the surface, which has a body.
+BodyPath path_of_body(const SurfaceMotion& surface, const Vec3* displacement);
+
+}  // namespace oilskin
