@@ -177,7 +177,7 @@ TEST_P(Column, stands_as_high_as_its_water_and_presses_with_its_weight) {
   double begin = 0;
   while (w.time() < 0.6) {
     // Twice the tolerance at rest (F.19); on the way from the lattice more.
-    ASSERT_LT(w.step(dt).fluid.density_error_mean, w.time() < 0.2 ? 6e-3 : 2e-3);
+    ASSERT_LT(w.step(dt).fluid.density_error_mean, w.time() < 0.2 ? 4e-3 : 2e-3);
     if (w.time() < 0.4) {
       begin = test::fluid_momentum(w).y();
       continue;

@@ -199,7 +199,7 @@ void Dfsph::solve_density(StepState& state, const std::vector<double>& pressure,
   });
   restart_momentum(state);
   iterate(state, Solver::density,
-          {fluid_.settings.tolerance, fluid_.settings.min_iterations, state.dt, controller_});
+          {fluid_.error_per_step(state), fluid_.settings.min_iterations, state.dt, controller_});
   write(loop_, report);
   controller_ = loop_.next_controller();
 }
