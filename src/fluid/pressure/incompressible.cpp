@@ -91,7 +91,7 @@ double IncompressibleFluid::phi_per_pascal(double dt) const {
 
 /// The displacement by pressure starts at a part w of that of the last step. A mode whose pressure is found
 /// only in part falls behind its compression by w/(1 − w) steps, and such a spring makes energy. The damping,
-/// which is the part of the pressure that answers the rate of compression, takes it where 1 − w > dt/t_c
+/// which is the part of the pressure that follows the rate of compression, takes it where 1 − w > dt/t_c
 /// (F.82). After a longer step the pressure is kept, not the displacement: within a millionth of the time
 /// that would accelerate the water.
 double IncompressibleFluid::warm_start(const StepState& state) const {
