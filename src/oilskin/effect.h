@@ -105,6 +105,9 @@ class EffectForces : public EffectInterval {
   /// left out, as is one on a surface or node that does not exist.
   virtual void push(std::size_t surface, const std::array<std::uint32_t, 3>& nodes,
                     const std::array<double, 3>& weights, const Vec3& force) = 0;
+
+  /// What the user should know of this interval; empty = nothing. It becomes a message of the step.
+  std::string message;
 };
 
 /// Liquid that leaves a surface as one particle.

@@ -270,6 +270,8 @@ void Effects::act(const EffectInput& input) const {
     const std::vector<Vec3> before = slot.effect->is_friction() ? sum : std::vector<Vec3>();
     Forces forces(slot, input, sum);
     slot.effect->act(forces);
+    if (!forces.message.empty())
+      input.interval.step.report.messages.push_back("the effect " + slot.name + ": " + forces.message);
     std::uint64_t wrong = 0;
     for (Vec3& a : sum) {
       if (a.allFinite()) continue;

@@ -330,7 +330,7 @@ TEST(SceneReader, a_preset_is_what_the_other_keys_change) {
   const auto read = [](const char* text) { return read_scene(parse_json(text, "test"), "."); };
   const Scene game = read(R"({"preset": "game", "fluid": {"spacing": 0.01, "cfl": 0.7}})");
   EXPECT_DOUBLE_EQ(game.dt, 1.0 / 120);
-  EXPECT_EQ(game.fluid.tolerance, 0.01);
+  EXPECT_EQ(game.fluid.tolerance, 0.005);
   EXPECT_EQ(game.fluid.cfl, 0.7);
   EXPECT_TRUE(read(R"({"preset": "measurement", "dt": 0.002})").contact.verify);
   EXPECT_EQ(read(R"({"preset": "measurement", "dt": 0.002})").dt, 0.002);

@@ -59,6 +59,10 @@ TEST(ImplicitViscosity, a_blob_that_shears_and_spins_keeps_both_momenta_whatever
       for (double pressure : w.pressures()) ASSERT_EQ(pressure, 0);
     }
     EXPECT_EQ(viscosity.report().converged, iterations > 1);
+    EXPECT_EQ(w.report().messages.empty(), iterations > 1);
+    if (iterations == 1) {
+      EXPECT_NE(w.report().messages[0].find("less viscosity acts"), std::string::npos);
+    }
     EXPECT_LT(energy, 0.998 * start) << "nothing was braked";
     EXPECT_LE((fluid_momentum(w) - p).norm(), 1e-12 * p.norm()) << iterations;
     EXPECT_LE((angular_momentum(w) - l).norm(), 1e-12 * l.norm()) << iterations;

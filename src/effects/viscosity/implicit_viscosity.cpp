@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "core/archive.h"
 #include "core/refuse.h"
@@ -39,6 +40,13 @@ Status visit(Archive& archive, ImplicitViscositySettings& s) {
 
 bool all_finite(const Vector& x) {
   return std::all_of(x.begin(), x.end(), [](const Vec3& v) { return v.allFinite(); });
+}
+
+std::string of_unconverged(const ImplicitViscosityReport& report, const ImplicitViscositySettings& settings) {
+  std::ostringstream s;
+  s << "the residual is " << report.residual << " after " << report.iterations << " iterations, tolerance "
+    << settings.tolerance << ": less viscosity acts. Raise viscosity.max_iterations, or lower dt";
+  return s.str();
 }
 
 }  // namespace
@@ -158,6 +166,7 @@ void ImplicitViscosity::act(EffectForces& f) {
     report_.converged = false;
     report_.applied = 0;
   }
+  if (!report_.converged) f.message = of_unconverged(report_, settings_);
   w.apply(f, report_.applied);
 }
 
