@@ -67,10 +67,7 @@ void RigidBodyHost::scatter(SurfaceMotion& motion) {
 void RigidBodyHost::follow_nodes(const SurfaceMotion& motion) {
   btTransform end = start_;
   if (motion.x_t1 != motion.x_t0) {
-    std::vector<Vec3> displacement;
-    for (std::size_t i = 0; i < motion.x_t1.size(); ++i)
-      displacement.push_back(motion.x_t1[i] - motion.x_t0[i]);
-    const BodyPath path = path_of_body(motion, displacement.data());
+    const BodyPath path = path_of_body(motion);
     end.setOrigin(to_bt(path.end_of(to_vec3(start_.getOrigin()))));
     btMatrix3x3 rotation;
     for (int row = 0; row < 3; ++row) rotation[row] = to_bt(path.rotation.row(row).transpose());

@@ -72,7 +72,7 @@ class Zones {
   void translate_free(const std::vector<std::uint32_t>& members);
   void translate_with_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement);
   void move_with_body(const std::vector<std::uint32_t>& members, std::uint32_t surface,
-                      const std::vector<std::uint32_t>& other_bodies);
+                      const std::vector<std::uint32_t>& bodies);
   void carry_body(SurfaceMotion& carrier, std::uint32_t surface, const BodyPath& path,
                   const RidingVelocity& common);
   void hold(const std::vector<std::uint32_t>& members, bool hold_prescribed);

@@ -17,4 +17,10 @@ BodyPath path_of_body(const SurfaceMotion& s, const Vec3* displacement) {
   return {body.center_t0, body.center_t1, svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose()};
 }
 
+BodyPath path_of_body(const SurfaceMotion& s) {
+  std::vector<Vec3> displacement;
+  for (std::size_t i = 0; i < s.x_t1.size(); ++i) displacement.push_back(s.x_t1[i] - s.x_t0[i]);
+  return path_of_body(s, displacement.data());
+}
+
 }  // namespace oilskin

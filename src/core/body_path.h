@@ -16,5 +16,7 @@ struct BodyPath {
 /// R is the rotation that takes the nodes from x_t0 to x_t0 + displacement[i] with the least squares of
 /// errors [Kabsch1976]. `displacement` has as many as there are nodes of the surface, which has a body.
 BodyPath path_of_body(const SurfaceMotion& surface, const Vec3* displacement);
+/// To where contact left the nodes, x_t1.
+BodyPath path_of_body(const SurfaceMotion& surface);
 
 }  // namespace oilskin

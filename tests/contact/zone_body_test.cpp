@@ -10,6 +10,21 @@ namespace {
 
 using namespace test;
 
+/// Zones alone separate the particles from the surfaces.
+ContactReport resolve_by_zones(double dt, ParticleArrays& p, Span<SurfaceMotion* const> surfaces) {
+  ParticleMotion motion = p.motion();
+  ContactReport report;
+  StageSeconds seconds;
+  ContactSettings settings;
+  settings.ccd_iterations = 0;
+  settings.repulsion = Repulsion::none;
+  settings.verify = true;
+  EXPECT_TRUE(ContactSolver(settings).resolve(dt, motion, surfaces, report, seconds).ok());
+  EXPECT_EQ(report.crossings_found_by_verify, 0u);
+  EXPECT_EQ(report.removed, 0u);
+  return report;
+}
+
 TEST(BodyPath, is_the_rotation_of_the_nodes_also_of_flat_bodies) {
   Random random(14);
   for (int turn = 0; turn < 100; ++turn) {
@@ -105,16 +120,7 @@ TEST(Body, that_presses_particles_on_a_free_sheet_takes_both_along) {
     hull.body->center_t0 = center_t0;
     const Vec3 before = body.momentum() + momentum(p) + nodes();
     SurfaceMotion* surfaces[] = {&hull, &sheet};
-    ParticleMotion motion = p.motion();
-    ContactReport report;
-    StageSeconds seconds;
-    ContactSettings settings;
-    settings.ccd_iterations = 0;  // zones alone
-    settings.repulsion = Repulsion::none;
-    settings.verify = true;
-    ASSERT_TRUE(ContactSolver(settings).resolve(dt, motion, surfaces, report, seconds).ok());
-    EXPECT_EQ(report.crossings_found_by_verify, 0u);
-    EXPECT_EQ(report.removed, 0u);
+    const ContactReport report = resolve_by_zones(dt, p, surfaces);
     EXPECT_EQ(report.held, 0u) << "turn " << turn;
     rounds += report.zone_rounds;
     const Vec3 pushed = hull.body->impulse;
@@ -171,16 +177,7 @@ TEST(Body, that_presses_particles_on_another_takes_both_along) {
     const Vec3 turning_before = turning();
     const double energy_before = all_energy();
     SurfaceMotion* surfaces[] = {&above, &below};
-    ParticleMotion motion = p.motion();
-    ContactReport report;
-    StageSeconds seconds;
-    ContactSettings settings;
-    settings.ccd_iterations = 0;  // zones alone
-    settings.repulsion = Repulsion::none;
-    settings.verify = true;
-    ASSERT_TRUE(ContactSolver(settings).resolve(dt, motion, surfaces, report, seconds).ok());
-    EXPECT_EQ(report.crossings_found_by_verify, 0u);
-    EXPECT_EQ(report.removed, 0u);
+    const ContactReport report = resolve_by_zones(dt, p, surfaces);
     EXPECT_EQ(report.held, 0u) << "turn " << turn;
     rounds += report.zone_rounds;
     const double scale = upper.momentum().norm() + above.body->impulse.norm();

@@ -59,17 +59,17 @@ TEST(Errors, count_compression_only) {
 TEST(PressureLoop, ends_at_the_tolerance_or_at_the_limit) {
   PressureLoop loop(1, 50);
   const auto halved = [](int n) { return std::pow(0.5, n); };
-  EXPECT_EQ(iterations_until(loop, {1e-2, 1, 1e-3, {}}, halved), 7);
+  EXPECT_EQ(iterations_until(loop, {1e-2, 1, {}}, halved), 7);
   EXPECT_TRUE(loop.converged());
-  EXPECT_EQ(iterations_until(loop, {1e-2, 10, 1e-3, {}}, halved), 10);
-  EXPECT_EQ(iterations_until(loop, {1e-2, 1, 1e-3, {}}, [](int) { return 0.02; }), 50);
+  EXPECT_EQ(iterations_until(loop, {1e-2, 10, {}}, halved), 10);
+  EXPECT_EQ(iterations_until(loop, {1e-2, 1, {}}, [](int) { return 0.02; }), 50);
   EXPECT_FALSE(loop.converged());
   EXPECT_FALSE(loop.diverged());
 }
 
 TEST(PressureLoop, a_growing_error_halves_the_relaxation) {
   PressureLoop loop(0.8, 100);
-  loop.start({1e-3, 1, 1e-3, {}});
+  loop.start({1e-3, 1, {}});
   int restarts = 0;
   for (int n = 1; n <= 8; ++n) restarts += loop.judge(errors_of(0.1 * n)).restart;
   EXPECT_EQ(restarts, 2) << "after three larger errors in a row each";
@@ -81,17 +81,17 @@ TEST(PressureLoop, a_growing_error_halves_the_relaxation) {
   EXPECT_EQ(loop.relaxation(), 0.8);
 
   // Near the tolerance a growing error is no divergence.
-  loop.start({1e-3, 1, 1e-3, {}});
+  loop.start({1e-3, 1, {}});
   for (int n = 1; n <= 8; ++n) EXPECT_FALSE(loop.judge(errors_of(2e-3 + 1e-4 * n)).restart);
 
   // Nor is one that creeps.
-  loop.start({1e-3, 1, 1e-3, {}});
+  loop.start({1e-3, 1, {}});
   for (int n = 1; n <= 50; ++n) EXPECT_FALSE(loop.judge(errors_of(0.1 + 1e-4 * n)).restart);
 }
 
 TEST(PressureLoop, an_error_that_is_not_finite_resets_the_pressures) {
   PressureLoop loop(1, 3);
-  loop.start({1e-3, 1, 1e-3, {}});
+  loop.start({1e-3, 1, {}});
   const PressureLoop::Verdict lost = loop.judge(errors_of(std::numeric_limits<double>::quiet_NaN()));
   EXPECT_FALSE(lost.finite);
   EXPECT_TRUE(lost.restart);
@@ -106,9 +106,9 @@ TEST(PressureLoop, the_number_of_iterations_does_not_fall_below_what_was_needed_
   PressureLoop loop(1, 100);
   IterationController controller;
   const auto step = [&](double needed) {
-    const int n = iterations_until(loop, {tolerance, 2, dt, controller},
+    const int n = iterations_until(loop, {tolerance, 2, controller},
                                    [&](int k) { return 0.8 * tolerance * needed * needed / (k * k); });
-    controller = loop.next_controller();
+    controller = loop.next_controller(dt);
     return n;
   };
   EXPECT_EQ(step(45), 41) << "it rises at once: the margin is 0.8";
@@ -130,10 +130,10 @@ TEST(PressureLoop, the_number_of_iterations_does_not_fall_below_what_was_needed_
 TEST(PressureLoop, a_step_that_does_not_converge_needed_all_its_iterations) {
   PressureLoop loop(1, 12);
   IterationController controller;
-  EXPECT_EQ(iterations_until(loop, {1e-3, 2, 1e-3, controller}, [](int) { return 1; }), 12);
-  controller = loop.next_controller();
+  EXPECT_EQ(iterations_until(loop, {1e-3, 2, controller}, [](int) { return 1; }), 12);
+  controller = loop.next_controller(1e-3);
   EXPECT_EQ(controller.floor(), 12);
-  EXPECT_EQ(iterations_until(loop, {1e-3, 2, 1e-3, controller}, [](int) { return 1e-6; }), 12);
+  EXPECT_EQ(iterations_until(loop, {1e-3, 2, controller}, [](int) { return 1e-6; }), 12);
 }
 
 }  // namespace

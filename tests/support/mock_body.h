@@ -63,9 +63,7 @@ class MockBody : public SurfaceHost {
     spin += m.body->inverse_inertia * m.body->angular_impulse;
     if (m.x_t1 == corners()) return;
     ++held;
-    std::vector<Vec3> displacement;
-    for (std::size_t i = 0; i < m.x_t1.size(); ++i) displacement.push_back(m.x_t1[i] - m.x_t0[i]);
-    const BodyPath path = path_of_body(m, displacement.data());
+    const BodyPath path = path_of_body(m);
     const bool stands = m.x_t1 == m.x_t0;
     center = stands ? before_.first : path.end_of(before_.first);
     rotation = stands ? before_.second : Eigen::Matrix3d(path.rotation * before_.second);

@@ -162,7 +162,7 @@ void Dfsph::solve_divergence(StepState& state, FluidReport& report) {
   const Errors at_start = correct(state, start_rates, error_of);
   const double tolerance = fluid_.settings.divergence_tolerance;
   if (!(at_start.mean(at_start.sum) > tolerance)) return;
-  iterate(state, Solver::divergence, {tolerance, 1, state.dt, {}});
+  iterate(state, Solver::divergence, {tolerance, 1, {}});
   report.divergence_iterations = loop_.iterations();
   report.diverged = loop_.diverged();
   state.for_each([&](std::size_t i) { min_phi_[i] = x_phi_[i].w; });
@@ -199,9 +199,9 @@ void Dfsph::solve_density(StepState& state, const std::vector<double>& pressure,
   });
   restart_momentum(state);
   iterate(state, Solver::density,
-          {fluid_.error_per_step(state), fluid_.settings.min_iterations, state.dt, controller_});
+          {fluid_.error_per_step(state), fluid_.settings.min_iterations, controller_});
   write(loop_, report);
-  controller_ = loop_.next_controller();
+  controller_ = loop_.next_controller(state.dt);
 }
 
 float Dfsph::density_error(const StepState& state, std::size_t i, float compressed, Errors& errors) const {

@@ -76,7 +76,7 @@ void Pcisph::begin_step(StepState& state, const std::vector<double>& pressure) {
 }
 
 void Pcisph::iterate(StepState& state) {
-  loop_.start({fluid_.settings.tolerance, fluid_.settings.min_iterations, state.dt, {}});
+  loop_.start({fluid_.settings.tolerance, fluid_.settings.min_iterations, {}});
   PressureLoop::Verdict verdict;
   do {
     predict_positions(state);

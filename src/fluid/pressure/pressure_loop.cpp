@@ -34,8 +34,8 @@ void IterationController::visit(Archive& archive) {
 
 int IterationController::floor() const {
   const double fallen = iterations - std::max(1.0, max_fall * iterations);
-  return static_cast<int>(std::min<double>(
-      std::lround(std::min(std::max({needed_now, needed_before, fallen}), 1e6)), iterations));
+  return static_cast<int>(
+      std::lround(std::min(std::max({needed_now, needed_before, fallen}), 1.0 * iterations)));
 }
 
 void PressureLoop::visit(Archive& archive) {
@@ -82,10 +82,10 @@ bool PressureLoop::may_end() const {
   return converged_ && iterations_ >= std::max(goal_.min_iterations, goal_.controller.floor());
 }
 
-IterationController PressureLoop::next_controller() const {
+IterationController PressureLoop::next_controller(double dt) const {
   IterationController next = goal_.controller;
   next.iterations = iterations_;
-  next.interval_elapsed += goal_.dt;
+  next.interval_elapsed += dt;
   if (next.interval_elapsed > kept_time) {
     next.needed_before = next.needed_now;
     next.needed_now = next.interval_elapsed = 0;

@@ -57,7 +57,6 @@ struct IterationController {
 struct LoopGoal {
   double tolerance = 0;  // of the mean error above the target
   int min_iterations = 1;
-  double dt = 0;  // [s]
   IterationController controller;
 };
 
@@ -92,7 +91,8 @@ class PressureLoop {
   const Errors& errors() const { return errors_; }
   bool converged() const { return converged_; }
   bool diverged() const { return diverged_; }  ///< and was restarted
-  IterationController next_controller() const;
+  /// After a step of dt [s].
+  IterationController next_controller(double dt) const;
 
   void visit(Archive& archive);
 
