@@ -1,14 +1,11 @@
 // Messages to the owner of a coupling, and objects that the owner deleted.
 #include <algorithm>
-#include <string_view>
 
 #include "coupling_impl.h"
 
 namespace oilskin::bullet {
 
 namespace {
-
-constexpr std::size_t most_messages = 256;
 
 std::string left_the_world(const Attachment& a) {
   const char* kind = a.cloth ? "a cloth" : "a collision object";
@@ -17,30 +14,10 @@ std::string left_the_world(const Attachment& a) {
   return text + "; attach it again if it comes back";
 }
 
-/// Equal for messages about the same surfaces that differ in numbers alone: the message without what numbers
-/// are written with, and the numbers of its surfaces.
-std::string kind_of(const std::string& message) {
-  constexpr std::string_view in_numbers = "0123456789.e+-", before_id = "surface ";
-  std::string kind;
-  for (const char c : message)
-    if (in_numbers.find(c) == std::string_view::npos) kind += c;
-  for (std::size_t at = message.find(before_id); at != std::string::npos; at = message.find(before_id, at)) {
-    at += before_id.size();
-    kind += ' ' + message.substr(at, message.find_first_not_of("0123456789", at) - at);
-  }
-  return kind;
-}
-
 }  // namespace
 
 void btFluidCoupling::Impl::note(const std::string& message) {
-  const std::string kind = kind_of(message);
-  const auto known = std::find_if(messages.begin(), messages.end(),
-                                  [&](const std::string& other) { return kind_of(other) == kind; });
-  if (known != messages.end())
-    *known = message;
-  else if (messages.size() < most_messages)
-    messages.push_back(message);
+  add_message(message, &messages);
 }
 
 void btFluidCoupling::Impl::note_report(const StepReport& report) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "core/assert.h"
 
@@ -71,10 +72,18 @@ namespace {
 
 constexpr std::size_t most_messages = 256;
 
-void add_messages(const std::vector<std::string>& from, std::vector<std::string>& to) {
-  for (const std::string& message : from)
-    if (to.size() < most_messages && std::find(to.begin(), to.end(), message) == to.end())
-      to.push_back(message);
+/// Equal for messages about the same surfaces that differ in numbers alone: the message without what numbers
+/// are written with, and the numbers of its surfaces.
+std::string kind_of(const std::string& message) {
+  constexpr std::string_view in_numbers = "0123456789.e+-", before_id = "surface ";
+  std::string kind;
+  for (const char c : message)
+    if (in_numbers.find(c) == std::string_view::npos) kind += c;
+  for (std::size_t at = message.find(before_id); at != std::string::npos; at = message.find(before_id, at)) {
+    at += before_id.size();
+    kind += ' ' + message.substr(at, message.find_first_not_of("0123456789", at) - at);
+  }
+  return kind;
 }
 
 template <class T>
@@ -87,7 +96,7 @@ void keep_larger(T& largest, const T& value) {
 // Structured bindings name every member: a new member that is not added does not compile.
 void StepReport::add(const StepReport& next) {
   if (status.ok()) status = next.status;
-  add_messages(next.messages, messages);
+  for (const std::string& message : next.messages) add_message(message, &messages);
   if (!next.status.ok()) return;
   const bool is_first = dt == 0;
   const double made_before = energy.made_in_step, speed_before = energy.max_speed;
@@ -151,6 +160,17 @@ std::vector<std::string> flag_texts(std::uint32_t flags) {
   for (const auto& [bit, text] : all)
     if ((flags & bit) != 0) texts.emplace_back(text);
   return texts;
+}
+
+void add_message(const std::string& message, std::vector<std::string>* list) {
+  OILSKIN_ASSERT(list != nullptr);
+  const std::string kind = kind_of(message);
+  const auto known =
+      std::find_if(list->begin(), list->end(), [&](const std::string& m) { return kind_of(m) == kind; });
+  if (known != list->end())
+    *known = message;
+  else if (list->size() < most_messages)
+    list->push_back(message);
 }
 
 }  // namespace oilskin

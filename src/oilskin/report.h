@@ -317,9 +317,12 @@ struct StepReport {
   /// momenta that entered, left, came from gravity, effects, or are owed. `fluid`: worst_of(). Largest:
   /// substeps_needed, carried_ratio, load_speed; smallest: iteration_limit, where there is one. `flags` are
   /// or-ed. Of the first step: momentum_before; of the last: step, time, alive, momentum_after, energy, but
-  /// for made_in_step (sum) and max_speed (largest). `status` is the first refusal. Each message stays once,
-  /// in order; at most 256.
+  /// for made_in_step (sum) and max_speed (largest). `status` is the first refusal. Messages: add_message().
   void add(const StepReport& next);
 };
+
+/// Adds a message to a list, in place of the one about the same surfaces that differs from it in numbers
+/// alone, if there is one. A list has at most 256; what comes later is left out.
+void add_message(const std::string& message, std::vector<std::string>* list);
 
 }  // namespace oilskin

@@ -76,11 +76,20 @@ TEST(ReportSum, a_refused_step_adds_its_reason_alone) {
   EXPECT_EQ(sum.dt, 0.5);
 }
 
+TEST(ReportSum, of_messages_that_differ_in_numbers_the_last_stays) {
+  std::vector<std::string> list;
+  for (const char* message : {"5 particles of surface 1", "2 particles of surface 2",
+                              "1.5e+3 particles of surface 1", "no particles"})
+    add_message(message, &list);
+  EXPECT_EQ(list, (std::vector<std::string>{"1.5e+3 particles of surface 1", "2 particles of surface 2",
+                                            "no particles"}));
+}
+
 TEST(ReportSum, messages_are_limited) {
   StepReport sum;
   for (int i = 0; i < 1000; ++i) {
     StepReport r = report_of(0, 1);
-    r.messages = {std::to_string(i)};
+    r.messages = {std::string(static_cast<std::size_t>(i + 1), 'x')};
     sum.add(r);
   }
   EXPECT_EQ(sum.messages.size(), 256u);

@@ -44,10 +44,10 @@ void Totals::add(const StepReport& r) {
   flags |= r.flags;
   for (const std::string& message : r.messages) {
     if (message.rfind("energy made", 0) == 0) {
-      // It has other numbers in every step: that of the worst step remains.
+      // That of the worst step remains, not the last one.
       if (r.energy.risen_fraction() > max_risen_fraction) energy_message = message;
-    } else if (std::find(messages.begin(), messages.end(), message) == messages.end()) {
-      messages.push_back(message);
+    } else {
+      add_message(message, &messages);
     }
   }
   max_risen_fraction = std::max(max_risen_fraction, r.energy.risen_fraction());
