@@ -104,20 +104,22 @@ TEST_P(Incompressible, reaches_a_tight_tolerance_and_its_minimum) {
 }
 
 TEST_P(Incompressible, compressed_start_recovers) {
-  Tank tank(settings());
-  tank.walls = false;
-  tank.gravity.setZero();
-  tank.fill(10, 10, 10, 0.7 * dx);
-  double fastest = 0;
-  for (int step = 0; step < 100; ++step) {
-    tank.step(5e-4);
-    ASSERT_TRUE(tank.finite());
-    fastest = std::max(fastest, tank.fastest());
+  for (const double distance : {0.7, 0.8, 0.9}) {
+    Tank tank(settings());
+    tank.walls = false;
+    tank.gravity.setZero();
+    tank.fill(10, 10, 10, distance * dx);
+    double fastest = 0;
+    for (int step = 0; step < 100; ++step) {
+      tank.step(5e-4);
+      ASSERT_TRUE(tank.finite());
+      fastest = std::max(fastest, tank.fastest());
+    }
+    EXPECT_LT(tank.densest(), 1010) << distance;
+    // Made incompressible within one step, its outermost layer would leave at 15 m/s.
+    EXPECT_LT(fastest, 5) << distance;
+    EXPECT_LE(tank.velocity_sum().norm(), 1e-12 * tank.speed_sum()) << distance;
   }
-  EXPECT_LT(tank.densest(), 1010);
-  // Made incompressible within one step, its outermost layer would leave at 15 m/s.
-  EXPECT_LT(fastest, 5);
-  EXPECT_LE(tank.velocity_sum().norm(), 1e-12 * tank.speed_sum());
 }
 
 TEST_P(Incompressible, larger_support_is_stable_with_the_relaxed_stiffness) {

@@ -11,6 +11,7 @@
 #include "core/assert.h"
 #include "fluid/pressure/contact_bounds.h"
 #include "fluid/pressure/density_response.h"
+#include "fluid/pressure/energy_bound.h"
 #include "fluid/pressure/gradient_correction.h"
 #include "fluid/pressure/image_pairs.h"
 #include "fluid/pressure/momentum.h"
@@ -202,6 +203,9 @@ void Dfsph::solve_density(StepState& state, const std::vector<double>& pressure,
           {fluid_.error_per_step(state), fluid_.settings.min_iterations, controller_});
   write(loop_, report);
   controller_ = loop_.next_controller(state.dt);
+  bound_energy(
+      fluid_, loop_, state, x_phi_, [&] { displace(state); },
+      [&](std::size_t i) { return to_vector(displacement_[i]); });
 }
 
 float Dfsph::density_error(const StepState& state, std::size_t i, float compressed, Errors& errors) const {

@@ -104,6 +104,20 @@ double IncompressibleFluid::error_per_step(const StepState& state) const {
   return settings.tolerance * std::min(1.0, 2 * state.dt / correction(state, settings).linear_time);
 }
 
+CorrectionEnergy IncompressibleFluid::energy_of_correction(const StepState& state) const {
+  const double recovery_time = correction(state, settings).recovery_time, dx = 1 / settings.support_ratio;
+  const double slow = 0.1 * dx * state.dt / recovery_time;
+  CorrectionEnergy energy;
+  energy.of_all = slow * slow * state.dt / recovery_time;
+  energy.of_overlap = dx * -std::expm1(-state.dt / overlap_time);
+  return energy;
+}
+
+double CorrectionEnergy::of(double relative_density) const {
+  const double d = of_overlap * std::max(0.0, relative_density - 1 - static_cast<double>(overlap));
+  return of_all + d * d;
+}
+
 void set_targets(const StepState& state, const FluidSettings& settings, std::vector<float>& target) {
   OILSKIN_ASSERT(state.relative_density.size() == state.size());
   const Correction c = correction(state, settings);

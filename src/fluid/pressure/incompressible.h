@@ -11,6 +11,14 @@
 
 namespace oilskin::fluid {
 
+/// What a loop that has not converged may add to |displacement|² [H²], per particle (F.83): for the water as
+/// a whole u² dt/t_r, u a tenth of a spacing within t_r; for particles that overlap what separates them.
+struct CorrectionEnergy {
+  double of_all = 0, of_overlap = 0;
+
+  double of(double relative_density) const;
+};
+
 /// Constants of an incompressible fluid, from its settings.
 struct IncompressibleFluid {
   explicit IncompressibleFluid(const FluidSettings& settings);
@@ -36,6 +44,7 @@ struct IncompressibleFluid {
   double warm_start(const StepState& state) const;
   /// η of the stop rule (F.19): at most `settings.tolerance`.
   double error_per_step(const StepState& state) const;
+  CorrectionEnergy energy_of_correction(const StepState& state) const;
 };
 
 /// ē_i (F.18): the density errors that the step aims at, 0 except for over-compressed

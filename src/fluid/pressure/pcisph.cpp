@@ -1,6 +1,7 @@
 /// Predictive–corrective incompressible SPH [Solenthaler2009] with the cubic spline.
 #include "core/assert.h"
 #include "fluid/pressure/contact_bounds.h"
+#include "fluid/pressure/energy_bound.h"
 #include "fluid/pressure/image_pairs.h"
 #include "fluid/pressure/momentum.h"
 #include "fluid/pressure/pressure_loop.h"
@@ -52,6 +53,9 @@ void Pcisph::pressure_terms(StepState& state, std::vector<double>& pressure, Flu
   begin_step(state, pressure);
   iterate(state);
   write(loop_, report);
+  bound_energy(
+      fluid_, loop_, state, x_phi_, [&] { predict_positions(state); },
+      [&](std::size_t i) { return Vec3(to_vector(predicted_[i]) - to_vector(x_phi_[i])); });
   apply_pressure(state, x_phi_, fluid_.support_radius / state.dt);
   walls_.apply(state, x_phi_);
   const double scale = fluid_.phi_per_pascal(state.dt);
