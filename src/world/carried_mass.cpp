@@ -39,6 +39,18 @@ Vec3 owed(const SurfaceMotion& m) {
   return sum;
 }
 
+/// r of (C.42): carried over own mass that the loaded nodes need on average, weighted by the loads.
+double needed_ratio(double dt, const FluidSettings& fluid, const Attachment& a) {
+  double needed = 0, loads = 0;
+  for (std::size_t i = 0; i < a.mean_load.size(); ++i) {
+    if (a.motion.inverse_mass[i] == 0) continue;
+    const double load = a.mean_load[i].norm(), motion = dt * dt * load / own_mass(a.motion, i);
+    needed += load * std::max(0.0, motion / (largest_motion * fluid.spacing) - 1);
+    loads += load;
+  }
+  return loads > 0 ? needed / loads : 0;
+}
+
 void record_load(double dt, Attachment& a) {
   const SurfaceMotion& m = a.motion;
   if (a.mean_load.size() != m.impulse.size()) a.mean_load.assign(m.impulse.size(), Vec3::Zero());
@@ -58,12 +70,13 @@ void update_carried_mass(double dt, const FluidSettings& fluid, Attachment& a, S
   record_load(dt, a);
   const std::vector<double> area = node_areas(m);
   const double most = largest_share * fluid.rest_density * fluid.spacing;
+  const double ratio = needed_ratio(dt, fluid, a);
   m.carried_mass.assign(m.x_t1.size(), 0);
   for (std::size_t i = 0; i < m.x_t1.size(); ++i) {
     if (m.inverse_mass[i] == 0) continue;
     const double own = own_mass(m, i), load = a.mean_load[i].norm();
-    const double carried = std::min(dt * dt * load / (largest_motion * fluid.spacing) - own, most * area[i]);
     report.load_speed = std::max(report.load_speed, load * dt / own);
+    const double carried = load > 0 ? std::min(ratio * own, most * area[i]) : 0;
     if (!(carried > 0)) continue;
     m.carried_mass[i] = carried;
     report.carried_ratio = std::max(report.carried_ratio, carried / own);

@@ -1,6 +1,6 @@
 // Worlds drawn at random in which nothing but gravity and nozzles does work: energy must not rise by itself.
 // OILSKIN_WORLDS_FIRST=<seed> OILSKIN_WORLDS_COUNT=1 OILSKIN_WORLDS_TABLE=1 runs one again and prints it;
-// OILSKIN_WORLDS_SCENES=<folder> writes its scene file, OILSKIN_WORLDS_ALL=1 judges every world.
+// OILSKIN_WORLDS_SCENES=<folder> writes its scene file.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -224,15 +224,8 @@ std::uint64_t from_environment(const char* name, std::uint64_t value) {
   return text ? std::strtoull(text, nullptr, 10) : value;
 }
 
+/// The long form fails: seeds 33 and 67, jets on heavy cloth, make 5.1 and 1.1 %.
 constexpr double limit = 0.01;
-
-/// The mock host does not add the water that its cloth carries (SurfaceMotion::carried_mass), so that light
-/// cloth makes energy at long steps (seed 2). The short form counts such worlds; the long one judges them,
-/// too, and fails: seeds 33 and 67, jets on heavy cloth, make 4.6 and 1.0 %.
-bool is_judged(const Drawn& drawn, bool all) {
-  const bool light = drawn.mass_ratio > 0 && drawn.mass_ratio < 1;
-  return all || !(light && drawn.scene.host == HostKind::mock);
-}
 
 void print(std::uint64_t seed, const Drawn& drawn, const Verdict& v) {
   std::cout << std::setw(6) << seed << std::setprecision(3) << std::setw(10) << 100 * v.made << std::setw(10)
@@ -251,7 +244,6 @@ TEST(EnergyWorlds, energy_never_rises_by_itself) {
   const std::uint64_t count = from_environment("OILSKIN_WORLDS_COUNT", 30);
   const bool table = from_environment("OILSKIN_WORLDS_TABLE", 0) != 0;
   if (table) std::cout << "  seed    made %   risen %   total %     dry %\n";
-  const bool all = from_environment("OILSKIN_WORLDS_ALL", 0) != 0;
   std::uint64_t gains_dry = 0, failed = 0, judged = 0;
   for (std::uint64_t seed = first; seed < first + count; ++seed) {
     const Drawn drawn = Drawing(seed).take();
@@ -260,7 +252,7 @@ TEST(EnergyWorlds, energy_never_rises_by_itself) {
     if (table) print(seed, drawn, v);
     gains_dry += v.dry > limit;
     failed += v.made > limit;
-    if (v.dry > limit || !is_judged(drawn, all)) continue;
+    if (v.dry > limit) continue;
     ++judged;
     EXPECT_LE(v.made, limit) << "seed " << seed << ": " << drawn.what;
   }
@@ -286,7 +278,7 @@ TEST(EnergyWorlds, sinks_ages_and_force_fields_do_not_let_energy_rise) {
     drained += v.drained;
     aged += v.aged;
     worked += v.work_outside != 0;
-    if (v.dry > limit || !is_judged(drawn, false)) continue;
+    if (v.dry > limit) continue;
     ++judged;
     EXPECT_LE(v.made, limit) << "seed " << seed << ": " << drawn.what;
   }

@@ -1,5 +1,6 @@
 /// Water and cloth come to rest: their kinetic energy per mass, at the end against earlier.
 #include "checks/check.h"
+#include "checks/node_mass.h"
 
 namespace oilskin::demo {
 namespace {
@@ -14,8 +15,8 @@ double specific_energy(const Moment& now) {
     if (motion == nullptr) continue;
     for (std::size_t i = 0; i < motion->velocity.size(); ++i) {
       if (motion->inverse_mass[i] == 0) continue;
-      energy += 0.5 / motion->inverse_mass[i] * motion->velocity[i].squaredNorm();
-      mass += 1 / motion->inverse_mass[i];
+      energy += 0.5 * node_mass(*motion, i) * motion->velocity[i].squaredNorm();
+      mass += node_mass(*motion, i);
     }
   }
   return mass > 0 ? energy / mass : never;

@@ -1,5 +1,7 @@
 #include "checks/pin_impulse.h"
 
+#include "checks/node_mass.h"
+
 namespace oilskin::demo {
 
 void PinImpulse::after_step(const Moment& now) {
@@ -19,7 +21,7 @@ void PinImpulse::add(const SurfaceMotion& motion, std::vector<Vec3>& velocity_be
     // A pin takes the impulse on a pinned node; the change of a free node contains its own.
     last_ -= motion.impulse[i];
     if (motion.inverse_mass[i] == 0) continue;
-    const double m = 1 / motion.inverse_mass[i];
+    const double m = node_mass(motion, i);
     last_ += m * (motion.velocity[i] - velocity_before[i]);
     free_mass_ += m;
   }

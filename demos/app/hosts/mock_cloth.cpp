@@ -1,6 +1,7 @@
 #include "hosts/mock_cloth.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "scene/tank.h"
@@ -111,12 +112,26 @@ Gathered MockCloth::gather(double, SurfaceMotion& motion) {
   motion.velocity = v_;
   motion.inverse_mass = inverse_mass_;
   motion.holdable.assign(x_.size(), 1);
+  add_carried_mass(motion);
   return result;
+}
+
+/// Links are satisfied whatever the masses are. What the links pass on needs a support.
+void MockCloth::add_carried_mass(SurfaceMotion& motion) const {
+  motion.added_mass.clear();
+  const bool is_supported = std::find(inverse_mass_.begin(), inverse_mass_.end(), 0) != inverse_mass_.end();
+  if (!is_supported || motion.carried_mass.size() != x_.size()) return;
+  motion.added_mass.assign(x_.size(), 0);
+  for (std::size_t i = 0; i < x_.size(); ++i) {
+    if (inverse_mass_[i] == 0 || motion.carried_mass[i] == 0) continue;
+    motion.added_mass[i] = motion.carried_mass[i];
+    motion.inverse_mass[i] = 1 / (1 / inverse_mass_[i] + motion.carried_mass[i]);
+  }
 }
 
 void MockCloth::scatter(SurfaceMotion& motion) {
   for (std::size_t i = 0; i < x_.size(); ++i) {
-    v_[i] += inverse_mass_[i] * motion.impulse[i];
+    v_[i] += motion.inverse_mass[i] * motion.impulse[i];
     if (motion.moved[i]) x_[i] = motion.x_t1[i];
   }
   motion.x_t1 = x_;

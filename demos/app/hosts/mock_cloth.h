@@ -30,6 +30,7 @@ class MockCloth : public SurfaceHost {
   void prescribe(double t);
   void hold(const Grip& grip);
   void project_links();
+  void add_carried_mass(SurfaceMotion& motion) const;
   double wet_mass(std::size_t node) const {
     return model_.mass[node] + (absorbed_.empty() ? 0 : absorbed_[node]);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "checks/node_mass.h"
 #include "scene/scene.h"
 
 namespace oilskin::demo {
@@ -29,13 +30,14 @@ double depth_of(const World& world, double mass, double area) {
 Vec3 free_momentum(const SurfaceMotion& motion) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < motion.velocity.size(); ++i)
-    if (motion.inverse_mass[i] > 0) sum += motion.velocity[i] / motion.inverse_mass[i];
+    if (motion.inverse_mass[i] > 0) sum += node_mass(motion, i) * motion.velocity[i];
   return sum;
 }
 
 double free_mass(const SurfaceMotion& motion) {
   double sum = 0;
-  for (const double inverse : motion.inverse_mass) sum += inverse > 0 ? 1 / inverse : 0;
+  for (std::size_t i = 0; i < motion.inverse_mass.size(); ++i)
+    if (motion.inverse_mass[i] > 0) sum += node_mass(motion, i);
   return sum;
 }
 
