@@ -20,6 +20,10 @@ constexpr double largest_motion = 0.03;
 /// Of a layer of particles: the most that a node carries (C.29).
 constexpr double largest_share = 0.5;
 
+/// Nodes whose load, times this, would not move them farther carry nothing (C.29): nodes that the water
+/// hardly touches, or has left, must not strike it as if they were heavy.
+constexpr double smallest_load = 64;
+
 /// A third of the areas of the triangles at each node [m²].
 std::vector<double> node_areas(const SurfaceMotion& m) {
   std::vector<double> area(m.x_t1.size(), 0);
@@ -76,7 +80,8 @@ void update_carried_mass(double dt, const FluidSettings& fluid, Attachment& a, S
     if (m.inverse_mass[i] == 0) continue;
     const double own = own_mass(m, i), load = a.mean_load[i].norm();
     report.load_speed = std::max(report.load_speed, load * dt / own);
-    const double carried = load > 0 ? std::min(ratio * own, most * area[i]) : 0;
+    const double by_load = smallest_load * dt * dt * load / (largest_motion * fluid.spacing) - own;
+    const double carried = std::min({ratio * own, most * area[i], by_load});
     if (!(carried > 0)) continue;
     m.carried_mass[i] = carried;
     report.carried_ratio = std::max(report.carried_ratio, carried / own);
