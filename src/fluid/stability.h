@@ -27,6 +27,12 @@ inline double viscous_step(const FluidSettings& s, double dt) {
   return std::min(s.viscosity * dt, largest_viscous_step(s, dt));
 }
 
+/// Half the largest eigenvalue of the viscous term in an interval of dt [s] at rest density (F.12).
+inline double viscous_load(const FluidSettings& s, double dt) {
+  const double h = support_radius(s);
+  return 0.93 * viscous_step(s, dt) / (viscous_limit * h * h);
+}
+
 /// The longest interval [s] in which viscosity need not be limited; infinity without viscosity (F.66).
 inline double longest_viscous_interval(const FluidSettings& s) {
   if (!(s.viscosity > 0)) return std::numeric_limits<double>::infinity();

@@ -94,6 +94,42 @@ TEST(Viscosity, of_any_size_makes_no_energy_at_any_step) {
       }
 }
 
+/// A block at `packing` spacings between particles, each with a random velocity.
+void expect_friction_to_damp(const FluidSettings& fluid, double packing, double dt, Random& random) {
+  World w(box(1), fluid);
+  std::vector<Vec3> x, v;
+  Vec3 before = Vec3::Zero();
+  for (int i = 0; i < 512; ++i) {
+    x.push_back(packing * fluid.spacing * Vec3(i % 8, i / 8 % 8, i / 64));
+    v.push_back(random.in_cube(0.01));
+    before += v.back();
+  }
+  ASSERT_TRUE(w.add_particles(x, v, nullptr).ok());
+  double energy = kinetic(w);
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_LE(w.step(dt).substeps, 1);
+    EXPECT_LE(kinetic(w), energy) << "packing " << packing << ", dt " << dt << ", step " << k;
+    energy = kinetic(w);
+  }
+  Vec3 after = Vec3::Zero();
+  for (const Vec3& velocity : w.velocities()) after += velocity;
+  EXPECT_LE((after - before).norm(), 1e-5 * before.norm());
+}
+
+TEST(Smoothing, of_clusters_that_are_too_dense_makes_no_energy) {
+  Random random(5);
+  FluidSettings fluid = thick(0, 1, PressureSolver::mcg03);
+  fluid.stiffness = 1e-12;  // only the friction acts
+  for (const double rate : {1.0, 40.0, 1e4})
+    for (const double packing : {1.0, 0.7, 0.5, 0.35})
+      for (const double dt : {1e-3, 1.0 / 60}) {
+        fluid.xsph_rate = rate;
+        fluid.xsph_strain = 1;
+        fluid.viscosity = rate > 1 ? 0 : 1e-3;
+        expect_friction_to_damp(fluid, packing, dt, random);
+      }
+}
+
 TEST(Smoothing, that_is_not_named_follows_from_spacing_and_gravity) {
   const auto smoothing = [](const FluidSettings& s) {
     const World w(box(1, Vec3(0, -9.81, 0)), s);

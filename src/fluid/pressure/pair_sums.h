@@ -1,8 +1,11 @@
 /// The pair loops of a step, chunk by chunk.
 #pragma once
 
+#include <algorithm>
+
 #include "fluid/kernels.h"
 #include "fluid/pressure/step_state.h"
+#include "fluid/stability.h"
 #include "oilskin/settings.h"
 
 namespace oilskin::fluid {
@@ -48,19 +51,41 @@ inline void add_wall_density(StepState& state) {
 struct ExplicitModel {
   float density_scale, self_density;
   PairFriction friction;
+  float friction_load;  ///< half the largest eigenvalue of all friction at ρ0; it grows with ρ (F.84)
 
   ExplicitModel(const FluidSettings& s, double volume, double support_radius, double dt)
       : density_scale(static_cast<float>(volume * CubicSpline::norm / std::pow(support_radius, 3))),
         self_density(density_scale * static_cast<float>(CubicSpline::w(0.0))) {
-    friction.smoothing = static_cast<float>(-std::expm1(-s.xsph_rate.value_or(0) * dt)) * density_scale;
+    const double smoothing = -std::expm1(-s.xsph_rate.value_or(0) * dt), most_by_strain = 0.125;
+    friction.smoothing = static_cast<float>(smoothing) * density_scale;
     friction.by_strain = static_cast<float>(s.xsph_strain.value_or(0) * dt / s.spacing) * density_scale;
-    friction.most_by_strain = 0.125f * density_scale;
+    friction.most_by_strain = static_cast<float>(most_by_strain) * density_scale;
+    friction_load = static_cast<float>(viscous_load(s, dt) + 0.5 * smoothing +
+                                       (friction.by_strain > 0 ? 0.5 * most_by_strain : 0));
   }
 };
 
 /// Whether velocities of pairs act at all.
 inline bool has_friction(const FluidSettings& s) {
   return s.viscosity > 0 || s.xsph_rate.value_or(0) > 0 || s.xsph_strain.value_or(0) > 0;
+}
+
+/// The part of the friction that is stable at the largest density (F.84).
+inline float stable_friction(const StepState& state, const ExplicitModel& model) {
+  float densest = 1;
+  for (std::size_t i = 0; i < state.size(); ++i) densest = std::max(densest, state.relative_density[i]);
+  return std::min(1.0f, 1 / (densest * model.friction_load));
+}
+
+/// dv += scale · friction of all particles.
+inline void add_friction(StepState& state, const ExplicitModel& model, double scale) {
+  state.for_chunks([&](std::size_t begin, std::size_t end) {
+    float density[chunk_size];
+    Change friction[chunk_size];
+    pair_kernels().start(pair_table(state, begin), state.position().data(), state.velocity.data(),
+                         model.friction, {begin, end}, {density, friction, nullptr});
+    for (std::size_t i = begin; i < end; ++i) state.dv[i] += scale * to_vector(friction[i - begin]);
+  });
 }
 
 /// Density, slopes and, `with_friction`, viscosity and XSPH of all particles. keep(rates, i) takes the rates
@@ -86,6 +111,10 @@ void run_explicit_sums(StepState& state, const ExplicitModel& model, bool with_f
       if constexpr (with_rates) keep(rates[k], i);
     }
   });
+  // Densities are known only now. Clusters that are too dense for the friction are rare: it is summed again.
+  if (!with_friction) return;
+  const float stable = stable_friction(state, model);
+  if (stable < 1) add_friction(state, model, static_cast<double>(stable) - 1);
 }
 
 }  // namespace oilskin::fluid
