@@ -218,10 +218,12 @@ void EnergyBalance::update_scale(double least) {
 }
 
 /// A particle that runs onto a light node stops for the rest of a step, before the node gives way: a dip of
-/// one or two steps is none.
+/// one or two steps is none. A particle that does so at the end of a step still has its old displacement, but
+/// its impulse is given already: a peak of one step is none, as far as what is given explains it.
 void EnergyBalance::update_window(double dt) {
   EnergyReport& r = state_.report;
   const double lately = std::max({r.made, state_.last_made[0], state_.last_made[1]});
+  const double lasting = std::max(std::min(r.made, state_.last_made[0]), r.made - std::max(0.0, r.transfer));
   state_.last_made = {r.made, state_.last_made[0]};
   state_.time += dt;
   if (state_.time >= state_.window_end) {
@@ -230,7 +232,7 @@ void EnergyBalance::update_window(double dt) {
     state_.window_end = state_.time + window;
   }
   state_.min_made = std::min(state_.min_made, lately);
-  r.risen = std::max(0.0, r.made - std::min(state_.min_made, state_.min_made_before));
+  r.risen = std::max(0.0, lasting - std::min(state_.min_made, state_.min_made_before));
 }
 
 namespace {
