@@ -198,8 +198,8 @@ struct EnergyReport {
   double made = 0;
   /// `made` of this step.
   double made_in_step = 0;
-  /// `made` less its smallest value within the last 0.1 s (up to 0.2 s), dips of one or two steps not
-  /// counted.
+  /// `made` less its smallest value within the last 0.1 s (up to 0.2 s). Dips of one or two steps do not
+  /// count, nor do peaks of one step as far as `transfer` explains them.
   double risen = 0;
   /// What `made` is compared with: the largest of entered_kinetic, released_potential, the largest work of
   /// prescribed nodes and hosts so far, and the energy that lifts the fluid by one spacing.
