@@ -100,7 +100,8 @@ void expect_friction_to_damp(const FluidSettings& fluid, double packing, double 
   std::vector<Vec3> x, v;
   Vec3 before = Vec3::Zero();
   for (int i = 0; i < 512; ++i) {
-    x.push_back(packing * fluid.spacing * Vec3(i % 8, i / 8 % 8, i / 64));
+    const int column = i % 8, row = i / 8 % 8, layer = i / 64;
+    x.push_back(packing * fluid.spacing * Vec3(column, row, layer));
     v.push_back(random.in_cube(0.01));
     before += v.back();
   }
