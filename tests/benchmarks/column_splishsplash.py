@@ -6,18 +6,17 @@ use: column_splishsplash.py SPHSimulator [threads = 1]
 SPHSimulator: see compare_splishsplash.py. 5 mm between particles, 8 × 8 × 25 of them. Its particles have 0.8 of the mass of
 a cube of the spacing, so that the water is 20 spacings deep in a tank of 8 × 8. It starts as a lattice and first falls
 together: means are over 1.5 s to 2 s. The walls are boundary particles [Akinci2012], half a spacing farther out, or volume
-maps [Bender2019]. 0.1 % of mean density error, steps of half the CFL number and at most the given one, and a viscosity of 5e-4 m²/s: that of its own scenes, 0.01, is not stable here at 0.5 ms.
+maps [Bender2019]. 0.1 % of mean density error, steps of half the CFL number and at most the given one, and a
+viscosity of 5e-4 m²/s: that of its own scenes, 0.01, is not stable here at 0.5 ms.
 """
 import array
-import json
 import math
 import os
-import re
 import subprocess
 import sys
 import tempfile
 
-from compare_splishsplash import DFSPH, PCISPH, unit_box
+from compare_splishsplash import DFSPH, PCISPH, run_simulator, solver_settings, unit_box
 
 SPACING, G, DENSITY = 0.005, 9.81, 1000.0
 WIDTH, DEPTH = 8 * SPACING, 20 * SPACING
@@ -28,19 +27,14 @@ WALL = {BOUNDARY_PARTICLES: 0.5 * SPACING, VOLUME_MAPS: 0.0}  # how far outside 
 
 
 def scene(method, boundary, step, folder):
-    name = {DFSPH: "DFSPH", PCISPH: "PCISPH"}[method]
-    solver = {"minIterations": 2, "maxIterations": 100, "maxError": 0.1}
-    if method == DFSPH:
-        solver.update({"maxIterationsV": 100, "maxErrorV": 0.1, "enableDivergenceSolver": True})
-    else:
-        solver["minIterations"] = 3
     pressure = "p / rho^2" if method == DFSPH else "pressure"
     wall, height = WALL[boundary], 3 * DEPTH
     return {
         "Configuration": {
             "particleRadius": 0.5 * SPACING, "simulationMethod": method, "boundaryHandlingMethod": boundary,
-            "gravitation": [0, -G, 0], "timeStepSize": step, "cflMethod": 1, "cflFactor": 0.5, "cflMinTimeStepSize": 1e-5, "cflMaxTimeStepSize": step, "stopAt": 2.001, "enableVTKExport": True,
-            "dataExportFPS": FRAMES, "particleAttributes": "velocity;density;" + pressure, name: solver},
+            "gravitation": [0, -G, 0], "timeStepSize": step, "cflMethod": 1, "cflFactor": 0.5,
+            "cflMinTimeStepSize": 1e-5, "cflMaxTimeStepSize": step, "stopAt": 2.001, "enableVTKExport": True,
+            "dataExportFPS": FRAMES, "particleAttributes": "velocity;density;" + pressure, **solver_settings(method)},
         "Materials": [{"id": "Fluid", "density0": DENSITY, "viscosityMethod": 1, "Standard viscosity": {"viscosity": 5e-4}}],
         "RigidBodies": [{"geometryFile": unit_box(folder), "translation": [0, 0.5 * height - wall, 0],
                          "scale": [WIDTH + 2 * wall, height, WIDTH + 2 * wall], "isDynamic": False, "isWall": True,
@@ -91,9 +85,9 @@ class RestSums:
         surface = 2 * sum(y) / len(y)
         self.frames, self.level = self.frames + 1, self.level + surface
         heads = frame.get("pressure", frame.get("p_/_rho^2"))
-        for i, height in enumerate(y):
-            self.speed2, self.count = self.speed2 + sum(v * v for v in frame["velocity"][3 * i:3 * i + 3]), self.count + 1
-            self.outside += height < -SPACING or max(abs(frame["POINTS"][3 * i]), abs(frame["POINTS"][3 * i + 2])) > 0.5 * WIDTH + SPACING
+        self.count, self.speed2 = self.count + len(y), self.speed2 + sum(v * v for v in frame["velocity"])
+        for i, (x, height, z) in enumerate(zip(*(frame["POINTS"][k::3] for k in range(3)))):
+            self.outside += height < -SPACING or max(abs(x), abs(z)) > 0.5 * WIDTH + SPACING
             if 2 * SPACING <= height <= DEPTH - 2 * SPACING:
                 below, head = surface - height, head_scale * heads[i]
                 self.inner, self.error2 = self.inner + 1, self.error2 + (head - below) ** 2
@@ -111,24 +105,16 @@ class RestSums:
 
 def measure(program, method, boundary, step, threads):
     with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "column.json")
-        with open(path, "w", encoding="utf-8") as out:
-            json.dump(scene(method, boundary, step, folder), out)
         try:
-            ran = subprocess.run([program, "--no-gui", "--no-initial-pause", "--no-cache", "--output-dir", folder, path], text=True,
-                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, timeout=PATIENCE,
-                                 env=dict(os.environ, OMP_NUM_THREADS=str(threads), HOME=folder))
+            seconds = run_simulator(program, folder, scene(method, boundary, step, folder), 1600, threads, PATIENCE)
         except subprocess.TimeoutExpired:  # its steps have become tiny
             return f"– | – | – | – | – | – | more than {PATIENCE / 2:g}"
-        times = re.findall(r"Time sum: SimStep: ([0-9.e+]+) ms", ran.stdout)
-        if "Number of fluid particles: 1600" not in ran.stdout or not times:
-            sys.exit(f"{program} did not run the column:\n{ran.stdout[-2000:]}")
         sums = RestSums()
         for k in range(int(1.5 * FRAMES) + 1, 2 * FRAMES + 1):
             # Its p/ρ² of DFSPH is in units of the step, at rest the longest; the pressure of PCISPH is over ρ0.
             sums.add(read_frame(os.path.join(folder, "vtk", f"ParticleData_Fluid_{k}.vtk")),
                      1 / G / (step * step if method == DFSPH else 1))
-        return f"{sums.row()} | {float(times[-1]) / 2000:.2f}"
+        return f"{sums.row()} | {seconds / 2:.2f}"
 
 
 def main(arguments):
