@@ -27,7 +27,8 @@ inline double viscous_step(const FluidSettings& s, double dt) {
   return std::min(s.viscosity * dt, largest_viscous_step(s, dt));
 }
 
-/// Half the largest eigenvalue of the viscous term in an interval of dt [s] at rest density (F.12).
+/// Half the largest eigenvalue of the viscous term in an interval of dt [s] at rest density (F.12);
+/// viscous_limit without its margin.
 inline double viscous_load(const FluidSettings& s, double dt) {
   const double h = support_radius(s);
   return 0.93 * viscous_step(s, dt) / (viscous_limit * h * h);
