@@ -22,10 +22,10 @@ struct SurfaceTensionSettings {
 /// Surface tension and adhesion by forces between particles, and between particles and the parts of surfaces
 /// that they see. Nothing acts through a surface.
 ///
-/// The forces are the slope of two energies of the fluid's border (S.3), and a cohesion as in [Akinci2013]
-/// that lets water hang. A surface counts as a part of the fluid that it would be, were it fluid, and
-/// attracts; both follow from the contact angle (S.8). Forces on particles and surfaces add up to zero. Made
-/// for H = 2 dx; what was measured: docs/decisions/0025-surface-tension.md.
+/// The forces are the slope of two energies of the fluid's border (S.3). A surface counts as a part of the
+/// fluid that it would be, were it fluid, and attracts; both follow from the contact angle (S.7). Angles
+/// below 60° come out too small. Forces on particles and surfaces add up to zero. Made for H = 2 dx; what was
+/// measured: docs/decisions/0025-surface-tension.md.
 class SurfaceTension : public Effect {
  public:
   /// Settings that are out of range act like none: see status().
@@ -41,7 +41,7 @@ class SurfaceTension : public Effect {
   std::string name() const override { return "surface_tension"; }
   double wall_reach() const override { return std::numeric_limits<double>::infinity(); }
   void act(EffectForces& f) override;
-  /// What the shortest capillary waves allow (S.9) [s].
+  /// What the shortest capillary waves allow (S.8) [s].
   double longest_interval(const FluidSettings& fluid) const override;
 
   std::vector<std::uint8_t> save() const override;
@@ -56,8 +56,8 @@ class SurfaceTension : public Effect {
   SurfaceTensionSettings settings_;
   Status status_;
   // Of the interval
-  double wall_attraction_ = 0;  // κ_w (S.8)
-  double wall_as_fluid_ = 0;    // k (S.8)
+  double wall_attraction_ = 0;  // κ_w (S.7)
+  double wall_as_fluid_ = 0;    // k (S.7)
   std::vector<double> lack_;    // d_i (S.1)
   std::vector<Vec3> slope_;     // g_i (S.2), in units of 1/H
 };

@@ -73,10 +73,11 @@ struct Drop {
     ASSERT_EQ(blocked, 0u);
     radius = std::cbrt(3 * volume() / (4 * pi));
   }
-  void start_as_sphere() {
+  /// `origin`: of the lattice [dx].
+  void start_as_sphere(double origin = 0.5) {
     make_world();
     const double r = radius;
-    fill(Vec3::Constant(0.5 * dx), r, [r](const Vec3& p) { return p.norm() < r; });
+    fill(Vec3::Constant(origin * dx), r, [r](const Vec3& p) { return p.norm() < r; });
   }
   double volume() const {
     return static_cast<double>(world->particle_count()) * world->particle_mass() / 1000;

@@ -95,22 +95,20 @@ std::vector<float> ratios(std::size_t count) {
   return r;
 }
 
-/// The energies (S.3), (S.5) and (S.7), written anew. The attraction of walls is integrated.
+/// The energies (S.3) and (S.6), written anew. The attraction of walls is integrated.
 double energy_of(const Cloud& c, double sigma, double angle) {
   namespace e = effects;
   const double h = c.support_radius, unit = e::calibration * sigma;
   const e::WallParts parts = e::wall_parts(angle);
   double sum = 0;
   for (std::size_t i = 0; i < c.position.size(); ++i) {
-    double lacks = 1 - e::tolerated_lack - c.mass(i) / 1000 / (h * h * h) * e::LackKernel::value(0),
-           pairs = 0;
+    double lacks = 1 - c.mass(i) / 1000 / (h * h * h) * e::LackKernel::value(0);
     Vec3 slope = Vec3::Zero();
     for (std::uint32_t j : c.neighbours(i)) {
       const Vec3 d = (c.position[i] - c.position[j]) / h;
       const double q = d.norm(), v = c.mass(j) / 1000 / (h * h * h);
       lacks -= v * 105 / (32 * test::pi) * (1 - q * q) * (1 - q * q);
       slope -= v * 210 / test::pi * std::pow(1 - q, 3) * d;
-      pairs -= v * 4 / test::pi * e::part_of_cohesion * e::scale_of_cohesion * fluid::CubicSpline::w(q);
     }
     double at_wall = 0;
     for (const VisibleWall& w : c.walls(i)) {
@@ -122,8 +120,7 @@ double energy_of(const Cloud& c, double sigma, double angle) {
     }
     const double lack = std::max(0.0, lacks);
     sum += unit * c.mass(i) / 1000 / h *
-           (0.5 * e::energy_of_lack * lack * lack + 0.5 * e::energy_of_slope * slope.squaredNorm() + pairs +
-            at_wall);
+           (0.5 * e::energy_of_lack * lack * lack + 0.5 * e::energy_of_slope * slope.squaredNorm() + at_wall);
   }
   return sum;
 }
@@ -192,7 +189,7 @@ TEST(SurfaceTension, forces_between_unequal_particles_keep_momentum_and_its_mome
 /// The acceleration of one particle by a plane, from its energy, by integrals over the half-space.
 double plane_acceleration(double z, double h, double sigma, double angle, double mass) {
   namespace e = effects;
-  const double k = 0.5 * (1 + std::cos(angle * test::pi / 180)), zeta = z / h;
+  const double c = 0.5 * (1 + std::cos(angle * test::pi / 180)), k = std::pow(c, 1.2), zeta = z / h;
   double attraction = 0, half_space = 0, slope = 0;
   const int n = 20000;
   for (int a = 0; a < n; ++a) {  // planes at depth s
@@ -201,9 +198,9 @@ double plane_acceleration(double z, double h, double sigma, double angle, double
     half_space += test::pi / 3 * 105 / (32 * test::pi) * std::pow(1 - s * s, 3) * ds;
     slope += 2 * test::pi * s * 21 / (2 * test::pi) * std::pow(1 - s, 4) * (1 + 4 * s) * ds;
   }
-  attraction *= 16 * 560. / 31 * std::min(1.0, zeta / 0.25) * k * (0.4 + 0.75 * k);
+  attraction *= 16 * 560. / 31 * std::min(1.0, zeta / 0.25) * c * c * (1.03 + 2.3 * c * (1 - c));
   const double own = mass / 1000 / (h * h * h) * 105 / (32 * test::pi);
-  const double lack = std::max(0.0, 1 - e::tolerated_lack - own - k * half_space);
+  const double lack = std::max(0.0, 1 - own - k * half_space);
   const double plane = 105. / 96 * std::pow(1 - zeta * zeta, 3);
   const double steepness =
       -2 * test::pi * zeta * 21 / (2 * test::pi) * std::pow(1 - zeta, 4) * (1 + 4 * zeta);
@@ -264,7 +261,7 @@ TEST(SurfaceTension, nothing_adheres_through_a_second_layer) {
     }
   }
   EXPECT_LT(moved[0].y(), -1e-6);
-  EXPECT_EQ(moved[0], moved[1]);
+  EXPECT_LE((moved[0] - moved[1]).norm(), 1e-14 * moved[0].norm());
 }
 
 TEST(SurfaceTension, a_drop_hangs_under_a_sheet_that_it_wets_and_falls_where_it_does_not) {

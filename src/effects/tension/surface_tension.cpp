@@ -73,11 +73,11 @@ void SurfaceTension::find_border(const EffectForces& f, std::size_t i) {
     mass += wall_as_fluid_ * w.share * LackKernel::half_space(w.distance / h);
     slope -= wall_as_fluid_ * w.share * SlopeKernel::plane(w.distance / h) * w.normal;
   }
-  lack_[i] = std::max(0.0, 1 - effects::tolerated_lack - mass);
+  lack_[i] = std::max(0.0, 1 - mass);
   slope_[i] = slope;
 }
 
-/// (S.4) and (S.5): each part changes sign with the order of the pair.
+/// (S.4) changes sign with the order of the pair.
 Vec3 SurfaceTension::pair_acceleration(const EffectForces& f, std::size_t i) const {
   constexpr double of_lack = effects::energy_of_lack, of_slope = effects::energy_of_slope;
   Vec3 force = Vec3::Zero();
@@ -85,14 +85,14 @@ Vec3 SurfaceTension::pair_acceleration(const EffectForces& f, std::size_t i) con
     const Vec3 d = (f.position[i] - f.position[j]) / f.support_radius, dg = slope_[i] - slope_[j];
     const double q = d.norm();
     const double along = of_lack * (lack_[i] + lack_[j]) * LackKernel::slope_over_q(q) -
-                         of_slope * SlopeKernel::second(q) * d.dot(dg) - effects::cohesion_over_q(q);
+                         of_slope * SlopeKernel::second(q) * d.dot(dg);
     force += volume(f, j) * (along * d - of_slope * SlopeKernel::first(q) * dg);
   }
   return effects::calibration * settings_.coefficient / (std::pow(f.support_radius, 5) * f.rest_density) *
          force;
 }
 
-/// (S.6) and (S.7).
+/// (S.5) and (S.6).
 Vec3 SurfaceTension::wall_force(const EffectForces& f, std::size_t i, const VisibleWall& w) const {
   const double z = w.distance / f.support_radius;
   const double towards =

@@ -11,14 +11,10 @@ namespace oilskin::effects {
 
 /// c_σ: with it the parts below give drops at H = 2 dx the frequency of σ. Measured, as are the parts:
 /// docs/decisions/0025-surface-tension.md.
-constexpr double calibration = 0.545;
+constexpr double calibration = 0.375;
 
 /// Each part as the surface tension of a fluid with a sharp border and without order, over c_σ σ.
-constexpr double part_of_lack = 1, part_of_slope = 0.5, part_of_cohesion = 0.5;
-
-/// d_0 (S.1). Particles within the fluid lack less, so that its order has no energy and it does not resist
-/// shear.
-constexpr double tolerated_lack = 0.1;
+constexpr double part_of_lack = 0.7, part_of_slope = 0.6;
 
 /// The kernel of (S.1), w = 105/(32π) (1 − q²)²: wider than that of the density.
 struct LackKernel {
@@ -65,33 +61,27 @@ struct SlopeKernel {
 constexpr double energy_of_lack = part_of_lack * LackKernel::energy;
 constexpr double energy_of_slope = part_of_slope * SlopeKernel::energy;
 
-constexpr double scale_of_cohesion = 560. / 31;  // 1/∫ q⁴ (−w') dq of the cubic spline
-
-/// A(q)/q (S.5).
-inline double cohesion_over_q(double q) {
-  return -8 / fluid::pi * part_of_cohesion * scale_of_cohesion * fluid::CubicSpline::dw_over_q(q);
-}
-
-/// A_w(ζ) (S.7): the attraction (S.5) with the part 1, by a half-space behind a plane. Nearer than ζ_0 the
-/// fluid's first layer would be, were there fluid, and the attraction falls to 0 at the plane.
+/// A_w(ζ) (S.6): the pull of a half-space behind a plane by −w' of the cubic spline, in a measure that makes
+/// its work of separation 2. Nearer than ζ_0 the fluid's first layer would be, were there fluid, and the pull
+/// falls to 0 at the plane.
 inline double half_space_attraction(double z) {
-  constexpr double first_layer = 0.25;
+  constexpr double first_layer = 0.25, scale = 560. / 31;  // 1/∫ q⁴ (−w') dq
   const double u = std::max(1 - z, 0.0), v = std::max(0.5 - z, 0.0);
   const double u4 = u * u * u * u, v4 = v * v * v * v;
-  return std::min(1.0, z / first_layer) * 1.6 * scale_of_cohesion * (u4 * (1 + 4 * z) - v4 * (2 + 16 * z));
+  return std::min(1.0, z / first_layer) * 1.6 * scale * (u4 * (1 + 4 * z) - v4 * (2 + 16 * z));
 }
 
-/// What a wall is for a particle (S.8).
+/// What a wall is for a particle (S.7).
 struct WallParts {
   double attraction;  ///< κ_w
   double fluid;       ///< k: the part of a fluid that it is for (S.1) and (S.2)
 };
 inline WallParts wall_parts(double contact_angle) {
-  const double k = 0.5 * (1 + std::cos(contact_angle * fluid::pi / 180));
-  return {k * (0.4 + 0.75 * k), k};
+  const double c = 0.5 * (1 + std::cos(contact_angle * fluid::pi / 180));
+  return {c * c * (1.03 + 2.3 * c * (1 - c)), std::pow(c, 1.2)};
 }
 
-/// Of intervals, over √(ρ0 dx³/σ) (S.9).
+/// Of intervals, over √(ρ0 dx³/σ) (S.8).
 constexpr double longest_interval = 0.25;
 
 }  // namespace oilskin::effects
