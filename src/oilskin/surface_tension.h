@@ -8,6 +8,10 @@
 
 namespace oilskin {
 
+namespace effects {
+struct Rim;
+}
+
 /// Settings of SurfaceTension.
 struct SurfaceTensionSettings {
   /// The surface tension σ [N/m], > 0, finite. Water has 0.0728 at 20 °C.
@@ -41,7 +45,7 @@ class SurfaceTension : public Effect {
   std::string name() const override { return "surface_tension"; }
   double wall_reach() const override { return std::numeric_limits<double>::infinity(); }
   void act(EffectForces& f) override;
-  /// What the shortest capillary waves allow (S.8) [s].
+  /// What the shortest capillary waves allow (S.9) [s].
   double longest_interval(const FluidSettings& fluid) const override;
 
   std::vector<std::uint8_t> save() const override;
@@ -51,6 +55,7 @@ class SurfaceTension : public Effect {
   void find_border(const EffectForces& f, std::size_t i);
   Vec3 pair_acceleration(const EffectForces& f, std::size_t i) const;
   Vec3 wall_force(const EffectForces& f, std::size_t i, const VisibleWall& wall) const;
+  Vec3 rim_force(const EffectForces& f, std::size_t i, const effects::Rim& rim) const;
   void act_with_walls(EffectForces& f) const;
 
   SurfaceTensionSettings settings_;

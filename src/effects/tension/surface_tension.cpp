@@ -4,11 +4,13 @@
 
 #include "core/archive.h"
 #include "core/refuse.h"
+#include "effects/tension/rim.h"
 #include "effects/tension/tension_model.h"
 
 namespace oilskin {
 
 using effects::LackKernel;
+using effects::Rim;
 using effects::SlopeKernel;
 
 namespace {
@@ -69,10 +71,18 @@ void SurfaceTension::find_border(const EffectForces& f, std::size_t i) {
   }
   mass /= h * h * h;
   slope /= h * h * h;
-  for (const VisibleWall& w : f.walls(i)) {
-    mass += wall_as_fluid_ * w.share * LackKernel::half_space(w.distance / h);
-    slope -= wall_as_fluid_ * w.share * SlopeKernel::plane(w.distance / h) * w.normal;
+  const Rim rim(f, i);
+  const double z = rim.distance / h, of_rim = rim.part * wall_as_fluid_,
+               of_walls = (1 - rim.part) * wall_as_fluid_;
+  if (rim.part > 0) {
+    mass += of_rim * LackKernel::half_space(z);
+    slope -= of_rim * SlopeKernel::plane(z) * rim.normal;
   }
+  if (rim.part < 1)
+    for (const VisibleWall& w : f.walls(i)) {
+      mass += of_walls * w.share * LackKernel::half_space(w.distance / h);
+      slope -= of_walls * w.share * SlopeKernel::plane(w.distance / h) * w.normal;
+    }
   lack_[i] = std::max(0.0, 1 - mass);
   slope_[i] = slope;
 }
@@ -104,13 +114,31 @@ Vec3 SurfaceTension::wall_force(const EffectForces& f, std::size_t i, const Visi
   return -unit * w.share * towards * w.normal;
 }
 
+/// (S.8).
+Vec3 SurfaceTension::rim_force(const EffectForces& f, std::size_t i, const Rim& rim) const {
+  const double z = rim.distance / f.support_radius;
+  const Vec3& g = slope_[i];
+  const double towards =
+      wall_attraction_ * effects::half_space_attraction(z) +
+      wall_as_fluid_ * effects::energy_of_lack * lack_[i] * LackKernel::plane(z) -
+      wall_as_fluid_ * effects::energy_of_slope * SlopeKernel::plane_derivative(z) * rim.normal.dot(g);
+  const double across = wall_as_fluid_ * effects::energy_of_slope * SlopeKernel::plane(z) / z;
+  const double unit =
+      effects::calibration * settings_.coefficient * volume(f, i) / (f.support_radius * f.support_radius);
+  return unit * (across * rim.turning(g) - towards * rim.normal);
+}
+
 void SurfaceTension::act_with_walls(EffectForces& f) const {
-  for (std::size_t i = 0; i < f.id.size(); ++i)
-    for (const VisibleWall& w : f.walls(i)) {
-      const Vec3 force = wall_force(f, i, w);
-      f.acceleration[i] += force / f.mass(i);
-      f.push(w.surface, w.nodes, w.weights, -force);
-    }
+  const auto act = [&](std::size_t i, const VisibleWall& w, const Vec3& force) {
+    f.acceleration[i] += force / f.mass(i);
+    f.push(w.surface, w.nodes, w.weights, -force);
+  };
+  for (std::size_t i = 0; i < f.id.size(); ++i) {
+    const Rim rim(f, i);
+    if (rim.part > 0) act(i, *rim.wall, rim.part * rim_force(f, i, rim));
+    if (rim.part < 1)
+      for (const VisibleWall& w : f.walls(i)) act(i, w, (1 - rim.part) * wall_force(f, i, w));
+  }
 }
 
 std::vector<std::uint8_t> SurfaceTension::save() const {

@@ -81,7 +81,12 @@ inline WallParts wall_parts(double contact_angle) {
   return {c * c * (1.03 + 2.3 * c * (1 - c)), std::pow(c, 1.2)};
 }
 
-/// Of intervals, over √(ρ0 dx³/σ) (S.8).
+/// t of (S.8): 0 where the shares of the walls add up to a plane, 1 where 0.1 of it is missing.
+inline double part_of_rim(double sum_of_shares) {
+  return std::clamp(10 * (0.99 - sum_of_shares), 0.0, 1.0);
+}
+
+/// Of intervals, over √(ρ0 dx³/σ) (S.9).
 constexpr double longest_interval = 0.25;
 
 }  // namespace oilskin::effects
