@@ -365,6 +365,20 @@ TEST(SurfaceTension, long_steps_are_cut_for_capillary_waves) {
   EXPECT_EQ(r.flags & (flag_sound_too_fast | flag_viscosity_limited), 0u);
 }
 
+TEST(SurfaceTension, steps_that_are_too_long_act_with_what_is_stable) {
+  Drop drop(4, 0.001);
+  drop.start_as_sphere();
+  for (int k = 0; k < 60; ++k) ASSERT_TRUE(drop.world->step(1 / 60.).status.ok());
+  EXPECT_EQ(drop.world->report().substeps, 8);
+  EXPECT_LE(drop.rms_speed(), 0.2 * drop.speed_unit());
+  const auto& messages = drop.world->report().messages;
+  EXPECT_EQ(std::count_if(messages.begin(), messages.end(),
+                          [](const std::string& m) {
+                            return m.find("surface_tension: acts with") != std::string::npos;
+                          }),
+            1);
+}
+
 TEST(SurfaceTension, settings_are_saved) {
   SurfaceTension one({0.03, 20}), other;
   ASSERT_TRUE(other.restore(one.save()).ok());

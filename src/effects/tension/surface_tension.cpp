@@ -1,6 +1,7 @@
 #include "oilskin/surface_tension.h"
 
 #include <cmath>
+#include <sstream>
 
 #include "core/archive.h"
 #include "core/refuse.h"
@@ -17,6 +18,16 @@ namespace {
 
 double volume(const EffectForces& f, std::size_t i) {
   return f.mass(i) / f.rest_density;
+}
+
+double longest_stable(double coefficient, double rest_density, double spacing) {
+  return effects::longest_interval * std::sqrt(rest_density * std::pow(spacing, 3) / coefficient);
+}
+
+/// σ, or what the interval is stable for (S.9).
+double stable_coefficient(const EffectForces& f, double coefficient) {
+  const double part = longest_stable(coefficient, f.rest_density, f.spacing) / f.dt;
+  return part > 1 - 1e-9 ? coefficient : part * part * coefficient;
 }
 
 }  // namespace
@@ -42,8 +53,7 @@ Status SurfaceTension::set_settings(const SurfaceTensionSettings& settings) {
 
 double SurfaceTension::longest_interval(const FluidSettings& fluid) const {
   if (!status_.ok()) return Effect::longest_interval(fluid);
-  return effects::longest_interval *
-         std::sqrt(fluid.rest_density * std::pow(fluid.spacing, 3) / settings_.coefficient);
+  return longest_stable(settings_.coefficient, fluid.rest_density, fluid.spacing);
 }
 
 void SurfaceTension::act(EffectForces& f) {
@@ -56,6 +66,13 @@ void SurfaceTension::act(EffectForces& f) {
   f.for_each(f.id.size(), [&](std::size_t i) { find_border(f, i); });
   f.for_each(f.id.size(), [&](std::size_t i) { f.acceleration[i] += pair_acceleration(f, i); });
   act_with_walls(f);
+  if (const double acts = stable_coefficient(f, settings_.coefficient);
+      f.is_last && acts < settings_.coefficient) {
+    std::ostringstream text;
+    text << "acts with " << acts << " N/m, which this interval is stable for, in place of "
+         << settings_.coefficient << ": use shorter steps, or more fluid.max_substeps";
+    f.message = text.str();
+  }
 }
 
 /// d_i and g_i (S.1), (S.2). A wall counts as a part of the fluid that it would be, were it fluid.
@@ -98,8 +115,8 @@ Vec3 SurfaceTension::pair_acceleration(const EffectForces& f, std::size_t i) con
                          of_slope * SlopeKernel::second(q) * d.dot(dg);
     force += volume(f, j) * (along * d - of_slope * SlopeKernel::first(q) * dg);
   }
-  return effects::calibration * settings_.coefficient / (std::pow(f.support_radius, 5) * f.rest_density) *
-         force;
+  return effects::calibration * stable_coefficient(f, settings_.coefficient) /
+         (std::pow(f.support_radius, 5) * f.rest_density) * force;
 }
 
 /// (S.5) and (S.6).
@@ -109,8 +126,8 @@ Vec3 SurfaceTension::wall_force(const EffectForces& f, std::size_t i, const Visi
       wall_attraction_ * effects::half_space_attraction(z) +
       wall_as_fluid_ * effects::energy_of_lack * lack_[i] * LackKernel::plane(z) -
       wall_as_fluid_ * effects::energy_of_slope * SlopeKernel::plane_derivative(z) * w.normal.dot(slope_[i]);
-  const double unit =
-      effects::calibration * settings_.coefficient * volume(f, i) / (f.support_radius * f.support_radius);
+  const double unit = effects::calibration * stable_coefficient(f, settings_.coefficient) * volume(f, i) /
+                      (f.support_radius * f.support_radius);
   return -unit * w.share * towards * w.normal;
 }
 
@@ -123,8 +140,8 @@ Vec3 SurfaceTension::rim_force(const EffectForces& f, std::size_t i, const Rim& 
       wall_as_fluid_ * effects::energy_of_lack * lack_[i] * LackKernel::plane(z) -
       wall_as_fluid_ * effects::energy_of_slope * SlopeKernel::plane_derivative(z) * rim.normal.dot(g);
   const double across = wall_as_fluid_ * effects::energy_of_slope * SlopeKernel::plane(z) / z;
-  const double unit =
-      effects::calibration * settings_.coefficient * volume(f, i) / (f.support_radius * f.support_radius);
+  const double unit = effects::calibration * stable_coefficient(f, settings_.coefficient) * volume(f, i) /
+                      (f.support_radius * f.support_radius);
   return unit * (across * rim.turning(g) - towards * rim.normal);
 }
 
