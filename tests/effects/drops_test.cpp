@@ -232,7 +232,8 @@ std::size_t count_fallen(const Drop& drop) {
 /// equation of Young and Laplace that pass the tip.
 double largest_hanging_volume(double weight) {
   double largest = 0;
-  for (double apex = 0.2; apex < 4; apex *= 1.03) {
+  for (int k = 0; k < 100; ++k) {
+    const double apex = 0.2 * std::pow(1.03, k);
     double x = 1e-6, depth = 0, slope = 1e-6 / apex, volume = 0;
     const double ds = 0.004;
     while (x > 1e-7 && x < 4 && slope > -0.2 && slope < 3.3 && depth < 6) {
