@@ -8,10 +8,6 @@
 
 namespace oilskin {
 
-namespace effects {
-struct Rim;
-}
-
 /// Settings of SurfaceTension.
 struct SurfaceTensionSettings {
   /// The surface tension σ [N/m], > 0, finite. Water has 0.0728 at 20 °C.
@@ -54,13 +50,14 @@ class SurfaceTension : public Effect {
  private:
   void find_border(const EffectForces& f, std::size_t i);
   Vec3 pair_acceleration(const EffectForces& f, std::size_t i) const;
-  Vec3 wall_force(const EffectForces& f, std::size_t i, const VisibleWall& wall) const;
-  Vec3 rim_force(const EffectForces& f, std::size_t i, const effects::Rim& rim) const;
+  Vec3 plane_force(const EffectForces& f, std::size_t i, double share, double distance,
+                   const Vec3& normal) const;
   void act_with_walls(EffectForces& f) const;
 
   SurfaceTensionSettings settings_;
   Status status_;
   // Of the interval
+  double strength_ = 0;         // c_σ σ, σ being what is stable [N/m]
   double wall_attraction_ = 0;  // κ_w (S.7)
   double wall_as_fluid_ = 0;    // k (S.7)
   std::vector<double> lack_;    // d_i (S.1)

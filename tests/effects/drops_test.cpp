@@ -142,24 +142,35 @@ INSTANTIATE_TEST_SUITE_P(Angles, SessileDrops,
                                          Sessile{120, {10, 0.001}}, Sessile{135, {10, 0.001}},
                                          Sessile{60, {9, 0.00025}}, Sessile{120, {9, 0.00025}}));
 
-/// The cap of the equation of Young and Laplace on a plane, from its apex down.
+/// A drop of the equation of Young and Laplace, from its apex on.
+struct Meridian {
+  double apex_radius, weight;  ///< ρ g/σ: > 0 where the apex is on top
+  double x = 1e-9, depth = 0, slope = 1e-9 / apex_radius;
+  double volume = 0, moment = 0;
+
+  Meridian(double radius, double weight_over_sigma) : apex_radius(radius), weight(weight_over_sigma) {}
+
+  void advance(double ds) {
+    const double across = x > 1e-5 * apex_radius ? std::sin(slope) / x : 1 / apex_radius;
+    const double curvature = 2 / apex_radius + weight * depth - across;
+    x += ds * std::cos(slope);
+    depth += ds * std::sin(slope);
+    slope += ds * curvature;
+    const double slice = pi * x * x * ds * std::sin(slope);
+    volume += slice;
+    moment += slice * depth;
+  }
+};
+
+/// On a plane.
 struct HeavyCap {
   double volume = 0, centroid = 0;
 
   HeavyCap(double apex_radius, double sigma, double g, double angle, double largest) {
-    double x = 1e-9, depth = 0, slope = 1e-9 / apex_radius, moment = 0;
-    const double ds = 1e-3 * std::cbrt(largest);
-    while (slope < angle && volume < 2 * largest) {
-      const double across = x > 1e-8 ? std::sin(slope) / x : 1 / apex_radius;
-      const double curvature = 2 / apex_radius + 1000 * g * depth / sigma - across;
-      x += ds * std::cos(slope);
-      depth += ds * std::sin(slope);
-      slope += ds * curvature;
-      const double slice = pi * x * x * ds * std::sin(slope);
-      volume += slice;
-      moment += slice * depth;
-    }
-    centroid = depth - moment / volume;
+    Meridian m(apex_radius, 1000 * g / sigma);
+    while (m.slope < angle && m.volume < 2 * largest) m.advance(1e-3 * std::cbrt(largest));
+    volume = m.volume;
+    centroid = m.depth - m.moment / m.volume;
   }
 };
 
@@ -233,17 +244,11 @@ std::size_t count_fallen(const Drop& drop) {
 double largest_hanging_volume(double weight) {
   double largest = 0;
   for (int k = 0; k < 100; ++k) {
-    const double apex = 0.2 * std::pow(1.03, k);
-    double x = 1e-6, depth = 0, slope = 1e-6 / apex, volume = 0;
-    const double ds = 0.004;
-    while (x > 1e-7 && x < 4 && slope > -0.2 && slope < 3.3 && depth < 6) {
-      const double across = x > 1e-5 ? std::sin(slope) / x : 1 / apex;
-      const double before = x, curvature = 2 / apex - weight * depth - across;
-      x += ds * std::cos(slope);
-      depth += ds * std::sin(slope);
-      slope += ds * curvature;
-      volume += pi * x * x * ds * std::sin(slope);
-      if ((before - 1) * (x - 1) <= 0) largest = std::max(largest, volume);
+    Meridian m(0.2 * std::pow(1.03, k), -weight);
+    while (m.x > 1e-10 && m.x < 4 && m.slope > -0.2 && m.slope < 3.3 && m.depth < 6) {
+      const double before = m.x;
+      m.advance(0.004);
+      if ((before - 1) * (m.x - 1) <= 0) largest = std::max(largest, m.volume);
     }
   }
   return largest;

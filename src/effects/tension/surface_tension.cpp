@@ -58,6 +58,8 @@ double SurfaceTension::longest_interval(const FluidSettings& fluid) const {
 
 void SurfaceTension::act(EffectForces& f) {
   if (!status_.ok()) return;
+  const double acts = stable_coefficient(f, settings_.coefficient);
+  strength_ = effects::calibration * acts;
   const effects::WallParts of_wall = effects::wall_parts(settings_.contact_angle);
   wall_attraction_ = of_wall.attraction;
   wall_as_fluid_ = of_wall.fluid;
@@ -66,8 +68,7 @@ void SurfaceTension::act(EffectForces& f) {
   f.for_each(f.id.size(), [&](std::size_t i) { find_border(f, i); });
   f.for_each(f.id.size(), [&](std::size_t i) { f.acceleration[i] += pair_acceleration(f, i); });
   act_with_walls(f);
-  if (const double acts = stable_coefficient(f, settings_.coefficient);
-      f.is_last && acts < settings_.coefficient) {
+  if (f.is_last && acts < settings_.coefficient) {
     std::ostringstream text;
     text << "acts with " << acts << " N/m, which this interval is stable for, in place of "
          << settings_.coefficient << ": use shorter steps, or more fluid.max_substeps";
@@ -88,18 +89,15 @@ void SurfaceTension::find_border(const EffectForces& f, std::size_t i) {
   }
   mass /= h * h * h;
   slope /= h * h * h;
+  const auto add_plane = [&](double part, double distance, const Vec3& normal) {
+    mass += part * LackKernel::half_space(distance / h);
+    slope -= part * SlopeKernel::plane(distance / h) * normal;
+  };
   const Rim rim(f, i);
-  const double z = rim.distance / h, of_rim = rim.part * wall_as_fluid_,
-               of_walls = (1 - rim.part) * wall_as_fluid_;
-  if (rim.part > 0) {
-    mass += of_rim * LackKernel::half_space(z);
-    slope -= of_rim * SlopeKernel::plane(z) * rim.normal;
-  }
+  if (rim.part > 0) add_plane(rim.part * wall_as_fluid_, rim.distance, rim.normal);
   if (rim.part < 1)
-    for (const VisibleWall& w : f.walls(i)) {
-      mass += of_walls * w.share * LackKernel::half_space(w.distance / h);
-      slope -= of_walls * w.share * SlopeKernel::plane(w.distance / h) * w.normal;
-    }
+    for (const VisibleWall& w : f.walls(i))
+      add_plane((1 - rim.part) * wall_as_fluid_ * w.share, w.distance, w.normal);
   lack_[i] = std::max(0.0, 1 - mass);
   slope_[i] = slope;
 }
@@ -115,34 +113,19 @@ Vec3 SurfaceTension::pair_acceleration(const EffectForces& f, std::size_t i) con
                          of_slope * SlopeKernel::second(q) * d.dot(dg);
     force += volume(f, j) * (along * d - of_slope * SlopeKernel::first(q) * dg);
   }
-  return effects::calibration * stable_coefficient(f, settings_.coefficient) /
-         (std::pow(f.support_radius, 5) * f.rest_density) * force;
+  return strength_ / (std::pow(f.support_radius, 5) * f.rest_density) * force;
 }
 
 /// (S.5) and (S.6).
-Vec3 SurfaceTension::wall_force(const EffectForces& f, std::size_t i, const VisibleWall& w) const {
-  const double z = w.distance / f.support_radius;
+Vec3 SurfaceTension::plane_force(const EffectForces& f, std::size_t i, double share, double distance,
+                                 const Vec3& normal) const {
+  const double z = distance / f.support_radius;
   const double towards =
       wall_attraction_ * effects::half_space_attraction(z) +
       wall_as_fluid_ * effects::energy_of_lack * lack_[i] * LackKernel::plane(z) -
-      wall_as_fluid_ * effects::energy_of_slope * SlopeKernel::plane_derivative(z) * w.normal.dot(slope_[i]);
-  const double unit = effects::calibration * stable_coefficient(f, settings_.coefficient) * volume(f, i) /
-                      (f.support_radius * f.support_radius);
-  return -unit * w.share * towards * w.normal;
-}
-
-/// (S.8).
-Vec3 SurfaceTension::rim_force(const EffectForces& f, std::size_t i, const Rim& rim) const {
-  const double z = rim.distance / f.support_radius;
-  const Vec3& g = slope_[i];
-  const double towards =
-      wall_attraction_ * effects::half_space_attraction(z) +
-      wall_as_fluid_ * effects::energy_of_lack * lack_[i] * LackKernel::plane(z) -
-      wall_as_fluid_ * effects::energy_of_slope * SlopeKernel::plane_derivative(z) * rim.normal.dot(g);
-  const double across = wall_as_fluid_ * effects::energy_of_slope * SlopeKernel::plane(z) / z;
-  const double unit = effects::calibration * stable_coefficient(f, settings_.coefficient) * volume(f, i) /
-                      (f.support_radius * f.support_radius);
-  return unit * (across * rim.turning(g) - towards * rim.normal);
+      wall_as_fluid_ * effects::energy_of_slope * SlopeKernel::plane_derivative(z) * normal.dot(slope_[i]);
+  const double unit = strength_ * volume(f, i) / (f.support_radius * f.support_radius);
+  return -unit * share * towards * normal;
 }
 
 void SurfaceTension::act_with_walls(EffectForces& f) const {
@@ -152,9 +135,16 @@ void SurfaceTension::act_with_walls(EffectForces& f) const {
   };
   for (std::size_t i = 0; i < f.id.size(); ++i) {
     const Rim rim(f, i);
-    if (rim.part > 0) act(i, *rim.wall, rim.part * rim_force(f, i, rim));
+    if (rim.part > 0) {  // (S.8)
+      const double across = strength_ * volume(f, i) * wall_as_fluid_ * effects::energy_of_slope *
+                            SlopeKernel::plane(rim.distance / f.support_radius) /
+                            (f.support_radius * rim.distance);
+      act(i, *rim.wall,
+          plane_force(f, i, rim.part, rim.distance, rim.normal) + rim.part * across * rim.turning(slope_[i]));
+    }
     if (rim.part < 1)
-      for (const VisibleWall& w : f.walls(i)) act(i, w, (1 - rim.part) * wall_force(f, i, w));
+      for (const VisibleWall& w : f.walls(i))
+        act(i, w, plane_force(f, i, (1 - rim.part) * w.share, w.distance, w.normal));
   }
 }
 
