@@ -295,6 +295,27 @@ TEST(SceneReader, a_tank_is_one_sheet_that_faces_inwards) {
   }
 }
 
+TEST(SceneReader, walls_of_a_tank_lie_outside_its_faces) {
+  const double half_turn = std::sqrt(0.5);
+  for (const Vec3& open : {Vec3(0, 0, 0), Vec3(0, 3, 0), Vec3(-1, 0, 0)}) {
+    const TankShape tank{{Vec3(-1, 2, 3), Vec3(3, 5, 4)}, open, {0, 0, half_turn, half_turn}};
+    const std::vector<BoxShape> walls = tank_walls(tank, 0.25);
+    ASSERT_EQ(walls.size(), open.isZero() ? 6u : 5u);
+    const Mesh faces = tank_mesh(tank);
+    for (std::size_t w = 0; w < walls.size(); ++w) {
+      const auto& q = walls[w].rotate;
+      const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
+      const auto outside = [&](const Vec3& p) {  // by which a point lies outside the wall; negative: inside
+        return ((turn.conjugate() * (p - walls[w].center)).cwiseAbs() - walls[w].half_extents).maxCoeff();
+      };
+      EXPECT_NEAR(walls[w].half_extents.minCoeff(), 0.125, 1e-12);
+      EXPECT_GT(outside(Vec3(1, 3.5, 3.5)), 0.49) << "the inside is free";
+      for (const Triangle& t : {faces.triangles[2 * w], faces.triangles[2 * w + 1]})
+        for (const std::uint32_t k : t) EXPECT_NEAR(outside(faces.vertices[k]), 0, 1e-12) << "wall " << w;
+    }
+  }
+}
+
 TEST(SceneReader, a_cut_needs_a_slab_and_a_known_colour) {
   EXPECT_NE(message_of(R"({"pictures": {"views": [{"slice": {"thickness": 0}}]}})").find("must be > 0"),
             std::string::npos);

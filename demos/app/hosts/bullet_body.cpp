@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "scene/cloth_model.h"
 #include "scene/fields.h"
 #include "scene/tank.h"
 
@@ -99,22 +100,74 @@ BulletBody make_shape(const Body& body) {
   return made;
 }
 
-}  // namespace
-
-BulletBody make_body(const Body& settings, const std::string& key) {
-  BulletBody made = make_shape(settings);
-  if (!made.shape) throw SceneError(key + ".mesh: its convex hull has no volume, so that it cannot float");
-  made.shape->setMargin(btScalar(std::min(cloth_margin, *settings.surface.thickness)));
-  for (const auto& part : made.parts) part->setMargin(made.shape->getMargin());
-  const double mass = settings.mass_with(made.volume);
+/// Makes the rigid body of a shape. A mass of 0: static or, where it `moves`, kinematic.
+void make_rigid(double mass, bool moves, BulletBody& made) {
   btVector3 inertia(0, 0, 0);
   if (mass > 0) made.shape->calculateLocalInertia(btScalar(mass), inertia);
   btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass), nullptr, made.shape.get(), inertia);
   info.m_startWorldTransform = btTransform(made.turned, to_bullet(made.origin));
   made.body = std::make_unique<btRigidBody>(info);
-  if (settings.motion.moves()) made.body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-  if (settings.motion.moves() || mass > 0) made.body->setActivationState(DISABLE_DEACTIVATION);
+  if (moves) made.body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+  if (moves || mass > 0) made.body->setActivationState(DISABLE_DEACTIVATION);
+}
+
+template <class Use>
+void for_each_part(BulletBody& body, Use use) {
+  use(body);
+  if (body.for_cloth) use(*body.for_cloth);
+}
+
+void set_margin(double margin, BulletBody& made) {
+  made.shape->setMargin(btScalar(margin));
+  for (const auto& part : made.parts) part->setMargin(btScalar(margin));
+}
+
+}  // namespace
+
+BulletBody make_body(const Body& settings, const std::string& key) {
+  BulletBody made = make_shape(settings);
+  if (!made.shape) throw SceneError(key + ".mesh: its convex hull has no volume, so that it cannot float");
+  const double margin = std::min(cloth_margin, *settings.surface.thickness);
+  set_margin(margin, made);
+  make_rigid(settings.mass_with(made.volume), settings.motion.moves(), made);
+  if (const auto* tank = std::get_if<TankShape>(&settings.shape)) {
+    made.for_cloth = std::make_unique<BulletBody>();
+    make_compound({tank_walls(*tank, tank_wall)}, *made.for_cloth);
+    set_margin(margin, *made.for_cloth);
+    make_rigid(0, settings.motion.moves(), *made.for_cloth);
+  }
   return made;
+}
+
+void add_body_to(btDiscreteDynamicsWorld& world, BulletBody& body) {
+  if (!body.for_cloth) return world.addRigidBody(body.body.get());
+  constexpr int still = btBroadphaseProxy::StaticFilter, all = btBroadphaseProxy::AllFilter;
+  world.addRigidBody(body.body.get(), still, all ^ still ^ cloth_filter);
+  world.addRigidBody(body.for_cloth->body.get(), still, cloth_filter);
+}
+
+void remove_body_from(btDiscreteDynamicsWorld& world, BulletBody& body) {
+  for_each_part(body, [&](BulletBody& part) { world.removeRigidBody(part.body.get()); });
+}
+
+void make_kinematic(BulletBody& body) {
+  for_each_part(body, [](BulletBody& part) {
+    part.body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    part.body->setActivationState(DISABLE_DEACTIVATION);
+  });
+}
+
+void set_place(BulletBody& body, const Motion& motion, double t) {
+  const btQuaternion turn(to_bullet(motion.spin_axis.normalized()),
+                          btScalar(motion.spin_rate * motion_time(motion, t)));
+  for_each_part(body, [&](BulletBody& part) {
+    part.body->setWorldTransform(
+        btTransform(turn * part.turned, to_bullet(moved(motion, part.origin, t) + body.displaced)));
+  });
+}
+
+void set_velocity(BulletBody& body, const Vec3& velocity) {
+  for_each_part(body, [&](BulletBody& part) { part.body->setLinearVelocity(to_bullet(velocity)); });
 }
 
 }  // namespace oilskin::demo

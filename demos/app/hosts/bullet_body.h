@@ -12,6 +12,12 @@ namespace oilskin::demo {
 
 constexpr double cloth_margin = 0.005;  ///< [m]; Bullet's default of 0.25 m is made for furniture
 
+constexpr int cloth_filter = 64;  ///< Bullet's own groups end at 32
+
+/// Of the walls that cloth collides with in place of the faces of a tank [m]. Bullet's collision of soft
+/// bodies with triangle meshes makes each triangle 6 cm thick on both sides and throws cloth out of it.
+constexpr double tank_wall = 0.05;
+
 inline btVector3 to_bullet(const Vec3& v) {
   return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())};
 }
@@ -34,9 +40,22 @@ struct BulletBody {
   Vec3 origin = Vec3::Zero();     ///< of a dynamic body its centre of mass [m]
   Vec3 displaced = Vec3::Zero();  ///< by grips [m]
   btQuaternion turned{0, 0, 0, 1};
+  /// With what cloth collides in place of it; null: with the body itself.
+  std::unique_ptr<BulletBody> for_cloth;
 };
 
-/// A dynamic mesh is its convex hull. Throws SceneError, with the key in front, for a hull without a volume.
+/// A dynamic mesh is its convex hull. A tank has boxes for cloth. Throws SceneError, with the key in front,
+/// for a hull without a volume.
 BulletBody make_body(const Body& settings, const std::string& key);
+
+/// Cloth is to be added with the filter group cloth_filter.
+void add_body_to(btDiscreteDynamicsWorld& world, BulletBody& body);
+void remove_body_from(btDiscreteDynamicsWorld& world, BulletBody& body);
+
+void make_kinematic(BulletBody& body);
+/// Where the motion has taken it at time t [s], displaced.
+void set_place(BulletBody& body, const Motion& motion, double t);
+/// [m/s]
+void set_velocity(BulletBody& body, const Vec3& velocity);
 
 }  // namespace oilskin::demo

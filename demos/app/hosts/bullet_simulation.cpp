@@ -72,7 +72,7 @@ class BulletSimulation : public Simulation {
     }
     for (BulletBody& body : bodies_) {
       solver_.removeCollisionObject(body.body.get());
-      bullet_.removeRigidBody(body.body.get());
+      remove_body_from(bullet_, body);
     }
     solver_.removeFluid(&fluid_);
   }
@@ -131,8 +131,7 @@ class BulletSimulation : public Simulation {
       body.setAngularVelocity(btVector3(0, 0, 0));
     }
     // A static body that is moved: Bullet then updates what it keeps of it.
-    body.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-    body.setActivationState(DISABLE_DEACTIVATION);
+    make_kinematic(bodies_[i]);
     grip_ = grip_of_body(i, point);
   }
 
@@ -195,7 +194,7 @@ class BulletSimulation : public Simulation {
     cloth->m_cfg.viterations = 0;
     cloth->m_cfg.diterations = 0;
     cloth->getCollisionShape()->setMargin(btScalar(cloth_margin));
-    bullet_.addSoftBody(cloth.get());
+    bullet_.addSoftBody(cloth.get(), cloth_filter, btBroadphaseProxy::AllFilter);
     require(solver_.addCloth(cloth.get(), settings.surface), key);
     cloths_.push_back(std::move(cloth));
     held_.emplace_back(model.groups.size(), false);
@@ -206,7 +205,7 @@ class BulletSimulation : public Simulation {
     const Body& settings = scene_.bodies[i];
     const std::string key = "bodies." + std::to_string(i);
     BulletBody made = make_body(settings, key);
-    bullet_.addRigidBody(made.body.get());
+    add_body_to(bullet_, made);
     require(settings.is_dynamic() ? solver_.addRigidBody(made.body.get(), settings.surface)
                                   : solver_.addCollisionObject(made.body.get(), settings.surface),
             key);
@@ -320,10 +319,10 @@ class BulletSimulation : public Simulation {
 
   /// What the water moves goes on with the velocity of the grip.
   void leave_body(const Grip& grip) {
-    btRigidBody& body = *bodies_[grip.index].body;
+    BulletBody& body = bodies_[grip.index];
     const bool is_dynamic = scene_.bodies[grip.index].is_dynamic();
-    if (is_dynamic) body.setCollisionFlags(0);
-    body.setLinearVelocity(is_dynamic ? to_bullet(grip.velocity) : btVector3(0, 0, 0));
+    if (is_dynamic) body.body->setCollisionFlags(0);
+    set_velocity(body, is_dynamic ? grip.velocity : Vec3::Zero());
   }
 
   /// Pins of the scene stay where they are.
@@ -354,14 +353,11 @@ class BulletSimulation : public Simulation {
 
   void place_body(std::size_t i, double t) {
     const Motion& motion = scene_.bodies[i].motion;
-    const BulletBody& body = bodies_[i];
-    const btQuaternion turn(to_bullet(motion.spin_axis.normalized()),
-                            btScalar(motion.spin_rate * motion_time(motion, t)));
-    body.body->setWorldTransform(
-        btTransform(turn * body.turned, to_bullet(moved(motion, body.origin, t) + body.displaced)));
+    BulletBody& body = bodies_[i];
+    set_place(body, motion, t);
     Vec3 velocity = velocity_at(motion, body.origin, t);
     if (grip_ && grip_->is_body && grip_->index == i) velocity += grip_->velocity;
-    body.body->setLinearVelocity(to_bullet(velocity));
+    set_velocity(body, velocity);
   }
 
   bullet::btFluid fluid_;
