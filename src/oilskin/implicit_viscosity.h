@@ -36,7 +36,7 @@ struct ImplicitViscosityReport {
   double applied = 1;
 };
 
-/// Viscosity, integrated implicitly: (V.1) to (V.10) of docs/theory/effects_viscosity.md. The pair term is
+/// Viscosity, integrated implicitly: (V.1) to (V.11) of docs/theory/effects_viscosity.md. The pair term is
 /// that of FluidSettings::viscosity (F.10), after [Monaghan2005], solved with conjugate gradients as in
 /// [Weiler2018]. Stable at any step. It never makes energy, whether it converged or not. Pair forces conserve
 /// linear and angular momentum up to rounding.

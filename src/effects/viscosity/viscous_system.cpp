@@ -1,7 +1,9 @@
 #include "effects/viscosity/viscous_system.h"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "core/body_motion.h"
 #include "effects/viscosity/support_memory.h"
 
 namespace oilskin::effects {
@@ -20,6 +22,13 @@ std::optional<double> slip_length(const SurfaceMotion& surface, bool back) {
   if (slip.model == SlipModel::sticking) return 0;
   if (slip.model == SlipModel::viscous_wall && std::isfinite(slip.slip_length)) return slip.slip_length;
   return std::nullopt;
+}
+
+/// The symmetric square root of a positive semidefinite matrix.
+Eigen::Matrix3d root_of(const Eigen::Matrix3d& a) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> of(a);
+  const Vec3 roots = of.eigenvalues().cwiseMax(0).cwiseSqrt();
+  return of.eigenvectors() * roots.asDiagonal() * of.eigenvectors().transpose();
 }
 
 }  // namespace
@@ -69,9 +78,38 @@ std::uint32_t ViscousSystem::unknown_of(std::size_t surface, std::uint32_t node)
     const Vec3 support = SupportMemory::support(*forces_, surface, node);
     start_.push_back((s.x_t1[node] - s.x_t0[node]) / forces_->dt +
                      forces_->dt / (weight_.back() * forces_->particle_mass) * support);
-    free_nodes_.push_back({surface, node});
+    free_nodes_.push_back({surface, node, unknown[node]});
   }
   return unknown[node];
+}
+
+std::uint32_t ViscousSystem::body_of(std::size_t surface) {
+  const SurfaceMotion& s = *forces_->surfaces[surface];
+  if (!s.body) return none;
+  std::uint32_t& body = surface_body_[surface];
+  if (body != none) return body;
+  body = static_cast<std::uint32_t>(bodies_.size());
+  const double mass = forces_->particle_mass;
+  bodies_.push_back({static_cast<std::uint32_t>(size()), (mass * s.body->inverse_mass).cwiseSqrt(),
+                     root_of(mass * s.body->inverse_inertia)});
+  weight_.resize(size() + 2, 1);
+  start_.resize(size(), Vec3::Zero());
+  return body;
+}
+
+void ViscousSystem::find_velocity(WallTerm& term) {
+  const VisibleWall& wall = *term.wall;
+  const SurfaceMotion& s = *forces_->surfaces[wall.surface];
+  term.body = body_of(wall.surface);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t node = wall.nodes[k];
+    term.node[k] = s.body ? none : unknown_of(wall.surface, node);
+    if (s.body)
+      term.arm += wall.weights[k] * (s.x_t0[node] - s.body->center_t0);
+    else if (term.node[k] == none)
+      term.base += wall.weights[k] / forces_->dt * (s.x_t1[node] - s.x_t0[node]);
+  }
+  if (s.body) term.base = velocity_at(*s.body, term.arm);
 }
 
 void ViscousSystem::add_wall(const VisibleWall& wall, double coefficient) {
@@ -85,11 +123,7 @@ void ViscousSystem::add_wall(const VisibleWall& wall, double coefficient) {
   const double rate = 2 * coefficient * f.dt * wall.share / f.support_radius;
   WallTerm term{&wall, rate * drag.along / (z + *length), rate * drag.across / z, Vec3::Zero(), {}};
   if (!(term.along > 0 || term.across > 0)) return;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t node = wall.nodes[k];
-    term.node[k] = unknown_of(wall.surface, node);
-    if (term.node[k] == none) term.base += wall.weights[k] / f.dt * (s.x_t1[node] - s.x_t0[node]);
-  }
+  find_velocity(term);
   walls_.push_back(term);
 }
 
@@ -97,7 +131,9 @@ void ViscousSystem::find_walls(double coefficient) {
   walls_.clear();
   free_nodes_.clear();
   wall_begin_.assign(1, 0);
+  bodies_.clear();
   node_unknown_.assign(forces_->surfaces.size(), {});
+  surface_body_.assign(forces_->surfaces.size(), none);
   for (std::size_t i = 0; i < particles_; ++i) {
     for (const VisibleWall& wall : forces_->walls(i)) add_wall(wall, coefficient);
     wall_begin_.push_back(walls_.size());
@@ -123,6 +159,12 @@ void ViscousSystem::find_diagonals() {
         if (t.node[k] != none)
           inverse_diagonal_[t.node[k]] += weight_[i] / weight_[t.node[k]] * b * b * block;
       }
+      if (t.body == none) continue;
+      const FreeBody& body = bodies_[t.body];
+      const Eigen::Matrix3d turning = body.angular * cross_matrix(t.arm);
+      inverse_diagonal_[body.unknown] +=
+          weight_[i] * body.linear.asDiagonal() * block * body.linear.asDiagonal();
+      inverse_diagonal_[body.unknown + 1] += weight_[i] * turning * block * turning.transpose();
     }
   largest_diagonal_ = 1;
   for (Eigen::Matrix3d& d : inverse_diagonal_) {
@@ -136,6 +178,7 @@ Vec3 ViscousSystem::relative(const WallTerm& term, std::size_t i, const Vector& 
   if (walls_move) v -= term.base;
   for (std::size_t k = 0; k < 3; ++k)
     if (term.node[k] != none) v -= term.wall->weights[k] * x[term.node[k]];
+  if (term.body != none) v -= bodies_[term.body].change_at(term.arm, x);
   return v;
 }
 
@@ -164,6 +207,10 @@ void ViscousSystem::drag(const Vector& x, Vector& result, bool walls_move) const
       const Vec3 force = weight_[i] * traction(t, i, x, walls_move);
       for (std::size_t k = 0; k < 3; ++k)
         if (t.node[k] != none) result[t.node[k]] -= t.wall->weights[k] / weight_[t.node[k]] * force;
+      if (t.body == none) continue;
+      const FreeBody& body = bodies_[t.body];
+      result[body.unknown] -= body.linear.cwiseProduct(force);
+      result[body.unknown + 1] -= body.angular * t.arm.cross(force);
     }
 }
 
@@ -218,11 +265,9 @@ void ViscousSystem::react(const Vector& x, const Vector& drag, double share) {
       const double size = share * forces_->mass(i) / forces_->dt;
       forces_->push(t.wall->surface, t.wall->nodes, t.wall->weights, size * traction(t, i, x, true));
     }
-  for (std::size_t k = 0; k < free_nodes_.size(); ++k) {
-    const std::size_t unknown = particles_ + k;
-    const double mass = weight_[unknown] * forces_->particle_mass;
-    SupportMemory::record(*forces_, free_nodes_[k].surface, free_nodes_[k].node,
-                          -share * mass / forces_->dt * drag[unknown]);
+  for (const FreeNode& n : free_nodes_) {
+    const double mass = weight_[n.unknown] * forces_->particle_mass;
+    SupportMemory::record(*forces_, n.surface, n.node, -share * mass / forces_->dt * drag[n.unknown]);
   }
 }
 

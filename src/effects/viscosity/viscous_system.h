@@ -9,8 +9,9 @@
 
 namespace oilskin::effects {
 
-/// The unknowns are the velocities of the particles and, behind them, those of the free nodes that drag
-/// particles. Inner products weigh each with its mass, in which the operator is symmetric and ≥ 1.
+/// The unknowns are the velocities of the particles and, behind them, those of the free nodes and the changes
+/// of velocity of the dynamic bodies that drag particles: two for a body, in the units of (V.11). Inner
+/// products weigh each with its mass, in which the operator is symmetric and ≥ 1.
 class ViscousSystem {
  public:
   using Vector = std::vector<Vec3>;
@@ -47,13 +48,28 @@ class ViscousSystem {
   struct WallTerm {
     const VisibleWall* wall;
     double along, across;               // dt times the rates of (V.4)
-    Vec3 base;                          // velocity by prescribed nodes [m/s]
+    Vec3 base;                          // velocity by prescribed nodes, and of the body [m/s]
     std::array<std::uint32_t, 3> node;  // unknown, or none
+    std::uint32_t body = none;          // index into bodies_, or none
+    Vec3 arm = Vec3::Zero();            // from its centre of mass [m]
   };
 
   struct FreeNode {
     std::size_t surface;
     std::uint32_t node;
+    std::uint32_t unknown;
+  };
+
+  /// A dynamic body whose unknowns y, z change its velocity by linear y and its angular velocity by angular
+  /// z.
+  struct FreeBody {
+    std::uint32_t unknown;  // of y; that of z follows
+    Vec3 linear;            // √(m/M) along the axes of the world
+    Eigen::Matrix3d angular;
+
+    Vec3 change_at(const Vec3& arm, const Vector& x) const {
+      return linear.cwiseProduct(x[unknown]) + (angular * x[unknown + 1]).cross(arm);
+    }
   };
 
   double ratio(std::size_t i) const { return forces_->mass_ratio.empty() ? 1 : forces_->mass_ratio[i]; }
@@ -61,6 +77,8 @@ class ViscousSystem {
   void find_walls(double coefficient);
   void add_wall(const VisibleWall& wall, double coefficient);
   std::uint32_t unknown_of(std::size_t surface, std::uint32_t node);
+  std::uint32_t body_of(std::size_t surface);
+  void find_velocity(WallTerm& term);
   void find_diagonals();
   /// Velocity of particle i against the wall.
   Vec3 relative(const WallTerm& term, std::size_t i, const Vector& x, bool walls_move) const;
@@ -75,8 +93,10 @@ class ViscousSystem {
   std::vector<WallTerm> walls_;
   std::vector<std::size_t> wall_begin_;
   std::vector<std::vector<std::uint32_t>> node_unknown_;  // per surface and node
-  std::vector<FreeNode> free_nodes_;                      // in the order of their unknowns
-  std::vector<double> weight_;                            // mass over m0
+  std::vector<FreeNode> free_nodes_;
+  std::vector<std::uint32_t> surface_body_;  // per surface: index into bodies_, or none
+  std::vector<FreeBody> bodies_;
+  std::vector<double> weight_;  // mass over m0
   Vector start_;
   std::vector<Eigen::Matrix3d> inverse_diagonal_;
   double largest_diagonal_ = 1;
