@@ -100,7 +100,8 @@ void World::Impl::report_instability(StepContext& step, const world::Speeds& fou
   const double part = step.dt / step.report.substeps, viscous = fluid::longest_viscous_interval(f);
   const world::Effects::Limit effect = effects.longest_interval(f);
   if (part > effect.interval)
-    report_limit(step, "the effect " + effect.name, effect.interval, f.max_substeps, "it may be unstable");
+    report_limit(step, "the effect " + effect.name, effect.interval, f.max_substeps,
+                 "its intervals are longer than it asks for");
   if (part > fluid::longest_sound_interval(f, found.fluid)) step.report.flags |= flag_sound_too_fast;
   if (part <= viscous) return;
   step.report.flags |= flag_viscosity_limited;

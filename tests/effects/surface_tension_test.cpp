@@ -347,51 +347,5 @@ TEST(SurfaceTension, threads_do_not_change_a_bit) {
   EXPECT_EQ(hash[0], hash[1]);
 }
 
-TEST(SurfaceTension, long_steps_are_cut_for_capillary_waves) {
-  Drop drop(3, 0.001);
-  drop.start_as_sphere();
-  World& w = *drop.world;
-  const double longest = drop.tension.longest_interval(w.fluid_settings());
-  EXPECT_NEAR(longest, effects::longest_interval * drop.unit(), 1e-12);
-  EXPECT_EQ(w.step(3.5 * longest).substeps, 4);
-  EXPECT_TRUE(w.report().messages.empty());
-  EXPECT_LE(w.suggested_dt(1), 8 * longest);
-  const StepReport& r = w.step(20 * longest);
-  EXPECT_EQ(r.substeps, 8);
-  EXPECT_EQ(r.substeps_needed, 20);
-  const auto names_it = [](const std::string& m) {
-    return m.find("surface_tension at dt") != std::string::npos;
-  };
-  EXPECT_EQ(std::count_if(r.messages.begin(), r.messages.end(), names_it), 1);
-  EXPECT_EQ(r.flags & (flag_sound_too_fast | flag_viscosity_limited), 0u);
-}
-
-TEST(SurfaceTension, steps_that_are_too_long_act_with_what_is_stable) {
-  Drop drop(4, 0.001);
-  drop.start_as_sphere();
-  for (int k = 0; k < 60; ++k) ASSERT_TRUE(drop.world->step(1 / 60.).status.ok());
-  EXPECT_EQ(drop.world->report().substeps, 8);
-  EXPECT_LE(drop.rms_speed(), 0.2 * drop.speed_unit());
-  const auto& messages = drop.world->report().messages;
-  EXPECT_EQ(std::count_if(messages.begin(), messages.end(),
-                          [](const std::string& m) {
-                            return m.find("surface_tension: acts with") != std::string::npos;
-                          }),
-            1);
-}
-
-TEST(SurfaceTension, settings_are_saved) {
-  SurfaceTension one({0.03, 20}), other;
-  ASSERT_TRUE(other.restore(one.save()).ok());
-  EXPECT_EQ(other.settings().coefficient, 0.03);
-  EXPECT_EQ(other.settings().contact_angle, 20);
-  std::vector<std::uint8_t> bytes = one.save();
-  bytes.pop_back();
-  EXPECT_FALSE(other.restore(bytes).ok());
-  EXPECT_FALSE(other.restore({}).ok());
-  EXPECT_FALSE(other.restore(std::vector<std::uint8_t>(16, 0xff)).ok()) << "not finite";
-  EXPECT_EQ(other.settings().coefficient, 0.03);
-}
-
 }  // namespace
 }  // namespace oilskin

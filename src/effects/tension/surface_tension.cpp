@@ -30,6 +30,22 @@ double stable_coefficient(const EffectForces& f, double coefficient) {
   return part > 1 - 1e-9 ? coefficient : part * part * coefficient;
 }
 
+/// Below it drops boil (decision 0025).
+constexpr double least_support_ratio = 2;
+
+/// What the user should know of an interval in which `acts` of `wanted` acts [N/m].
+std::string message_of(const EffectForces& f, double wanted, double acts) {
+  std::ostringstream text;
+  if (acts < wanted)
+    text << "acts with " << acts << " N/m, which this interval is stable for, in place of " << wanted
+         << ": use shorter steps, or more fluid.max_substeps";
+  const double ratio = f.support_radius / f.spacing;
+  if (ratio < (1 - 1e-9) * least_support_ratio)
+    text << (acts < wanted ? "; " : "") << "drops boil at fluid.support_ratio " << ratio << ": use "
+         << least_support_ratio;
+  return text.str();
+}
+
 }  // namespace
 
 Status SurfaceTensionSettings::validate() const {
@@ -68,12 +84,7 @@ void SurfaceTension::act(EffectForces& f) {
   f.for_each(f.id.size(), [&](std::size_t i) { find_border(f, i); });
   f.for_each(f.id.size(), [&](std::size_t i) { f.acceleration[i] += pair_acceleration(f, i); });
   act_with_walls(f);
-  if (f.is_last && acts < settings_.coefficient) {
-    std::ostringstream text;
-    text << "acts with " << acts << " N/m, which this interval is stable for, in place of "
-         << settings_.coefficient << ": use shorter steps, or more fluid.max_substeps";
-    f.message = text.str();
-  }
+  if (f.is_last) f.message = message_of(f, settings_.coefficient, acts);
 }
 
 /// d_i and g_i (S.1), (S.2). A wall counts as a part of the fluid that it would be, were it fluid.
