@@ -92,7 +92,7 @@ class EffectForces : public EffectInterval {
  public:
   /// To be added to [m/s²]. Starts at zero for each interval; one per particle. Those of particles
   /// that an emitter starts in this interval are ignored: they fall freely until the next. A value that is
-  /// not finite is replaced by zero and reported.
+  /// not finite, or above 1e15, is replaced by zero and reported.
   Span<Vec3> acceleration;
 
   /// The particles within H of particle i, itself and those behind a surface left out.

@@ -13,6 +13,9 @@ namespace {
 
 constexpr std::size_t chunk = 256;
 
+/// What contact takes as a position or velocity ends there, too [m/s²].
+constexpr double largest_acceleration = 1e15;
+
 /// A particle with less than this part of a new one's mass is the rounding of what it gave: it ends.
 constexpr float least_ratio = 0x1p-24f;
 
@@ -274,14 +277,14 @@ void Effects::act(const EffectInput& input) const {
       input.interval.step.report.messages.push_back("the effect " + slot.name + ": " + forces.message);
     std::uint64_t wrong = 0;
     for (Vec3& a : sum) {
-      if (a.allFinite()) continue;
+      if ((a.array().abs() <= largest_acceleration).all()) continue;  // false for what is not finite
       a.setZero();
       ++wrong;
     }
     if (wrong > 0)
       input.interval.step.report.messages.push_back(
           "the effect " + slot.name + " gave " + std::to_string(wrong) +
-          " particles an acceleration that is not finite; they got none by effects");
+          " particles an acceleration that is not finite, or above 1e15 m/s²; they got none by effects");
     if (before.empty()) continue;
     friction.resize(sum.size(), Vec3::Zero());
     for (std::size_t i = 0; i < sum.size(); ++i) friction[i] += sum[i] - before[i];

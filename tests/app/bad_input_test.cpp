@@ -168,6 +168,17 @@ TEST(BadInput, pictures_that_cannot_be_drawn_are_refused_when_asked_for) {
   EXPECT_NE(outcome.err.find("--render"), std::string::npos) << outcome.err;
 }
 
+TEST(BadInput, overrides_are_read_as_carefully_as_files) {
+  expect_refused(small, {"--set dt.", "empty"}, {"--set", "dt.=0.001"});
+  expect_refused(small, {"--set fluid", "\"spacing\"", "twice"},
+                 {"--set", R"(fluid={"spacing": 0.01, "spacing": 0.02})"});
+}
+
+TEST(BadInput, a_name_that_would_write_elsewhere_is_refused) {
+  for (const char* name : {"../there", "a/b", "a\\\\b", "..", "."})
+    expect_refused(R"({"name": ")" + std::string(name) + R"("})", {"name: is", "not a path"});
+}
+
 TEST(BadInput, the_command_line_is_checked) {
   EXPECT_EQ(oilskin({}).exit_code, 2);
   EXPECT_EQ(oilskin({"fly"}).exit_code, 2);

@@ -29,6 +29,10 @@ TEST(SceneRegions, sinks_and_forces_are_checked) {
   EXPECT_EQ(message_of(R"({"sinks": [{"ball": {"radius": 0}}]})"), "sinks.0.ball.radius: is 0, must be > 0");
   EXPECT_EQ(message_of(R"({"sinks": [{"box": {"min": [1, 0, 0], "max": [0, 1, 1]}}]})"),
             "sinks.0.box.max: must be at least min in every coordinate");
+  EXPECT_EQ(message_of(R"({"sinks": [{"box": {"min": [1, 0, 0]}}]})"),
+            "sinks.0.box.max: is missing: a corner of the box");
+  EXPECT_EQ(message_of(R"({"effects": {"forces": [{"box": {"max": [1, 0, 0]}, "force": "wind"}]}})"),
+            "effects.forces.0.box.min: is missing: a corner of the box");
   EXPECT_EQ(message_of(R"({"sinks": [{"bax": {}}]})"),
             "sinks.0.box: is missing: a sink needs a \"box\" or a \"ball\"");
   EXPECT_EQ(message_of(R"({"max_age": 0})"), "max_age: is 0, must be > 0");

@@ -307,6 +307,12 @@ TEST(Effects, wrong_use_is_refused_and_wrong_forces_are_reported) {
   EXPECT_EQ(r.alive, 27u);
   ASSERT_EQ(r.messages.size(), 1u);
   EXPECT_NE(r.messages[0].find("broken gave 27 particles"), std::string::npos) << r.messages[0];
+  w.remove_effect(broken);
+  Field huge("huge", Vec3(0, 1e300, 0));
+  ASSERT_TRUE(w.add_effect(huge).ok());
+  EXPECT_EQ(w.step(1e-3).alive, 27u);
+  ASSERT_EQ(r.messages.size(), 1u);
+  EXPECT_NE(r.messages[0].find("above 1e15"), std::string::npos) << r.messages[0];
   w.remove_effect(dye);
   EXPECT_TRUE(w.particle_values(dye, 0).empty());
   ASSERT_TRUE(w.add_effect(twin).ok());

@@ -10,7 +10,8 @@ void describe_ball(Fields& f, Capsule& ball) {
 }
 
 void describe_box(Fields& f, Box& box) {
-  if (f.reading()) box = {Vec3::Zero(), Vec3::Zero()};
+  for (const char* key : {"min", "max"})
+    if (f.reading() && !f.has(key)) f.fail(key, "is missing: a corner of the box");
   f.vec3("min", box.min);
   f.vec3("max", box.max);
   if (f.reading() && !(box.min.array() <= box.max.array()).all())

@@ -245,6 +245,8 @@ void set_thicknesses(Scene& s) {
 
 void describe(Fields& f, Scene& s) {
   f.text("name", s.name);
+  if (f.reading() && (s.name.find_first_of("/\\") != std::string::npos || s.name == "." || s.name == ".."))
+    f.fail("name", "is \"" + s.name + "\", must be the name of a folder, not a path");
   f.text("description", s.description);
   f.choice("host", s.host,
            {{"bullet", HostKind::bullet}, {"bullet64", HostKind::bullet64}, {"mock", HostKind::mock}});

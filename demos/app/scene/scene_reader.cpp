@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <set>
 #include <sstream>
 
@@ -17,6 +18,7 @@ std::vector<std::string> split(const std::string& path) {
   std::vector<std::string> parts;
   std::istringstream in(path);
   for (std::string part; std::getline(in, part, '.');) parts.push_back(part);
+  if (path.back() == '.') parts.emplace_back();
   return parts;
 }
 
@@ -32,15 +34,31 @@ Json& element(Json& array, const std::string& part, const std::string& path) {
   return array[index];
 }
 
-/// Refuses JSON that is nested deeper than any scene file: copying it could exhaust the stack.
-Json::parser_callback_t shallow(const std::string& name) {
-  return [name](int depth, Json::parse_event_t, Json&) {
+/// Watches the parser. Refuses JSON that is nested deeper than any scene file, since copying it could exhaust
+/// the stack, and objects that have a key twice.
+class KeyWatch {
+ public:
+  explicit KeyWatch(std::string name) : name_(std::move(name)) {}
+
+  bool operator()(int depth, Json::parse_event_t event, Json& parsed) {
     constexpr int deepest = 64;
     if (depth > deepest)
-      throw SceneError(name + ": is nested more than " + std::to_string(deepest) + " levels deep");
+      throw SceneError(name_ + ": is nested more than " + std::to_string(deepest) + " levels deep");
+    if (event == Json::parse_event_t::object_start) keys_.emplace_back();
+    if (event == Json::parse_event_t::object_end) keys_.pop_back();
+    if (event == Json::parse_event_t::key && !keys_.back().insert(parsed.get<std::string>()).second)
+      twice_ = parsed.get<std::string>();
     return true;
-  };
-}
+  }
+  /// Of the whole text.
+  void check() const {
+    if (!twice_.empty()) throw SceneError(name_ + ": the key \"" + twice_ + "\" stands twice in one object");
+  }
+
+ private:
+  std::string name_, twice_;
+  std::vector<std::set<std::string>> keys_;
+};
 
 /// Cloths of one Bullet world share its sub-steps.
 void check_substeps(const Scene& scene) {
@@ -128,29 +146,21 @@ void apply_override(Json& scene, const std::string& assignment) {
     }
   }
   const std::string text = assignment.substr(equals + 1);
-  Json value = Json::parse(text, shallow("--set " + path), false);
+  KeyWatch watch("--set " + path);
+  const Json value = Json::parse(text, std::ref(watch), false);
+  if (!value.is_discarded()) watch.check();
   *place = value.is_discarded() ? Json(text) : value;
 }
 
 Json parse_json(const std::string& text, const std::string& name) {
-  std::vector<std::set<std::string>> keys;
-  std::string twice;
-  const Json::parser_callback_t look = shallow(name);
-  auto watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
-    look(depth, event, parsed);
-    if (event == Json::parse_event_t::object_start) keys.emplace_back();
-    if (event == Json::parse_event_t::object_end) keys.pop_back();
-    if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
-      twice = parsed.get<std::string>();
-    return true;
-  };
+  KeyWatch watch(name);
   Json json;
   try {
-    json = Json::parse(text, watch);
+    json = Json::parse(text, std::ref(watch));
   } catch (const Json::exception& e) {
     throw SceneError(name + ": is not JSON: " + e.what());
   }
-  if (!twice.empty()) throw SceneError(name + ": the key \"" + twice + "\" stands twice in one object");
+  watch.check();
   return json;
 }
 
