@@ -14,8 +14,9 @@ namespace {
 /// Distances along films in spacings, see FilmRule.
 constexpr double film_reach = 1, column_reach = 2.2, link = 3, min_radius = 0.66, max_radius = 1.6;
 
-/// Films are at least this thick on the grid [cells]: then a row of nodes lies inside, whatever the slope.
-constexpr double min_grid_height = 1.25;
+/// Films are at least this thick on the grid: in cells, so that a row of nodes lies inside, whatever the slope;
+/// in spacings, since vertices move into the water only, and thicker layers are no films (thinness()).
+constexpr double min_grid_height = 1.25, min_height_in_spacings = 1;
 
 /// Discs of two particles at this fraction of their distance close the space between four.
 constexpr double radius_of_distance = 0.62;
@@ -78,16 +79,20 @@ class Sectors {
 
 }  // namespace
 
-double film_band(double clearance) {
-  return clearance + min_grid_height + fade + 1.05;
+double film_grid_height(const ReconstructionOptions& o) {
+  return std::max(min_grid_height, min_height_in_spacings / o.cell);
+}
+
+double film_band(const ReconstructionOptions& o, double clearance) {
+  return clearance + film_grid_height(o) + fade + 1.05;
 }
 
 FilmRule film_rule(const ReconstructionOptions& o, double clearance) {
   FilmRule r;
   r.spacing = 1 / o.cell;
   r.clearance = clearance;
-  r.band = film_band(clearance);
-  r.grid_height = min_grid_height;
+  r.band = film_band(o, clearance);
+  r.grid_height = film_grid_height(o);
   r.film_reach = film_reach * r.spacing;
   r.column_reach = column_reach * r.spacing;
   r.link = link * r.spacing;

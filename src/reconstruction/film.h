@@ -25,7 +25,7 @@ struct FilmRule {
 
 /// Distances of nodes are needed up to this [cells], so that the upper side of films lies between two of
 /// them.
-double film_band(double clearance);
+double film_band(const ReconstructionOptions& options, double clearance);
 
 FilmRule film_rule(const ReconstructionOptions& options, double clearance);
 

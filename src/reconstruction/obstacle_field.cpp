@@ -68,7 +68,7 @@ ContactParameters contact_parameters(const ReconstructionOptions& o) {
   if (o.contact == ObstacleMode::reset) p.clearance = std::max(o.gap / cell, 0.5);
   // touch needs distances up to its range, overlap also at neighbours of the nodes that it changes.
   p.band = p.clearance + 1.25;
-  if (keeps_volume(o) && p.promises()) p.band = std::max(p.band, film_band(p.clearance));
+  if (keeps_volume(o) && p.promises()) p.band = std::max(p.band, film_band(o, p.clearance));
   if (o.contact == ObstacleMode::touch) p.band = std::max(p.band, p.touch_range);
   if (o.contact == ObstacleMode::overlap) p.band = std::max(p.band, std::max(p.touch_range, p.depth) + 1);
   // For visibility, for distances, and for corners that repair may set outside, which must have values.
