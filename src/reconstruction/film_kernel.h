@@ -15,7 +15,7 @@ constexpr double height_slack = 0.4, slope_slack = 0.25;  // [dx], per distance
 constexpr double fade = 0.95;
 
 /// The columns of water up to the first are films; from the second on [dx] they are not.
-constexpr double film_up_to = 1, bulk_from = 2;
+constexpr double film_up_to = 0.8, bulk_from = 1.4;
 
 /// The kernel of the mean along a film: 4/(π L²) (1 − ρ²/L²)³.
 struct FilmKernel {
