@@ -14,8 +14,8 @@ namespace {
 /// Distances along films in spacings, see FilmRule.
 constexpr double film_reach = 1, column_reach = 2.2, link = 3, min_radius = 0.66, max_radius = 1.6;
 
-/// Films are at least this thick on the grid: in cells, so that a row of nodes lies inside, whatever the slope;
-/// in spacings, since vertices move into the water only, and thicker layers are no films (thinness()).
+/// Films are at least this thick on the grid: in cells, so that a row of nodes lies inside, whatever the
+/// slope; in spacings, since vertices move into the water only, and thicker layers are no films (thinness()).
 constexpr double min_grid_height = 1.25, min_height_in_spacings = 1;
 
 /// Discs of two particles at this fraction of their distance close the space between four.
