@@ -2,6 +2,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/assert.h"
 #include "reconstruction/nearest_triangle.h"
@@ -78,7 +79,6 @@ class EllipsoidMaker {
 
   std::vector<WaterEllipsoid> make() {
     std::vector<WaterEllipsoid> result(input_.positions.size(), none_at(Vec3::Zero()));
-    measure_distances();
     workers_.for_chunks(particles_.blocks.size(), 16, [&](std::size_t from, std::size_t to, std::size_t) {
       NearParticles near;
       NearestTriangle triangles;
@@ -86,10 +86,13 @@ class EllipsoidMaker {
       for (std::size_t b = from; b < to; ++b) {
         near.gather(particles_, {}, particles_.blocks[b], 0, side, float(reach_ / cell_));
         prepare(b, triangles);
+        triangles.set_planes();
         for (std::size_t p = particles_.begin[b]; p < particles_.begin[b + 1]; ++p) {
+          const double distance = obstacles_.empty() ? std::numeric_limits<double>::infinity()
+                                                     : triangles.find(place(p)).distance;
           neighbours.clear();
-          if (!is_crowded(b)) collect(p, near, triangles, neighbours);
-          result[particles_.source[p]] = ellipsoid(p, neighbours, triangles);
+          if (!is_crowded(b)) collect(p, distance, near, triangles, neighbours);
+          result[particles_.source[p]] = ellipsoid(p, distance, neighbours, triangles);
         }
       }
     });
@@ -125,31 +128,18 @@ class EllipsoidMaker {
     }
     triangles.set(obstacles_, box, farthest);
   }
-  void measure_distances() {
-    distances_.assign(particles_.size(), std::numeric_limits<double>::infinity());
-    if (obstacles_.empty()) return;
-    workers_.for_chunks(particles_.blocks.size(), 16, [&](std::size_t from, std::size_t to, std::size_t) {
-      NearestTriangle triangles;
-      for (std::size_t b = from; b < to; ++b) {
-        prepare(b, triangles);
-        for (std::size_t p = particles_.begin[b]; p < particles_.begin[b + 1]; ++p)
-          distances_[p] = triangles.find(place(p)).distance;
-      }
-    });
-  }
   /// Far too many particles in a block (a wrong spacing): without neighbours, since the work is quadratic.
   bool is_crowded(std::size_t b) const { return particles_.begin[b + 1] - particles_.begin[b] > 4096; }
-  /// No obstacle touches the segment between two particles. Two balls without obstacles may cover it.
-  bool sees(std::size_t p, std::size_t q, double distance, const NearestTriangle& triangles) const {
-    if (distance < distances_[p] + distances_[q]) return true;
-    bool is_visible = true;
-    triangles.for_within(place(p), distance, [&](std::uint32_t t) {
-      if (is_visible && hides_segment(place(p), place(q), obstacles_.corners(t), obstacles_.indices(t)))
-        is_visible = false;
+  /// No obstacle touches the segment between two particles. `free`: of p from obstacles, up to that of
+  /// prepare() [m].
+  bool sees(std::size_t p, std::size_t q, double distance, double free,
+            const NearestTriangle& triangles) const {
+    if (distance < free) return true;
+    return !triangles.is_any_between(place(p), place(q), [&](std::uint32_t t) {
+      return hides_segment(place(p), place(q), obstacles_.corners(t), obstacles_.indices(t));
     });
-    return is_visible;
   }
-  void collect(std::size_t p, const NearParticles& near, const NearestTriangle& triangles,
+  void collect(std::size_t p, double free, const NearParticles& near, const NearestTriangle& triangles,
                Neighbourhood& out) const {
     const F8 x = particles_.x[p], y = particles_.y[p], z = particles_.z[p];
     const auto reach = static_cast<float>(1.0001 * reach_ / cell_);
@@ -157,19 +147,20 @@ class EllipsoidMaker {
       const F8 dx = F8::load(&near.x[c]) - x, dy = F8::load(&near.y[c]) - y, dz = F8::load(&near.z[c]) - z;
       for (std::uint32_t bits = greater_mask(reach * reach, dx * dx + dy * dy + dz * dz); bits != 0;
            bits &= bits - 1)
-        add(p, near.particle[c + std::size_t(__builtin_ctz(bits))], triangles, out);
+        add(p, near.particle[c + std::size_t(__builtin_ctz(bits))], free, triangles, out);
     }
   }
   /// Adds a neighbour in reach that p sees.
-  void add(std::size_t p, std::size_t q, const NearestTriangle& triangles, Neighbourhood& out) const {
+  void add(std::size_t p, std::size_t q, double free, const NearestTriangle& triangles,
+           Neighbourhood& out) const {
     const Vec3 offset = place(q) - place(p);
     const double distance = offset.norm(), share = distance / reach_;
-    if (!(share < 1) || (q != p && !sees(p, q, distance, triangles))) return;
+    if (!(share < 1) || (q != p && !sees(p, q, distance, free, triangles))) return;
     out.offset.push_back(offset);
     out.weight.push_back(1 - share * share * share);
   }
 
-  WaterEllipsoid ellipsoid(std::size_t p, const Neighbourhood& neighbours,
+  WaterEllipsoid ellipsoid(std::size_t p, double free, const Neighbourhood& neighbours,
                            const NearestTriangle& triangles) const {
     const double r = radius(p);
     if (!(r > 0)) return none_at(place(p));
@@ -179,7 +170,7 @@ class EllipsoidMaker {
     Vec3 mean;
     Matrix3d covariance;
     if (neighbours.moments(mean, covariance)) {
-      const double length = options_.smoothing * mean.norm(), most = free_move * distances_[p];
+      const double length = options_.smoothing * mean.norm(), most = free_move * free;
       shape.centre += options_.smoothing * std::min(1.0, length > 0 ? most / length : 1.0) * mean;
       // The particle is among its neighbours.
       if (int(neighbours.weight.size()) > options_.min_neighbours) shape.map = stretched(covariance, r);
@@ -211,19 +202,22 @@ class EllipsoidMaker {
   double free_scale(const Shape& shape, double farthest, const NearestTriangle& triangles) const {
     double scale = 1;
     const Matrix3d inverse = shape.map.inverse();
-    triangles.for_within(shape.centre, farthest + options_.gap, [&](std::uint32_t t) {
-      Corners c = obstacles_.corners(t);
-      for (Vec3& x : c) x = inverse * (x - shape.centre);
-      const ClosestPoint at = closest_point(Vec3::Zero(), c[0], c[1], c[2]);
-      if (at.distance > 0) {
-        // The plane through this point that touches the scaled ellipsoid has this normal.
-        const Vec3 normal = (inverse.transpose() * at.offset).normalized();
-        const double support = (shape.map.transpose() * normal).norm();
-        scale = std::min(scale, used_space * (at.distance - options_.gap / support));
-      } else {
-        scale = 0;
-      }
-    });
+    // No point of an ellipsoid is farther from its centre than the norm of its matrix.
+    triangles.for_within(shape.centre, std::min(farthest, shape.map.norm()) + options_.gap,
+                         [&](std::uint32_t t) {
+                           Corners c = obstacles_.corners(t);
+                           for (Vec3& x : c) x = inverse * (x - shape.centre);
+                           const ClosestPoint at = closest_point(Vec3::Zero(), c[0], c[1], c[2]);
+                           if (at.distance > 0) {
+                             // The plane through this point that touches the scaled ellipsoid has this
+                             // normal.
+                             const Vec3 normal = (inverse.transpose() * at.offset).normalized();
+                             const double support = (shape.map.transpose() * normal).norm();
+                             scale = std::min(scale, used_space * (at.distance - options_.gap / support));
+                           } else {
+                             scale = 0;
+                           }
+                         });
     return std::max(0.0, scale);
   }
   /// (R.37): from an obstacle below it, `space` away.
@@ -252,7 +246,6 @@ class EllipsoidMaker {
   double cell_, reach_;
   Obstacles obstacles_;
   ParticleBlocks particles_;
-  std::vector<double> distances_;  // from obstacles, up to that of prepare() [m]
 };
 
 }  // namespace

@@ -1,5 +1,8 @@
 #include "reconstruction/nearest_triangle.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace oilskin::reconstruction {
 
 void NearestTriangle::set(const Obstacles& obstacles, const Box& points, double reach) {
@@ -23,6 +26,46 @@ void NearestTriangle::set(const Obstacles& obstacles, const Box& points, double 
     low_[a].resize((triangles_.size() + 7) / 8 * 8, 1e15f);
     high_[a].resize(low_[a].size(), 1e15f);
   }
+}
+
+void NearestTriangle::set_planes() {
+  for (std::vector<float>& n : normal_) n.assign(low_[0].size(), 0.0f);
+  offset_.assign(low_[0].size(), 0.0f);
+  for (std::size_t k = 0; k < triangles_.size(); ++k) {
+    const Corners c = obstacles_->corners(triangles_[k]);
+    const Vec3 across = (c[1] - c[0]).cross(c[2] - c[0]);
+    const double length = across.norm();
+    if (!(length > 0)) continue;
+    const Vec3 n = across / length;
+    for (std::size_t a = 0; a < 3; ++a) normal_[a][k] = static_cast<float>(n[int(a)]);
+    offset_[k] = static_cast<float>(n.dot(c[0] - origin_));
+  }
+}
+
+NearestTriangle::Between::Between(const Vec3& from, const Vec3& to, double reach) {
+  double largest = reach;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double x = from[int(a)], y = to[int(a)];
+    p[a] = static_cast<float>(x);
+    q[a] = static_cast<float>(y);
+    low[a] = std::min(p[a], q[a]);
+    high[a] = std::max(p[a], q[a]);
+    largest = std::max({largest, std::abs(x), std::abs(y)});
+  }
+  rounding = static_cast<float>(1e-5 * largest);
+}
+
+std::uint32_t NearestTriangle::between_mask(std::size_t c, const Between& s) const {
+  F8 at_p = 0.0f - F8::load(&offset_[c]), at_q = at_p, apart = 0.0f;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const F8 n = F8::load(&normal_[a][c]);
+    at_p = at_p + n * s.p[a];
+    at_q = at_q + n * s.q[a];
+    apart = larger(apart, larger(F8::load(&low_[a][c]) - s.high[a], F8(s.low[a]) - F8::load(&high_[a][c])));
+  }
+  // On one side of the plane: both heights are positive, or both negative.
+  const F8 one_side = larger(0.0f - larger(0.0f - at_p, 0.0f - at_q), 0.0f - larger(at_p, at_q));
+  return 0xff & ~greater_mask(larger(apart, one_side), s.rounding);
 }
 
 simd::F8 NearestTriangle::squared_distances(std::size_t c, const Vec3& x) const {

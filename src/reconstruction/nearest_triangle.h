@@ -23,9 +23,29 @@ class NearestTriangle {
            bits != 0; bits &= bits - 1)
         f(triangles_[c + std::size_t(__builtin_ctz(bits))]);
   }
+  /// Prepares for is_any_between().
+  void set_planes();
+  /// Whether f(t) holds for a triangle whose plane and box the segment from p to q reaches; f may be asked
+  /// about some more.
+  template <class F>
+  bool is_any_between(const Vec3& p, const Vec3& q, const F& f) const {
+    const Between between(p - origin_, q - origin_, reach_);
+    for (std::size_t c = 0; c < low_[0].size(); c += 8)
+      for (std::uint32_t bits = between_mask(c, between); bits != 0; bits &= bits - 1)
+        if (f(triangles_[c + std::size_t(__builtin_ctz(bits))])) return true;
+    return false;
+  }
 
  private:
   using F8 = simd::F8;
+  /// A segment relative to the origin, its box, and what rounding to float may change.
+  struct Between {
+    std::array<float, 3> p, q, low, high;
+    float rounding;
+
+    Between(const Vec3& from, const Vec3& to, double reach);
+  };
+  std::uint32_t between_mask(std::size_t c, const Between& segment) const;
   /// Of x from boxes c … c + 7.
   F8 squared_distances(std::size_t c, const Vec3& x) const;
   /// Boxes are rounded to float.
@@ -38,6 +58,8 @@ class NearestTriangle {
   Vec3 origin_ = Vec3::Zero();
   std::vector<std::uint32_t> triangles_;
   std::array<std::vector<float>, 3> low_, high_;  // boxes relative to the origin, padded to a multiple of 8
+  std::array<std::vector<float>, 3> normal_;      // unit, or 0 where a triangle has no area
+  std::vector<float> offset_;                     // of the planes from the origin [m]
 };
 
 }  // namespace oilskin::reconstruction

@@ -7,7 +7,10 @@
 // pairs: CPU seconds with keep_volume over those without it, taken in turns: the median of the ratios. dam: a
 // full box of 111³ particles, cell ½ s; jet: the 10,000 particles above, cell 0.8 s.
 //
-// use: mesh_rate_benchmark [rate | pairs | all = all] [threads = 2] [calls = 60] [particles = all]
+// ellipsoids: those of the rows of `rate` alone.
+//
+// use: mesh_rate_benchmark [rate | pairs | ellipsoids | all = all] [threads = 2] [calls = 60] [particles =
+// all]
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -199,6 +202,10 @@ int main(int argc, char** argv) {
   if (what == "rate" || what == "all")
     for (const std::size_t particles : {1000, 3000, 10000, 30000})
       if (argc < 5 || particles == std::size_t(std::atoi(argv[4]))) print_rate(particles, threads, calls);
+  if (what == "ellipsoids")
+    for (const std::size_t particles : {1000, 3000, 10000, 30000})
+      if (argc < 5 || particles == std::size_t(std::atoi(argv[4])))
+        print_ellipsoids(jet_frame(particles), threads, calls);
   if (what == "pairs" || what == "all") {
     test::WaterScene dam;
     dam.spacing = 0.01;
