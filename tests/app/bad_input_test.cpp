@@ -175,7 +175,7 @@ TEST(BadInput, overrides_are_read_as_carefully_as_files) {
 }
 
 TEST(BadInput, a_name_that_would_write_elsewhere_is_refused) {
-  for (const char* name : {"../there", "a/b", "a\\\\b", "..", "."})
+  for (const char* name : {"../there", "a/b", "a\\\\b", "..", ".", "a\\u0000b", "a\\nb"})
     expect_refused(R"({"name": ")" + std::string(name) + R"("})", {"name: is", "not a path"});
 }
 

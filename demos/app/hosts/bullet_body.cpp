@@ -111,6 +111,13 @@ void make_rigid(double mass, bool moves, BulletBody& made) {
   if (moves || mass > 0) made.body->setActivationState(DISABLE_DEACTIVATION);
 }
 
+/// Of the boxes that cloth collides with in place of the faces of a tank [m]. Bullet's collision of soft
+/// bodies with triangle meshes makes each triangle 6 cm thick on both sides and throws cloth out of it.
+double wall_thickness(const TankShape& tank) {
+  constexpr double most = 0.05;
+  return std::min(most, 0.5 * (tank.inside.max - tank.inside.min).minCoeff());
+}
+
 template <class Use>
 void for_each_part(BulletBody& body, Use use) {
   use(body);
@@ -132,7 +139,7 @@ BulletBody make_body(const Body& settings, const std::string& key) {
   make_rigid(settings.mass_with(made.volume), settings.motion.moves(), made);
   if (const auto* tank = std::get_if<TankShape>(&settings.shape)) {
     made.for_cloth = std::make_unique<BulletBody>();
-    make_compound({tank_walls(*tank, tank_wall)}, *made.for_cloth);
+    make_compound({tank_walls(*tank, wall_thickness(*tank))}, *made.for_cloth);
     set_margin(margin, *made.for_cloth);
     make_rigid(0, settings.motion.moves(), *made.for_cloth);
   }

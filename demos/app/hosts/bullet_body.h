@@ -14,10 +14,6 @@ constexpr double cloth_margin = 0.005;  ///< [m]; Bullet's default of 0.25 m is 
 
 constexpr int cloth_filter = 64;  ///< Bullet's own groups end at 32
 
-/// Of the walls that cloth collides with in place of the faces of a tank [m]. Bullet's collision of soft
-/// bodies with triangle meshes makes each triangle 6 cm thick on both sides and throws cloth out of it.
-constexpr double tank_wall = 0.05;
-
 inline btVector3 to_bullet(const Vec3& v) {
   return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())};
 }

@@ -1,5 +1,7 @@
 #include "scene/scene_format.h"
 
+#include <algorithm>
+
 #include "oilskin/presets.h"
 #include "scene/body_format.h"
 #include "scene/effects_format.h"
@@ -234,6 +236,12 @@ void apply_preset(Fields& f, Scene& s) {
   s.contact = preset.contact;
 }
 
+/// Empty: that of the file is used.
+bool is_folder_name(const std::string& name) {
+  const auto is_fit = [](unsigned char c) { return c >= ' ' && c != '/' && c != '\\' && c != 127; };
+  return name != "." && name != ".." && std::all_of(name.begin(), name.end(), is_fit);
+}
+
 /// The report names the thickness of each surface.
 void set_thicknesses(Scene& s) {
   const double thickness = default_thickness(s.fluid.spacing);
@@ -245,8 +253,8 @@ void set_thicknesses(Scene& s) {
 
 void describe(Fields& f, Scene& s) {
   f.text("name", s.name);
-  if (f.reading() && (s.name.find_first_of("/\\") != std::string::npos || s.name == "." || s.name == ".."))
-    f.fail("name", "is \"" + s.name + "\", must be the name of a folder, not a path");
+  if (f.reading() && !is_folder_name(s.name))
+    f.fail("name", "is " + Json(s.name).dump() + ", must be the name of a folder, not a path");
   f.text("description", s.description);
   f.choice("host", s.host,
            {{"bullet", HostKind::bullet}, {"bullet64", HostKind::bullet64}, {"mock", HostKind::mock}});
