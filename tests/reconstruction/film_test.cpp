@@ -141,9 +141,11 @@ TEST_P(Film, is_one_sheet_as_thick_as_the_water_there) {
 TEST_P(Film, beside_deep_water_is_as_thick_as_without) {
   WaterScene s = film(1.07, 11);
   for (int k = 1; k < 8; ++k)
-    for (double y = 0.02; y < 0.1; y += s.spacing)
-      for (double x = 0.02; x < 0.04; x += s.spacing)
+    for (int j = 0; j < 16; ++j)
+      for (int i = 0; i < 4; ++i) {
+        const double x = 0.02 + i * s.spacing, y = 0.02 + j * s.spacing;
         s.particles.push_back(Vec3(x, y, height(x, y)) + (0.3 + k) * s.spacing * normal);
+      }
   const WaterMesh mesh = test::reconstruct(s.input(), options_for(s, GetParam(), ObstacleMode::touch));
   double length = 0, water = 0;
   for (int j = 0; j < 21; ++j)
