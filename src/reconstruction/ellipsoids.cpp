@@ -203,21 +203,20 @@ class EllipsoidMaker {
     double scale = 1;
     const Matrix3d inverse = shape.map.inverse();
     // No point of an ellipsoid is farther from its centre than the norm of its matrix.
-    triangles.for_within(shape.centre, std::min(farthest, shape.map.norm()) + options_.gap,
-                         [&](std::uint32_t t) {
-                           Corners c = obstacles_.corners(t);
-                           for (Vec3& x : c) x = inverse * (x - shape.centre);
-                           const ClosestPoint at = closest_point(Vec3::Zero(), c[0], c[1], c[2]);
-                           if (at.distance > 0) {
-                             // The plane through this point that touches the scaled ellipsoid has this
-                             // normal.
-                             const Vec3 normal = (inverse.transpose() * at.offset).normalized();
-                             const double support = (shape.map.transpose() * normal).norm();
-                             scale = std::min(scale, used_space * (at.distance - options_.gap / support));
-                           } else {
-                             scale = 0;
-                           }
-                         });
+    const double reach = std::min(farthest, shape.map.norm()) + options_.gap;
+    triangles.for_within(shape.centre, reach, [&](std::uint32_t t) {
+      Corners c = obstacles_.corners(t);
+      for (Vec3& x : c) x = inverse * (x - shape.centre);
+      const ClosestPoint at = closest_point(Vec3::Zero(), c[0], c[1], c[2]);
+      if (at.distance > 0) {
+        // The plane through this point that touches the scaled ellipsoid has this normal.
+        const Vec3 normal = (inverse.transpose() * at.offset).normalized();
+        const double support = (shape.map.transpose() * normal).norm();
+        scale = std::min(scale, used_space * (at.distance - options_.gap / support));
+      } else {
+        scale = 0;
+      }
+    });
     return std::max(0.0, scale);
   }
   /// (R.37): from an obstacle below it, `space` away.

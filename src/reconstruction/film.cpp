@@ -15,7 +15,7 @@ namespace {
 constexpr double film_reach = 1, column_reach = 2.2, link = 3, min_radius = 0.66, max_radius = 1.6;
 
 /// Films are at least this thick on the grid: in cells, so that a row of nodes lies inside, whatever the
-/// slope; in spacings, since vertices move into the water only, and thicker layers are no films (thinness()).
+/// slope; in spacings, since vertices move into the water only: what is above would be lost.
 constexpr double min_grid_height = 1.25, min_height_in_spacings = 1;
 
 /// Discs of two particles at this fraction of their distance close the space between four.
@@ -77,11 +77,11 @@ class Sectors {
   std::array<double, 6> nearest_;
 };
 
-}  // namespace
-
 double film_grid_height(const ReconstructionOptions& o) {
   return std::max(min_grid_height, min_height_in_spacings / o.cell);
 }
+
+}  // namespace
 
 double film_band(const ReconstructionOptions& o, double clearance) {
   return clearance + film_grid_height(o) + fade + 1.05;

@@ -6,15 +6,13 @@
 #include "core/assert.h"
 #include "core/body_motion.h"
 #include "world/absorption.h"
+#include "world/numeric_range.h"
 
 namespace oilskin::world {
 
 namespace {
 
 constexpr std::size_t chunk = 256;
-
-/// What contact takes as a position or velocity ends there, too [m/s²].
-constexpr double largest_acceleration = 1e15;
 
 /// A particle with less than this part of a new one's mass is the rounding of what it gave: it ends.
 constexpr float least_ratio = 0x1p-24f;
@@ -277,7 +275,7 @@ void Effects::act(const EffectInput& input) const {
       input.interval.step.report.messages.push_back("the effect " + slot.name + ": " + forces.message);
     std::uint64_t wrong = 0;
     for (Vec3& a : sum) {
-      if ((a.array().abs() <= largest_acceleration).all()) continue;  // false for what is not finite
+      if (is_in_range(a)) continue;
       a.setZero();
       ++wrong;
     }

@@ -48,23 +48,6 @@ TEST(Output, settings_in_the_report_run_to_the_same_state) {
   EXPECT_EQ(first["settings"], again["settings"]);
 }
 
-/// The columns of series.csv by name.
-std::map<std::string, std::vector<double>> read_series(const std::string& text) {
-  std::istringstream in(text);
-  std::string line, word;
-  std::getline(in, line);
-  std::vector<std::string> names;
-  for (std::istringstream head(line); std::getline(head, word, ',');) names.push_back(word);
-  std::map<std::string, std::vector<double>> columns;
-  while (std::getline(in, line)) {
-    std::size_t k = 0;
-    for (std::istringstream row(line); std::getline(row, word, ','); ++k)
-      columns[names.at(k)].push_back(std::stod(word));
-    EXPECT_EQ(k, names.size());
-  }
-  return columns;
-}
-
 TEST(Output, the_series_has_the_numbers_of_the_report_and_the_impulses_of_the_ledger) {
   for (const char* every : {"1", "5", "0"}) {
     const Folder folder;

@@ -105,4 +105,20 @@ nlohmann::json report_of(const std::string& scene, const std::string& duration,
   return nlohmann::json::parse(folder.read("report.json"), nullptr, false);
 }
 
+std::map<std::string, std::vector<double>> read_series(const std::string& text) {
+  std::istringstream in(text);
+  std::string line, word;
+  std::getline(in, line);
+  std::vector<std::string> names;
+  for (std::istringstream head(line); std::getline(head, word, ',');) names.push_back(word);
+  std::map<std::string, std::vector<double>> columns;
+  while (std::getline(in, line)) {
+    std::size_t k = 0;
+    for (std::istringstream row(line); std::getline(row, word, ','); ++k)
+      columns[names.at(k)].push_back(std::stod(word));
+    EXPECT_EQ(k, names.size());
+  }
+  return columns;
+}
+
 }  // namespace oilskin::test

@@ -1,6 +1,7 @@
 // Starts the program as a user does.
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -37,5 +38,8 @@ class Folder {
 /// with 0.
 nlohmann::json report_of(const std::string& scene, const std::string& duration,
                          const std::vector<std::string>& more);
+
+/// The columns of series.csv by name.
+std::map<std::string, std::vector<double>> read_series(const std::string& text);
 
 }  // namespace oilskin::test

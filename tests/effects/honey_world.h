@@ -34,6 +34,12 @@ inline FluidSettings fluid_of(double spacing = 0.005, double support_ratio = 2) 
   return s;
 }
 
+inline SurfaceSettings sheet(SlipModel slip, double thickness = 0.001) {
+  SurfaceSettings s = sheet_settings(thickness);
+  s.slip.model = slip;
+  return s;
+}
+
 inline std::vector<Vec3> lattice(int nx, int ny, int nz, double dx, const Vec3& corner) {
   std::vector<Vec3> x;
   for (int i = 0; i < nx; ++i)

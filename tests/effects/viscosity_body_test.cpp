@@ -13,12 +13,6 @@ using namespace test;
 
 constexpr double dx = 0.005;
 
-SurfaceSettings clinging() {
-  SurfaceSettings s = sheet_settings(0.001);
-  s.slip.model = SlipModel::viscous_wall;
-  return s;
-}
-
 /// A cube of 4 cm in the middle, without weight.
 struct Cube {
   World world;
@@ -30,7 +24,7 @@ struct Cube {
     body.half = Vec3::Constant(0.02);
     body.mass = density * 0.04 * 0.04 * 0.04;
     EXPECT_TRUE(world.add_effect(viscosity).ok());
-    EXPECT_TRUE(world.attach(body, clinging(), nullptr).ok());
+    EXPECT_TRUE(world.attach(body, sheet(SlipModel::viscous_wall), nullptr).ok());
   }
   void add_block(const Vec3& velocity) {
     fill(world, lattice(8, 4, 8, dx, Vec3(-4 * dx, 0.0202, -4 * dx)), [&](const Vec3&) { return velocity; });

@@ -13,12 +13,6 @@ namespace {
 
 using namespace test;
 
-SurfaceSettings sheet(SlipModel slip, double thickness = 0.001) {
-  SurfaceSettings s = sheet_settings(thickness);
-  s.slip.model = slip;
-  return s;
-}
-
 // The second sum is that of the traction across, three times as large in an isotropic operator.
 TEST(ViscousWallDrag, layers_of_a_lattice_feel_the_traction_of_a_linear_profile) {
   for (double ratio : {1.5, 1.6, 2.0, 2.5, 4.0}) {

@@ -101,7 +101,9 @@ BulletBody make_shape(const Body& body) {
 }
 
 /// Makes the rigid body of a shape. A mass of 0: static or, where it `moves`, kinematic.
-void make_rigid(double mass, bool moves, BulletBody& made) {
+void make_rigid(double margin, double mass, bool moves, BulletBody& made) {
+  made.shape->setMargin(btScalar(margin));
+  for (const auto& part : made.parts) part->setMargin(btScalar(margin));
   btVector3 inertia(0, 0, 0);
   if (mass > 0) made.shape->calculateLocalInertia(btScalar(mass), inertia);
   btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass), nullptr, made.shape.get(), inertia);
@@ -119,14 +121,9 @@ double wall_thickness(const TankShape& tank) {
 }
 
 template <class Use>
-void for_each_part(BulletBody& body, Use use) {
+void for_each_body(BulletBody& body, Use use) {
   use(body);
   if (body.for_cloth) use(*body.for_cloth);
-}
-
-void set_margin(double margin, BulletBody& made) {
-  made.shape->setMargin(btScalar(margin));
-  for (const auto& part : made.parts) part->setMargin(btScalar(margin));
 }
 
 }  // namespace
@@ -135,13 +132,11 @@ BulletBody make_body(const Body& settings, const std::string& key) {
   BulletBody made = make_shape(settings);
   if (!made.shape) throw SceneError(key + ".mesh: its convex hull has no volume, so that it cannot float");
   const double margin = std::min(cloth_margin, *settings.surface.thickness);
-  set_margin(margin, made);
-  make_rigid(settings.mass_with(made.volume), settings.motion.moves(), made);
+  make_rigid(margin, settings.mass_with(made.volume), settings.motion.moves(), made);
   if (const auto* tank = std::get_if<TankShape>(&settings.shape)) {
     made.for_cloth = std::make_unique<BulletBody>();
     make_compound({tank_walls(*tank, wall_thickness(*tank))}, *made.for_cloth);
-    set_margin(margin, *made.for_cloth);
-    make_rigid(0, settings.motion.moves(), *made.for_cloth);
+    make_rigid(margin, 0, settings.motion.moves(), *made.for_cloth);
   }
   return made;
 }
@@ -154,27 +149,28 @@ void add_body_to(btDiscreteDynamicsWorld& world, BulletBody& body) {
 }
 
 void remove_body_from(btDiscreteDynamicsWorld& world, BulletBody& body) {
-  for_each_part(body, [&](BulletBody& part) { world.removeRigidBody(part.body.get()); });
+  for_each_body(body, [&](BulletBody& one) { world.removeRigidBody(one.body.get()); });
 }
 
 void make_kinematic(BulletBody& body) {
-  for_each_part(body, [](BulletBody& part) {
-    part.body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-    part.body->setActivationState(DISABLE_DEACTIVATION);
+  for_each_body(body, [](BulletBody& one) {
+    one.body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    one.body->setActivationState(DISABLE_DEACTIVATION);
   });
 }
 
-void set_place(BulletBody& body, const Motion& motion, double t) {
+void place(BulletBody& body, const Motion& motion, double t, const Vec3& more) {
   const btQuaternion turn(to_bullet(motion.spin_axis.normalized()),
                           btScalar(motion.spin_rate * motion_time(motion, t)));
-  for_each_part(body, [&](BulletBody& part) {
-    part.body->setWorldTransform(
-        btTransform(turn * part.turned, to_bullet(moved(motion, part.origin, t) + body.displaced)));
+  for_each_body(body, [&](BulletBody& one) {
+    one.body->setWorldTransform(
+        btTransform(turn * one.turned, to_bullet(moved(motion, one.origin, t) + body.displaced)));
+    one.body->setLinearVelocity(to_bullet(velocity_at(motion, one.origin, t) + more));
   });
 }
 
 void set_velocity(BulletBody& body, const Vec3& velocity) {
-  for_each_part(body, [&](BulletBody& part) { part.body->setLinearVelocity(to_bullet(velocity)); });
+  for_each_body(body, [&](BulletBody& one) { one.body->setLinearVelocity(to_bullet(velocity)); });
 }
 
 }  // namespace oilskin::demo

@@ -49,8 +49,8 @@ void add_body_to(btDiscreteDynamicsWorld& world, BulletBody& body);
 void remove_body_from(btDiscreteDynamicsWorld& world, BulletBody& body);
 
 void make_kinematic(BulletBody& body);
-/// Where the motion has taken it at time t [s], displaced.
-void set_place(BulletBody& body, const Motion& motion, double t);
+/// Where the motion has taken it at time t [s], displaced, with the velocity of the motion and `more` [m/s].
+void place(BulletBody& body, const Motion& motion, double t, const Vec3& more);
 /// [m/s]
 void set_velocity(BulletBody& body, const Vec3& velocity);
 

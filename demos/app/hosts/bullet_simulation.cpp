@@ -352,12 +352,8 @@ class BulletSimulation : public Simulation {
   }
 
   void place_body(std::size_t i, double t) {
-    const Motion& motion = scene_.bodies[i].motion;
-    BulletBody& body = bodies_[i];
-    set_place(body, motion, t);
-    Vec3 velocity = velocity_at(motion, body.origin, t);
-    if (grip_ && grip_->is_body && grip_->index == i) velocity += grip_->velocity;
-    set_velocity(body, velocity);
+    const bool is_held = grip_ && grip_->is_body && grip_->index == i;
+    place(bodies_[i], scene_.bodies[i].motion, t, is_held ? grip_->velocity : Vec3::Zero());
   }
 
   bullet::btFluid fluid_;

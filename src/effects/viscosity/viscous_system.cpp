@@ -85,7 +85,6 @@ std::uint32_t ViscousSystem::unknown_of(std::size_t surface, std::uint32_t node)
 
 std::uint32_t ViscousSystem::body_of(std::size_t surface) {
   const SurfaceMotion& s = *forces_->surfaces[surface];
-  if (!s.body) return none;
   std::uint32_t& body = surface_body_[surface];
   if (body != none) return body;
   body = static_cast<std::uint32_t>(bodies_.size());
@@ -100,16 +99,18 @@ std::uint32_t ViscousSystem::body_of(std::size_t surface) {
 void ViscousSystem::find_velocity(WallTerm& term) {
   const VisibleWall& wall = *term.wall;
   const SurfaceMotion& s = *forces_->surfaces[wall.surface];
-  term.body = body_of(wall.surface);
+  if (s.body) {
+    term.body = body_of(wall.surface);
+    for (std::size_t k = 0; k < 3; ++k)
+      term.arm += wall.weights[k] * (s.x_t0[wall.nodes[k]] - s.body->center_t0);
+    term.base = velocity_at(*s.body, term.arm);
+    return;
+  }
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t node = wall.nodes[k];
-    term.node[k] = s.body ? none : unknown_of(wall.surface, node);
-    if (s.body)
-      term.arm += wall.weights[k] * (s.x_t0[node] - s.body->center_t0);
-    else if (term.node[k] == none)
-      term.base += wall.weights[k] / forces_->dt * (s.x_t1[node] - s.x_t0[node]);
+    term.node[k] = unknown_of(wall.surface, node);
+    if (term.node[k] == none) term.base += wall.weights[k] / forces_->dt * (s.x_t1[node] - s.x_t0[node]);
   }
-  if (s.body) term.base = velocity_at(*s.body, term.arm);
 }
 
 void ViscousSystem::add_wall(const VisibleWall& wall, double coefficient) {
@@ -121,7 +122,7 @@ void ViscousSystem::add_wall(const VisibleWall& wall, double coefficient) {
   const double z = std::max(wall.distance - offset, nearest * f.spacing);
   const WallDrag::Share drag = (*drag_)(z / f.support_radius);
   const double rate = 2 * coefficient * f.dt * wall.share / f.support_radius;
-  WallTerm term{&wall, rate * drag.along / (z + *length), rate * drag.across / z, Vec3::Zero(), {}};
+  WallTerm term{&wall, rate * drag.along / (z + *length), rate * drag.across / z, Vec3::Zero()};
   if (!(term.along > 0 || term.across > 0)) return;
   find_velocity(term);
   walls_.push_back(term);

@@ -47,11 +47,11 @@ class ViscousSystem {
   };
   struct WallTerm {
     const VisibleWall* wall;
-    double along, across;               // dt times the rates of (V.4)
-    Vec3 base;                          // velocity by prescribed nodes, and of the body [m/s]
-    std::array<std::uint32_t, 3> node;  // unknown, or none
-    std::uint32_t body = none;          // index into bodies_, or none
-    Vec3 arm = Vec3::Zero();            // from its centre of mass [m]
+    double along, across;  // dt times the rates of (V.4)
+    Vec3 base;             // velocity by prescribed nodes, and of the body [m/s]
+    std::array<std::uint32_t, 3> node = {none, none, none};  // unknown, or none
+    std::uint32_t body = none;                               // index into bodies_, or none
+    Vec3 arm = Vec3::Zero();                                 // from its centre of mass [m]
   };
 
   struct FreeNode {
