@@ -5,11 +5,14 @@
 #include <utility>
 
 #include "convert.h"
+#include "core/assert.h"
 #include "coupling_impl.h"
 
 namespace oilskin::bullet {
 
 namespace {
+
+constexpr std::size_t most_fluids = 255;  // World::step_together()
 
 /// Finds lengths in millimetres where metres are meant.
 Status check_size(const SurfaceMotion& surface, const SurfaceSettings& settings) {
@@ -31,16 +34,62 @@ Attachment* btFluidCoupling::Impl::find(const btCollisionObject* object) {
   return it == attachments.end() ? nullptr : &*it;
 }
 
-Status btFluidCoupling::Impl::attach(Attachment& a) {
+std::vector<World*> btFluidCoupling::Impl::worlds() const {
+  std::vector<World*> worlds;
+  for (btFluid* fluid : fluids) worlds.push_back(&fluid->getWorld());
+  return worlds;
+}
+
+std::optional<std::size_t> btFluidCoupling::Impl::index_of(const btFluid* fluid) const {
+  if (!fluid && !fluids.empty()) return 0;
+  const auto it = std::find(fluids.begin(), fluids.end(), fluid);
+  return it == fluids.end() ? std::optional<std::size_t>() : static_cast<std::size_t>(it - fluids.begin());
+}
+
+/// That has those of all fluids.
+Box btFluidCoupling::Impl::kill_box() const {
+  Box box;
+  for (const btFluid* fluid : fluids) box.add(fluid->getWorld().settings().kill_box);
+  return box;
+}
+
+/// Asking a host where it is makes it forget that its next motion is a teleport, and where that began: the
+/// fluids that have it already need that.
+Status btFluidCoupling::Impl::attach(Attachment& a, std::size_t fluid) {
+  OILSKIN_ASSERT(a.ids.size() == fluids.size());
   if (a.sensor) return Status::accepted();
-  if (a.rigid) a.rigid->set_kill_box(world()->settings().kill_box);
-  return world()->attach(a.host(), a.settings, &a.id);
+  const bool is_known = fluid > 0 && a.id();
+  if (a.rigid) {
+    const CollisionObjectHost::State state = a.rigid->state();
+    Status status = fluids[fluid]->getWorld().attach(a.host(), a.settings, &a.ids[fluid]);
+    if (is_known) a.rigid->set_state(state);
+    return status;
+  }
+  const bool forgets = a.soft->state().forget_motion;
+  Status status = fluids[fluid]->getWorld().attach(a.host(), a.settings, &a.ids[fluid]);
+  if (is_known && forgets) a.soft->forget_motion();
+  return status;
+}
+
+Status btFluidCoupling::Impl::attach(Attachment& a) {
+  a.ids.assign(fluids.size(), SurfaceId());
+  if (a.rigid) a.rigid->set_kill_box(kill_box());
+  Status status;
+  for (std::size_t k = 0; k < fluids.size() && status.ok(); ++k) status = attach(a, k);
+  if (!status.ok()) detach(a);
+  return status;
+}
+
+void btFluidCoupling::Impl::detach(Attachment& a, std::size_t fluid) {
+  if (a.ids[fluid]) fluids[fluid]->getWorld().detach(a.ids[fluid]);
+  a.ids.erase(a.ids.begin() + static_cast<std::ptrdiff_t>(fluid));
+  if (a.sensor) a.sensor->forget_fluid(fluid);
 }
 
 void btFluidCoupling::Impl::detach(Attachment& a) {
-  if (a.id) world()->detach(a.id);
-  a.id = SurfaceId();
-  if (a.sensor) a.sensor = std::make_unique<Sensor>(a.object);  // another fluid has other particles
+  for (std::size_t k = 0; k < a.ids.size(); ++k)
+    if (a.ids[k]) fluids[k]->getWorld().detach(a.ids[k]);
+  a.ids.assign(fluids.size(), SurfaceId());
 }
 
 Status btFluidCoupling::Impl::add(Attachment a) {
@@ -56,7 +105,7 @@ Status btFluidCoupling::Impl::add(Attachment a) {
   SurfaceMotion trial;
   if (status.ok()) status = a.host().gather(0, trial).status;
   if (status.ok()) status = check_size(trial, a.settings);
-  if (status.ok() && fluid) status = attach(a);
+  if (status.ok() && !fluids.empty()) status = attach(a);
   if (!status.ok()) return status;
   a.mark = std::make_unique<ObjectMark>();
   a.mark->put_on(*a.object);
@@ -80,12 +129,13 @@ void btFluidCoupling::Impl::forget_motion(const btCollisionObject* object) {
   if (a->soft) a->soft->forget_motion();
   if (a->rigid) a->rigid->forget_motion();
   if (a->sensor) a->sensor->forget_motion();
-  if (a->id) world()->reset_motion(a->id);
+  for (std::size_t k = 0; k < a->ids.size(); ++k)
+    if (a->ids[k]) fluids[k]->getWorld().reset_motion(a->ids[k]);
 }
 
 const SurfaceMotion* btFluidCoupling::Impl::surface(const btCollisionObject* object) {
   const Attachment* a = find(object);
-  return a && a->id ? world()->surface(a->id) : nullptr;
+  return a && a->id() ? world()->surface(a->id()) : nullptr;
 }
 
 /// btSoftRigidDynamicsWorld::setGravity() does not affect soft bodies: their gravity is that of their world
@@ -93,12 +143,17 @@ const SurfaceMotion* btFluidCoupling::Impl::surface(const btCollisionObject* obj
 Status btFluidCoupling::Impl::follow_gravity() {
   const std::optional<Vec3> before = std::exchange(followed_gravity, gravity_of_cloth());
   if (!followed_gravity) return Status::accepted();
-  const Vec3 present = world()->settings().gravity;
-  if (before && present != *before)
-    note(
-        "the gravity given to World::set_gravity() was replaced by that of the cloth's btSoftBodyWorldInfo: "
-        "call setUseClothGravity(false) first");
-  return *followed_gravity == present ? Status::accepted() : world()->set_gravity(*followed_gravity);
+  for (World* w : worlds()) {
+    const Vec3 present = w->settings().gravity;
+    if (before && present != *before)
+      note(
+          "the gravity given to World::set_gravity() was replaced by that of the cloth's "
+          "btSoftBodyWorldInfo: "
+          "call setUseClothGravity(false) first");
+    if (*followed_gravity == present) continue;
+    if (Status s = w->set_gravity(*followed_gravity); !s.ok()) return s;
+  }
+  return Status::accepted();
 }
 
 /// That of the first cloth that has one; nothing where the fluid keeps its own.
@@ -125,33 +180,52 @@ btFluidCoupling::btFluidCoupling(btFluid* fluid) : m_impl(std::make_unique<Impl>
 
 btFluidCoupling::~btFluidCoupling() {
   forgetListeners();
-  if (m_impl->fluid) removeFluid(m_impl->fluid);
+  while (!m_impl->fluids.empty()) removeFluid(m_impl->fluids.back());
 }
 
 Status btFluidCoupling::addFluid(btFluid* fluid) {
   if (!fluid) return Status::refused("fluid is null");
-  if (m_impl->fluid) return Status::refused("a coupling takes one fluid: remove the first one");
+  if (fluid->m_coupling == this) return Status::refused("this fluid is in this coupling already");
   if (fluid->m_coupling) return Status::refused("this fluid is in another coupling: remove it there first");
   Status status = fluid->getWorld().status();
   if (!status.ok()) return status;
-  m_impl->fluid = fluid;
-  m_impl->followed_gravity.reset();
+  Impl& c = *m_impl;
+  if (c.fluids.size() == most_fluids)
+    return Status::refused("a coupling takes at most " + std::to_string(most_fluids) + " fluids");
+  if (!c.fluids.empty() &&
+      fluid->getWorld().fluid_settings().boundary != c.world()->fluid_settings().boundary)
+    return Status::refused("the fluids of a coupling must have the same FluidSettings::boundary");
+  c.fluids.push_back(fluid);
+  c.followed_gravity.reset();
   fluid->m_coupling = this;
-  for (std::size_t i = 0; i < m_impl->attachments.size() && status.ok(); ++i)
-    status = m_impl->attach(m_impl->attachments[i]);
+  for (Attachment& a : c.attachments) a.ids.emplace_back();
+  c.set_planes(c.kill_box());
+  for (std::size_t i = 0; i < c.attachments.size() && status.ok(); ++i)
+    status = c.attach(c.attachments[i], c.fluids.size() - 1);
   if (!status.ok()) removeFluid(fluid);
   return status;
 }
 
 void btFluidCoupling::removeFluid(btFluid* fluid) {
-  if (!fluid || fluid != m_impl->fluid) return;
-  for (Attachment& a : m_impl->attachments) m_impl->detach(a);
+  Impl& c = *m_impl;
+  const std::optional<std::size_t> k = fluid ? c.index_of(fluid) : std::nullopt;
+  if (!k) return;
+  for (Attachment& a : c.attachments) c.detach(a, *k);
+  c.fluids.erase(c.fluids.begin() + static_cast<std::ptrdiff_t>(*k));
   fluid->m_coupling = nullptr;
-  m_impl->fluid = nullptr;
+  if (!c.fluids.empty()) c.set_planes(c.kill_box());
 }
 
 btFluid* btFluidCoupling::getFluid() const {
-  return m_impl->fluid;
+  return getFluid(0);
+}
+
+btFluid* btFluidCoupling::getFluid(int i) const {
+  return i >= 0 && i < getNumFluids() ? m_impl->fluids[static_cast<std::size_t>(i)] : nullptr;
+}
+
+int btFluidCoupling::getNumFluids() const {
+  return static_cast<int>(m_impl->fluids.size());
 }
 
 Status btFluidCoupling::addCloth(btSoftBody* cloth, btScalar thickness, const SlipSettings& slip) {
@@ -257,7 +331,7 @@ bool btFluidCoupling::getCarriesWater() const {
 const StepReport& btFluidCoupling::couple(double dt, bool updateNormals) {
   BT_PROFILE("oilskin::step");
   if (m_impl->listening.is_telling) return m_impl->refuse_within_call();
-  if (!m_impl->fluid)
+  if (m_impl->fluids.empty())
     return m_impl->refused.status.ok() ? m_impl->refuse("there is no fluid: call addFluid() first")
                                        : m_impl->refused;
   if (dt == 0) return getReport();
@@ -272,7 +346,10 @@ const StepReport& btFluidCoupling::couple(double dt, bool updateNormals) {
     a.soft->set_update_normals(updateNormals);
     a.soft->set_carries_water(m_impl->carries_water);
   }
-  const StepReport& report = m_impl->world()->step(dt);
+  const std::vector<World*> worlds = m_impl->worlds();
+  m_impl->joint.reset();
+  if (worlds.size() > 1) m_impl->joint = World::step_together(worlds, dt);
+  const StepReport& report = m_impl->joint ? *m_impl->joint : worlds[0]->step(dt);
   m_impl->note_report(report);
   m_impl->hear(report);
   return report;
@@ -287,12 +364,13 @@ const StepReport& btFluidCoupling::step(btScalar dt) {
 }
 
 const StepReport& btFluidCoupling::getReport() const {
-  return m_impl->fluid && m_impl->refused.status.ok() ? m_impl->world()->report() : m_impl->refused;
+  if (m_impl->fluids.empty() || !m_impl->refused.status.ok()) return m_impl->refused;
+  return m_impl->joint ? *m_impl->joint : m_impl->world()->report();
 }
 
 const std::vector<Vec3>* btFluidCoupling::getNodeImpulses(const btSoftBody* cloth) const {
   const Attachment* a = m_impl->find(cloth);
-  return a && a->id ? &a->soft->node_impulses() : nullptr;
+  return a && a->id() ? &a->soft->node_impulses() : nullptr;
 }
 
 const SurfaceMotion* btFluidCoupling::getSurface(const btSoftBody* cloth) const {
@@ -308,8 +386,13 @@ SurfaceId btFluidCoupling::getSurfaceId(const btSoftBody* cloth) const {
 }
 
 SurfaceId btFluidCoupling::getSurfaceId(const btCollisionObject* object) const {
+  return getSurfaceId(object, nullptr);
+}
+
+SurfaceId btFluidCoupling::getSurfaceId(const btCollisionObject* object, const btFluid* fluid) const {
   const Attachment* a = m_impl->find(object);
-  return a ? a->id : SurfaceId();
+  const std::optional<std::size_t> k = m_impl->index_of(fluid);
+  return a && k ? a->ids[*k] : SurfaceId();
 }
 
 }  // namespace oilskin::bullet

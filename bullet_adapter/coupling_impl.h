@@ -24,15 +24,17 @@ struct Attachment {
   SurfaceSettings settings;
   std::unique_ptr<Sensor> sensor;  ///< null = a wall
   bool measures = false;           ///< a sensor that takes part in the present step
-  SurfaceId id;                    ///< 0 without a fluid, and for a sensor
+  std::vector<SurfaceId> ids;      ///< in each fluid; 0 for a sensor
   std::uint64_t number = 0;        ///< no other attachment of its coupling has it
   Touched touched;
 
+  /// In the first fluid; 0 without one, and for a sensor.
+  SurfaceId id() const { return ids.empty() ? SurfaceId() : ids[0]; }
   SurfaceHost& host() { return soft ? static_cast<SurfaceHost&>(*soft) : *rigid; }
 };
 
 struct btFluidCoupling::Impl {
-  btFluid* fluid = nullptr;
+  std::vector<btFluid*> fluids;
   std::vector<Attachment> attachments;
   bool use_cloth_gravity = true;
   bool carries_water = true;
@@ -40,18 +42,26 @@ struct btFluidCoupling::Impl {
   std::optional<Vec3> followed_gravity;  // as the last step set it
   bool stepped_by_solver = false;        // since the last step by hand
   std::vector<std::string> messages;     // since they were last taken
-  StepReport refused;                    // returned by step() if World::step was not called
+  StepReport refused;                    // returned by step() if no world was called
+  std::optional<StepReport> joint;       // of the last step, if it was of several fluids
   Listening listening;
-  std::optional<ParticlesBefore> particles_before;  // with sensors, during a step
+  std::vector<ParticlesBefore> particles_before;  // of each fluid, with sensors, during a step
   std::uint64_t next_number = 1;
   int pending = 0;          // Bullet's sub-steps since the solver's last coupling
   double pending_time = 0;  // their length [s]
 
-  World* world() const { return fluid ? &fluid->getWorld() : nullptr; }
+  std::vector<World*> worlds() const;
+  /// Of the first fluid; null without one.
+  World* world() const { return fluids.empty() ? nullptr : &fluids[0]->getWorld(); }
+  /// Which of the fluids it is; nothing for another one. Null is the first.
+  std::optional<std::size_t> index_of(const btFluid* fluid) const;
+  Box kill_box() const;
   std::vector<const btCollisionObject*> attached_objects() const;
   Attachment* find(const btCollisionObject* object);
   Status add(Attachment attachment);
+  Status attach(Attachment& attachment, std::size_t fluid);
   Status attach(Attachment& attachment);
+  void detach(Attachment& attachment, std::size_t fluid);
   void detach(Attachment& attachment);
   void remove(const btCollisionObject* object);
   /// Of each attachment, whether `present` has it.
@@ -75,7 +85,7 @@ struct btFluidCoupling::Impl {
 
   // coupling_translate.cpp
   void set_planes(const Box& kill_box);
-  Status translate_world(const btVector3& offset);
+  Status translate_worlds(const btVector3& offset);
 
   // coupling_listen.cpp
   const btCollisionObject* object_of(std::uint64_t number) const;

@@ -20,6 +20,14 @@ std::vector<std::size_t> count_touching_particles(const World& world) {
   return count;
 }
 
+/// Which of the surfaces of a step it is; they are in the order of their handles.
+std::optional<std::size_t> place_of(SurfaceId id, const std::vector<SurfaceId>& surfaces) {
+  const auto by_value = [](SurfaceId a, SurfaceId b) { return a.value < b.value; };
+  const auto it = std::lower_bound(surfaces.begin(), surfaces.end(), id, by_value);
+  if (it == surfaces.end() || !(*it == id)) return {};
+  return static_cast<std::size_t>(it - surfaces.begin());
+}
+
 /// Sets a flag for as long as it lives.
 class Raised {
  public:
@@ -50,32 +58,38 @@ const btCollisionObject* btFluidCoupling::Impl::object_of(std::uint64_t number) 
   return it == attachments.end() ? nullptr : it->object;
 }
 
+/// What the fluids did to each surface. They agree on the motion of one that several of them touch.
 void btFluidCoupling::Impl::hear_surfaces(double dt) {
-  const std::vector<SurfaceId>& active = world()->contact_surfaces();
-  std::vector<std::size_t> particles;
-  if (!listening.listeners.empty()) particles = count_touching_particles(*world());
-  const double spacing = world()->fluid_settings().spacing;
-  const auto by_value = [](SurfaceId a, SurfaceId b) { return a.value < b.value; };
-  std::optional<ParticlesBefore> before = std::exchange(particles_before, std::nullopt);
+  const std::vector<World*> all = worlds();
+  std::vector<std::vector<std::size_t>> particles(all.size());
+  if (!listening.listeners.empty())
+    for (std::size_t k = 0; k < all.size(); ++k) particles[k] = count_touching_particles(*all[k]);
+  const std::vector<ParticlesBefore> before = std::exchange(particles_before, {});
   for (Attachment& a : attachments) {
     if (a.sensor) {
-      if (before && a.measures) listening.add_flow(a.sensor->end(*world(), *before), a.number);
+      if (!before.empty() && a.measures) listening.add_flow(a.sensor->end(all, before), a.number);
       continue;
     }
-    const auto it = std::lower_bound(active.begin(), active.end(), a.id, by_value);
-    if (it == active.end() || !(*it == a.id)) {
+    const SurfaceMotion* motion = nullptr;
+    double area = 0;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const std::optional<std::size_t> surface = place_of(a.ids[k], all[k]->contact_surfaces());
+      if (!surface) continue;
+      motion = all[k]->surface(a.ids[k]);
+      const double spacing = all[k]->fluid_settings().spacing;
+      if (!particles[k].empty()) area += static_cast<double>(particles[k][*surface]) * spacing * spacing;
+    }
+    if (motion)
+      listening.add_load(*motion, area, dt, a.number, a.touched);
+    else
       listening.add_no_load(dt, a.number, a.touched);
-      continue;
-    }
-    const auto surface = static_cast<std::size_t>(it - active.begin());
-    const double area = particles.empty() ? 0 : static_cast<double>(particles[surface]) * spacing * spacing;
-    listening.add_load(*world()->surface(a.id), area, dt, a.number, a.touched);
   }
 }
 
 /// Objects become sensors, and walls again, by their flag.
 void btFluidCoupling::Impl::prepare_sensors() {
-  particles_before.reset();
+  particles_before.clear();
+  const std::vector<World*> all = worlds();
   for (Attachment& a : attachments) {
     if (!a.rigid) continue;
     const bool is_sensor = Sensor::is_sensor(*a.object);
@@ -89,14 +103,15 @@ void btFluidCoupling::Impl::prepare_sensors() {
     a.measures = status.ok();
     if (!status.ok()) note(status.message);
     if (!a.measures) continue;
-    a.sensor->begin(*world());
-    if (!particles_before) particles_before.emplace(*world());
+    a.sensor->begin(all);
+    if (!particles_before.empty()) continue;
+    for (const World* w : all) particles_before.emplace_back(*w);
   }
 }
 
 void btFluidCoupling::Impl::become_wall(Attachment& a) {
   a.sensor.reset();
-  if (a.id) return;
+  if (a.id()) return;
   if (!a.takes_impulses && !a.object->isStaticOrKinematicObject())
     return note("a dynamic body is a sensor no longer, and no wall: remove it from the coupling");
   a.rigid->forget_motion();
@@ -197,17 +212,19 @@ const btFluidReading* btFluidCoupling::getReading(const btCollisionObject* objec
   return a && a->sensor ? &a->sensor->reading() : nullptr;
 }
 
-const btCollisionObject* btFluidCoupling::getObject(SurfaceId surface) const {
-  if (!surface) return nullptr;
+const btCollisionObject* btFluidCoupling::getObject(SurfaceId surface, const btFluid* fluid) const {
+  const std::optional<std::size_t> k = m_impl->index_of(fluid);
+  if (!surface || !k) return nullptr;
   for (const Attachment& a : m_impl->attachments)
-    if (a.id == surface) return a.object;
+    if (a.ids[*k] == surface) return a.object;
   return nullptr;
 }
 
-const btCollisionObject* btFluidCoupling::getObject(std::uint32_t surface) const {
-  if (!m_impl->fluid) return nullptr;
-  const std::vector<SurfaceId>& all = m_impl->world()->contact_surfaces();
-  return surface < all.size() ? getObject(all[surface]) : nullptr;
+const btCollisionObject* btFluidCoupling::getObject(std::uint32_t surface, const btFluid* fluid) const {
+  const std::optional<std::size_t> k = m_impl->index_of(fluid);
+  if (!k) return nullptr;
+  const std::vector<SurfaceId>& all = m_impl->fluids[*k]->getWorld().contact_surfaces();
+  return surface < all.size() ? getObject(all[surface], fluid) : nullptr;
 }
 
 }  // namespace oilskin::bullet

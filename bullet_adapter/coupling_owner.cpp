@@ -10,7 +10,7 @@ namespace {
 std::string left_the_world(const Attachment& a) {
   const char* kind = a.cloth ? "a cloth" : "a collision object";
   std::string text = std::string(kind) + " was detached: it is not in its world, or was deleted";
-  if (a.id) text += " (surface " + std::to_string(a.id.value) + ")";
+  if (a.id()) text += " (surface " + std::to_string(a.id().value) + ")";
   return text + "; attach it again if it comes back";
 }
 

@@ -13,13 +13,13 @@ namespace oilskin::bullet {
 
 namespace {
 
-constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 3, "saved state"};
+constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 4, "saved state"};
 
 /// Of one attached object.
 struct AttachmentState {
   enum class Kind : std::uint8_t { cloth, rigid_body, object, sensor };
   Kind kind = Kind::object;
-  std::uint64_t order = 0;  // of its surface among those of the world; 0 = it has none
+  std::vector<std::uint64_t> order;  // of its surface among those of each fluid; 0 = it has none
   ObjectState object;
   Touched touched;
   SoftState soft;  // of a cloth
@@ -29,10 +29,15 @@ struct AttachmentState {
   Sensor::State sensor;
 };
 
-struct CouplingState {
-  bool has_fluid = false;
+struct FluidState {
   std::vector<std::uint8_t> world;
   std::vector<EmitterMemory> emitters;
+  std::vector<SinkMemory> sinks;
+  std::vector<ForceMemory> forces;
+};
+
+struct CouplingState {
+  std::vector<FluidState> fluids;
   std::vector<AttachmentState> attachments;
   bool use_cloth_gravity = true, carries_water = true, stepped_by_solver = false;
   std::optional<Vec3> followed_gravity;
@@ -41,8 +46,6 @@ struct CouplingState {
   std::vector<std::string> messages;
   StepReport refused, sum;
   std::optional<PairState> contacts;  // of the world
-  std::vector<SinkMemory> sinks;
-  std::vector<ForceMemory> forces;
 };
 
 AttachmentState::Kind kind_of(const Attachment& a) {
@@ -57,13 +60,13 @@ const char* name_of(AttachmentState::Kind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
-/// Of each attachment's surface among those of the world, from 1.
-std::vector<std::uint64_t> surface_order(const std::vector<Attachment>& attachments) {
+/// Of the surface of `a` among those of each fluid, from 1.
+std::vector<std::uint64_t> surface_order(const std::vector<Attachment>& attachments, const Attachment& a) {
   std::vector<std::uint64_t> order;
-  for (const Attachment& a : attachments) {
-    const auto is_before = [&](const Attachment& b) { return b.id && b.id.value <= a.id.value; };
+  for (std::size_t k = 0; k < a.ids.size(); ++k) {
+    const auto is_before = [&](const Attachment& b) { return b.ids[k] && b.ids[k].value <= a.ids[k].value; };
     const auto place = std::count_if(attachments.begin(), attachments.end(), is_before);
-    order.push_back(a.id ? static_cast<std::uint64_t>(place) : 0);
+    order.push_back(a.ids[k] ? static_cast<std::uint64_t>(place) : 0);
   }
   return order;
 }
@@ -80,11 +83,13 @@ void visit_sensor(Archive& archive, Sensor::State& state) {
     for (double& entry : transform.matrix().reshaped()) archive.value(entry);
     if (!transform.matrix().allFinite()) archive.refuse("the transform of a sensor is not finite");
   });
-  archive.values(state.teleported, state.inside);
+  archive.value(state.teleported);
+  archive.list(state.inside, 8, [&](std::vector<std::uint64_t>& inside) { archive.value(inside); });
   auto& [particles, volume, flow] = state.reading;
   auto& [entered, left, passed, appeared, vanished, entered_volume, left_volume] = flow;
   archive.values(particles, volume, entered, left, passed, appeared, vanished, entered_volume, left_volume);
-  archive.require(std::is_sorted(state.inside.begin(), state.inside.end()), "what is in a sensor");
+  for (const std::vector<std::uint64_t>& inside : state.inside)
+    archive.require(std::is_sorted(inside.begin(), inside.end()), "what is in a sensor");
 }
 
 void visit_attachment(Archive& archive, AttachmentState& state) {
@@ -103,29 +108,35 @@ void visit_attachment(Archive& archive, AttachmentState& state) {
   if (state.kind == AttachmentState::Kind::sensor) visit_sensor(archive, state.sensor);
 }
 
+void visit_fluid(Archive& archive, FluidState& state) {
+  constexpr std::size_t of_emitter = 50, of_sink = 24, of_force = 12;  // at least [bytes]
+  archive.value(state.world);
+  archive.list(state.emitters, of_emitter, [&](EmitterMemory& emitter) { emitter.visit(archive); });
+  archive.list(state.sinks, of_sink, [&](SinkMemory& sink) { sink.visit(archive); });
+  archive.list(state.forces, of_force, [&](ForceMemory& force) { force.visit(archive); });
+}
+
 void visit_state(Archive& archive, CouplingState& state) {
-  auto& [has_fluid, world, emitters, attachments, use_cloth_gravity, carries_water, stepped_by_solver,
-         followed_gravity, pending, pending_time, touch_hold, messages, refused, sum, contacts, sinks,
-         forces] = state;
-  constexpr std::size_t of_emitter = 50, of_attachment = 100, of_sink = 24,
-                        of_force = 12;  // at least [bytes]
+  auto& [fluids, attachments, use_cloth_gravity, carries_water, stepped_by_solver, followed_gravity, pending,
+         pending_time, touch_hold, messages, refused, sum, contacts] = state;
+  constexpr std::size_t of_fluid = 32, of_attachment = 100;  // at least [bytes]
   std::uint8_t scalar = sizeof(btScalar);
   archive.value(scalar);
   if (archive.ok() && scalar != sizeof(btScalar))
     archive.refuse("it comes from Bullet with the other precision");
-  archive.values(has_fluid, world, use_cloth_gravity, carries_water, stepped_by_solver, pending, pending_time,
-                 touch_hold);
+  archive.list(fluids, of_fluid, [&](FluidState& fluid) { visit_fluid(archive, fluid); });
+  archive.values(use_cloth_gravity, carries_water, stepped_by_solver, pending, pending_time, touch_hold);
   archive.require(pending >= 0 && std::isfinite(pending_time) && pending_time >= 0,
                   "the time since a coupling");
   archive.require(std::isfinite(touch_hold) && touch_hold >= 0, "the time that a touch is held");
-  archive.list(emitters, of_emitter, [&](EmitterMemory& emitter) { emitter.visit(archive); });
-  archive.list(attachments, of_attachment, [&](AttachmentState& a) { visit_attachment(archive, a); });
+  archive.list(attachments, of_attachment, [&](AttachmentState& a) {
+    visit_attachment(archive, a);
+    archive.require(a.sensor.inside.size() <= fluids.size(), "what is in a sensor");
+  });
   archive.optional(followed_gravity, [&](Vec3& gravity) { archive.value(gravity); });
   visit(archive, messages);
   visit(archive, refused);
   visit(archive, sum);
-  archive.list(sinks, of_sink, [&](SinkMemory& sink) { sink.visit(archive); });
-  archive.list(forces, of_force, [&](ForceMemory& force) { force.visit(archive); });
   archive.optional(contacts, [&](PairState& pairs) { pairs.visit(archive); });
 }
 
@@ -182,12 +193,20 @@ Status check_counts(const char* what, std::size_t saved, std::size_t here) {
                          std::to_string(here) + "; add the same ones in the same order");
 }
 
+Status check_number_of_fluids(std::size_t saved, std::size_t here) {
+  if (saved == here) return Status::accepted();
+  if (saved == 0) return Status::refused("the saved state has no fluid");
+  const std::string has =
+      "the saved state has " + (saved == 1 ? "a fluid" : std::to_string(saved) + " fluids");
+  if (here == 0) return Status::refused(has + ": call addFluid() first");
+  return Status::refused(has + ", the coupling " + std::to_string(here));
+}
+
 Status check_attachments(const std::vector<AttachmentState>& saved, const std::vector<Attachment>& here) {
   if (Status s = check_counts("objects", saved.size(), here.size()); !s.ok()) return s;
-  const std::vector<std::uint64_t> order = surface_order(here);
   for (std::size_t i = 0; i < here.size(); ++i) {
     if (Status s = check(saved[i], here[i]); !s.ok()) return about("object", i, s);
-    if (saved[i].order != order[i])
+    if (saved[i].order != surface_order(here, here[i]))
       return Status::refused("the surfaces were added to the fluid in another order than in the saved state");
   }
   return Status::accepted();
@@ -200,6 +219,20 @@ Status check_each(const std::string& what, const std::vector<Memory>& saved,
   if (Status s = check_counts((what + "s").c_str(), saved.size(), here.size()); !s.ok()) return s;
   for (std::size_t i = 0; i < here.size(); ++i)
     if (Status s = saved[i].check(*here[i]); !s.ok()) return about(what.c_str(), i, s);
+  return Status::accepted();
+}
+
+/// All of them or none.
+Status restore_worlds(const std::vector<FluidState>& saved, const std::vector<World*>& worlds) {
+  std::vector<std::vector<std::uint8_t>> before(worlds.size());
+  for (std::size_t k = 0; k < worlds.size(); ++k) {
+    Status status;
+    if (k + 1 < worlds.size()) status = worlds[k]->save(&before[k]);
+    if (status.ok()) status = worlds[k]->restore(saved[k].world);
+    if (status.ok()) continue;
+    for (std::size_t done = 0; done < k; ++done) static_cast<void>(worlds[done]->restore(before[done]).ok());
+    return worlds.size() == 1 ? status : about("fluid", k, status);
+  }
   return Status::accepted();
 }
 
@@ -216,18 +249,17 @@ Status btFluidCoupling::saveState(std::vector<std::uint8_t>* out, btCollisionWor
   const Impl& c = *m_impl;
   if (Status s = c.check_between_steps(); !s.ok()) return s;
   CouplingState state;
-  state.has_fluid = c.fluid != nullptr;
-  if (c.fluid) {
-    if (Status s = c.world()->save(&state.world); !s.ok()) return s;
-    for (const btFluidEmitter* emitter : c.fluid->m_emitters) state.emitters.emplace_back().capture(*emitter);
-    for (const btFluidSink* sink : c.fluid->m_sinks) state.sinks.emplace_back().capture(*sink);
-    for (const btFluidForce* force : c.fluid->m_forces) state.forces.emplace_back().capture(*force);
+  for (const btFluid* fluid : c.fluids) {
+    FluidState& f = state.fluids.emplace_back();
+    if (Status s = fluid->getWorld().save(&f.world); !s.ok()) return s;
+    for (const btFluidEmitter* emitter : fluid->m_emitters) f.emitters.emplace_back().capture(*emitter);
+    for (const btFluidSink* sink : fluid->m_sinks) f.sinks.emplace_back().capture(*sink);
+    for (const btFluidForce* force : fluid->m_forces) f.forces.emplace_back().capture(*force);
   }
-  const std::vector<std::uint64_t> order = surface_order(c.attachments);
-  for (std::size_t i = 0; i < order.size(); ++i) {
+  for (std::size_t i = 0; i < c.attachments.size(); ++i) {
     AttachmentState& a = state.attachments.emplace_back();
     if (Status s = capture(c.attachments[i], a); !s.ok()) return about("object", i, s);
-    a.order = order[i];
+    a.order = surface_order(c.attachments, c.attachments[i]);
   }
   state.use_cloth_gravity = c.use_cloth_gravity, state.carries_water = c.carries_water;
   state.stepped_by_solver = c.stepped_by_solver, state.followed_gravity = c.followed_gravity;
@@ -253,28 +285,29 @@ Status btFluidCoupling::restoreState(Span<const std::uint8_t> saved, btCollision
   visit_state(archive, state);
   if (archive.ok() && archive.left() > 0) archive.refuse("there are more bytes than there is state");
   if (!archive.ok()) return Status::refused("the saved state: " + archive.status().message);
-  if (state.has_fluid != (c.fluid != nullptr))
-    return Status::refused(c.fluid ? "the saved state has no fluid"
-                                   : "the saved state has a fluid: call addFluid() first");
+  if (Status s = check_number_of_fluids(state.fluids.size(), c.fluids.size()); !s.ok()) return s;
   if (state.contacts.has_value() != (world != nullptr))
     return Status::refused(world ? "the saved state has no contacts of a world"
                                  : "the saved state has the contacts of a world: give the world, too");
   Status status = check_attachments(state.attachments, c.attachments);
-  const std::vector<btFluidEmitter*> emitters =
-      c.fluid ? c.fluid->m_emitters : std::vector<btFluidEmitter*>();
-  const std::vector<btFluidSink*> sinks = c.fluid ? c.fluid->m_sinks : std::vector<btFluidSink*>();
-  const std::vector<btFluidForce*> forces = c.fluid ? c.fluid->m_forces : std::vector<btFluidForce*>();
-  if (status.ok()) status = check_each("emitter", state.emitters, emitters);
-  if (status.ok()) status = check_counts("sinks", state.sinks.size(), sinks.size());
-  if (status.ok()) status = check_each("force", state.forces, forces);
+  for (std::size_t k = 0; k < c.fluids.size() && status.ok(); ++k) {
+    const FluidState& f = state.fluids[k];
+    status = check_each("emitter", f.emitters, c.fluids[k]->m_emitters);
+    if (status.ok()) status = check_counts("sinks", f.sinks.size(), c.fluids[k]->m_sinks.size());
+    if (status.ok()) status = check_each("force", f.forces, c.fluids[k]->m_forces);
+  }
   if (status.ok() && world) status = state.contacts->check(*world, c.attached_objects());
-  if (status.ok() && c.fluid) status = c.world()->restore(state.world);
+  if (status.ok()) status = restore_worlds(state.fluids, c.worlds());
   if (!status.ok()) return status;
 
   for (std::size_t i = 0; i < state.attachments.size(); ++i) apply(state.attachments[i], c.attachments[i]);
-  for (std::size_t i = 0; i < state.emitters.size(); ++i) state.emitters[i].apply(*emitters[i]);
-  for (std::size_t i = 0; i < sinks.size(); ++i) state.sinks[i].apply(*sinks[i]);
-  for (std::size_t i = 0; i < forces.size(); ++i) state.forces[i].apply(*forces[i]);
+  for (std::size_t k = 0; k < c.fluids.size(); ++k) {
+    FluidState& f = state.fluids[k];
+    for (std::size_t i = 0; i < f.emitters.size(); ++i) f.emitters[i].apply(*c.fluids[k]->m_emitters[i]);
+    for (std::size_t i = 0; i < f.sinks.size(); ++i) f.sinks[i].apply(*c.fluids[k]->m_sinks[i]);
+    for (std::size_t i = 0; i < f.forces.size(); ++i) f.forces[i].apply(*c.fluids[k]->m_forces[i]);
+  }
+  c.joint.reset();
   c.use_cloth_gravity = state.use_cloth_gravity, c.carries_water = state.carries_water;
   c.stepped_by_solver = state.stepped_by_solver, c.followed_gravity = state.followed_gravity;
   c.pending = state.pending, c.pending_time = state.pending_time, c.listening.touch_hold = state.touch_hold;

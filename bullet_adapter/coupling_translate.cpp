@@ -73,14 +73,16 @@ void btFluidCoupling::Impl::set_planes(const Box& kill_box) {
 }
 
 /// Asking hosts where they are makes them forget that their next motion is a teleport.
-Status btFluidCoupling::Impl::translate_world(const btVector3& offset) {
+Status btFluidCoupling::Impl::translate_worlds(const btVector3& offset) {
   std::vector<SoftBodyHost::State> soft;
   std::vector<CollisionObjectHost::State> rigid;
   for (const Attachment& a : attachments) {
     soft.push_back(a.soft ? a.soft->state() : SoftBodyHost::State());
     rigid.push_back(a.rigid ? a.rigid->state() : CollisionObjectHost::State());
   }
-  Status status = world()->translate(to_vec3(offset));
+  Status status;
+  for (World* w : worlds())
+    if (status.ok()) status = w->translate(to_vec3(offset));
   for (std::size_t i = 0; i < attachments.size(); ++i) {
     Attachment& a = attachments[i];
     if (a.soft && soft[i].forget_motion) a.soft->forget_motion();
@@ -102,12 +104,13 @@ Status btFluidCoupling::translate(const btVector3& offset) {
       move(*a.object, offset);
     move_memory(a, offset);
   }
-  if (!c.fluid) return Status::accepted();
-  const Box kill_box = c.world()->settings().kill_box;
+  if (c.fluids.empty()) return Status::accepted();
+  const Box kill_box = c.kill_box();
   c.set_planes(moved(kill_box, offset));
-  Status status = c.translate_world(offset);
+  Status status = c.translate_worlds(offset);
   if (status.ok()) {
-    for (btFluidEmitter* emitter : c.fluid->m_emitters) move(emitter->m_transform, offset);
+    for (const btFluid* fluid : c.fluids)
+      for (btFluidEmitter* emitter : fluid->m_emitters) move(emitter->m_transform, offset);
     return status;
   }
   c.set_planes(kill_box);

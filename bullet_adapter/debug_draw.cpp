@@ -38,12 +38,13 @@ void draw_contacts(const World& world, btIDebugDraw* drawer) {
 }  // namespace
 
 void btFluidCoupling::debugDraw(btIDebugDraw* drawer) {
-  if (!drawer || !m_impl->fluid) return;
-  const World& world = m_impl->fluid->getWorld();
+  if (!drawer) return;
   const int mode = drawer->getDebugMode();
-  if (mode & btIDebugDraw::DBG_DrawWireframe) draw_particles(world, drawer);
-  if (mode & (btIDebugDraw::DBG_DrawContactPoints | btIDebugDraw::DBG_DrawNormals))
-    draw_contacts(world, drawer);
+  for (const World* world : m_impl->worlds()) {
+    if (mode & btIDebugDraw::DBG_DrawWireframe) draw_particles(*world, drawer);
+    if (mode & (btIDebugDraw::DBG_DrawContactPoints | btIDebugDraw::DBG_DrawNormals))
+      draw_contacts(*world, drawer);
+  }
 }
 
 }  // namespace oilskin::bullet

@@ -9,11 +9,13 @@ namespace oilskin::bullet {
 
 btFluidQuery::btFluidQuery(const btFluid& fluid) : m_query(fluid.getWorld()) {
   if (!fluid.m_coupling) return;
-  for (const Attachment& a : fluid.m_coupling->m_impl->attachments) {
-    if (!a.soft || !a.id) continue;
-    const double thickness = fluid.getWorld().surface(a.id)->thickness;
+  const btFluidCoupling::Impl& coupling = *fluid.m_coupling->m_impl;
+  const std::size_t k = *coupling.index_of(&fluid);
+  for (const Attachment& a : coupling.attachments) {
+    if (!a.soft || !a.ids[k]) continue;
+    const double thickness = fluid.getWorld().surface(a.ids[k])->thickness;
     m_cloths.push_back(
-        {a.cloth, thickness + m_query.spacing(), a.soft->wet_nodes(fluid.getWorld().absorbed(a.id))});
+        {a.cloth, thickness + m_query.spacing(), a.soft->wet_nodes(fluid.getWorld().absorbed(a.ids[k]))});
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/assert.h"
 #include "shape_mesh.h"
 
 namespace oilskin::bullet {
@@ -62,12 +63,28 @@ Status Sensor::read() {
   return Status::accepted();
 }
 
-void Sensor::begin(const World& world) {
-  if (to_local_) return;
-  to_local_ = inverse_of(object_->getWorldTransform());
-  for (std::size_t i = 0; i < world.particle_count(); ++i)
-    if (region_->contains(*to_local_ * world.positions()[i])) inside_.push_back(world.ids()[i]);
-  std::sort(inside_.begin(), inside_.end());
+void Sensor::begin(Span<World* const> worlds) {
+  const bool is_first = !to_local_;
+  if (is_first) to_local_ = inverse_of(object_->getWorldTransform());
+  OILSKIN_ASSERT(inside_.size() <= worlds.size());
+  while (inside_.size() < worlds.size()) {
+    const World& world = *worlds[inside_.size()];
+    Inside& inside = inside_.emplace_back();
+    for (std::size_t i = 0; i < world.particle_count(); ++i)
+      if (region_->contains(*to_local_ * world.positions()[i])) inside.push_back(world.ids()[i]);
+    std::sort(inside.begin(), inside.end());
+    if (!is_first) reading_.m_flow.m_appeared += inside.size();
+  }
+}
+
+void Sensor::forget_fluid(std::size_t k) {
+  if (k >= inside_.size()) return;
+  if (inside_.size() == 1) {
+    *this = Sensor(object_);
+    return;
+  }
+  reading_.m_flow.m_vanished += inside_[k].size();
+  inside_.erase(inside_.begin() + static_cast<std::ptrdiff_t>(k));
 }
 
 void Sensor::set_state(State state) {
@@ -77,19 +94,30 @@ void Sensor::set_state(State state) {
   reading_ = state.reading;
 }
 
-btFluidFlow Sensor::end(const World& world, const ParticlesBefore& before) {
+btFluidFlow Sensor::end(Span<World* const> worlds, const std::vector<ParticlesBefore>& before) {
   const Eigen::Affine3d now = *inverse_of(object_->getWorldTransform());
   const Eigen::Affine3d then = teleported_ ? now : *to_local_;
+  OILSKIN_ASSERT(worlds.size() == inside_.size() && worlds.size() == before.size());
   teleported_ = false;
   btFluidFlow flow;
+  reading_.m_volume = 0;
+  reading_.m_particles = 0;
+  for (std::size_t k = 0; k < worlds.size(); ++k)
+    add_flow_of(*worlds[k], before[k], then, now, inside_[k], flow);
+  to_local_ = now;
+  reading_.m_flow += flow;
+  return flow;
+}
+
+void Sensor::add_flow_of(const World& world, const ParticlesBefore& before, const Eigen::Affine3d& then,
+                         const Eigen::Affine3d& now, Inside& remembered, btFluidFlow& flow) {
   Inside inside;
   std::size_t still_here = 0;  // of those inside before
-  reading_.m_volume = 0;
   for (std::size_t i = 0; i < world.particle_count(); ++i) {
     const std::uint64_t id = world.ids()[i];
     const Vec3 x_t1 = now * world.positions()[i];
     const double volume = volume_of(world, i);
-    const bool was_remembered = std::binary_search(inside_.begin(), inside_.end(), id);
+    const bool was_remembered = std::binary_search(remembered.begin(), remembered.end(), id);
     const Vec3* start = before.position_of(id);
     const Vec3 x_t0 = start ? Vec3(then * *start) : x_t1;
     const bool was_inside = start && region_->contains(x_t0), is_inside = region_->contains(x_t1);
@@ -108,13 +136,10 @@ btFluidFlow Sensor::end(const World& world, const ParticlesBefore& before) {
     inside.push_back(id);
     reading_.m_volume += volume;
   }
-  flow.m_vanished += inside_.size() - still_here;
+  flow.m_vanished += remembered.size() - still_here;
   std::sort(inside.begin(), inside.end());
-  inside_ = std::move(inside);
-  to_local_ = now;
-  reading_.m_particles = inside_.size();
-  reading_.m_flow += flow;
-  return flow;
+  remembered = std::move(inside);
+  reading_.m_particles += remembered.size();
 }
 
 }  // namespace oilskin::bullet

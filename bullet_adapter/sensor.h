@@ -28,10 +28,12 @@ class Sensor {
   static bool is_sensor(const btCollisionObject& object);
   /// Reads the shape. Refuses shapes without a volume.
   Status read();
-  /// Before a step: the first time, counts what is inside.
-  void begin(const World& world);
-  /// After the step; the flow within it.
-  btFluidFlow end(const World& world, const ParticlesBefore& before);
+  /// Before a step of fluids: the first time, counts what is inside. A fluid that was added since appears.
+  void begin(Span<World* const> worlds);
+  /// After the step; the flow within it. `before` has one per fluid.
+  btFluidFlow end(Span<World* const> worlds, const std::vector<ParticlesBefore>& before);
+  /// What is inside of the k-th fluid vanishes; with the last fluid all measurements do.
+  void forget_fluid(std::size_t k);
   /// The motion up to the next step is a teleport.
   void forget_motion() { teleported_ = true; }
 
@@ -41,7 +43,7 @@ class Sensor {
   struct State {
     std::optional<Eigen::Affine3d> to_local;
     bool teleported = false;
-    std::vector<std::uint64_t> inside;
+    std::vector<std::vector<std::uint64_t>> inside;  // of each fluid
     btFluidReading reading;
   };
   State state() const { return {to_local_, teleported_, inside_, reading_}; }
@@ -49,13 +51,15 @@ class Sensor {
 
  private:
   using Inside = std::vector<std::uint64_t>;  // ids, sorted
+  void add_flow_of(const World& world, const ParticlesBefore& before, const Eigen::Affine3d& then,
+                   const Eigen::Affine3d& now, Inside& inside, btFluidFlow& flow);
 
   const btCollisionObject* object_;
   std::vector<double> signature_;
   std::optional<ShapeRegion> region_;
   std::optional<Eigen::Affine3d> to_local_;  // after the last step
   bool teleported_ = false;
-  Inside inside_;
+  std::vector<Inside> inside_;  // of each fluid
   btFluidReading reading_;
 };
 

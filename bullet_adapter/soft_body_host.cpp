@@ -247,13 +247,15 @@ Gathered SoftBodyHost::gather(double dt, SurfaceMotion& motion) {
   } else {
     result.new_surface = split_pins(motion);
   }
-  if (result.new_surface || motion.triangles.size() != faces_.size()) {
-    result.new_surface = true;  // also for a motion that has never been filled
+  std::vector<Triangle> triangles = faces_;
+  for (Triangle& t : triangles)
+    for (std::uint32_t& node : t) node = contact_node_[node];
+  if (result.new_surface || motion.triangles != triangles) {
+    if (!result.new_surface) teleported = true;  // another motion was given the change, or it is the first
+    result.new_surface = true;
     motion.storage = bt_storage;
     motion.nodes_movable = false;  // Bullet's position solver turns moved nodes into velocity
-    motion.triangles = faces_;
-    for (Triangle& t : motion.triangles)
-      for (std::uint32_t& node : t) node = contact_node_[node];
+    motion.triangles = std::move(triangles);
   }
   if (!result.new_surface) weigh_nodes(motion.absorbed_mass);  // also those that the owner freed
   fill(teleported ? 0 : dt, motion);

@@ -43,7 +43,7 @@ namespace oilskin::bullet {
 class btFluidListener;
 struct btFluidReading;
 
-/// Couples one fluid with soft bodies and collision objects. Add it to a world with addAction() for debug
+/// Couples fluids with soft bodies and collision objects. Add it to a world with addAction() for debug
 /// drawing only: actions run before Bullet solves the cloth, so nothing is coupled there.
 ///
 /// Attached objects must be removed from the coupling before they are deleted, except those that it can miss:
@@ -59,12 +59,21 @@ class btFluidCoupling : public btActionInterface {
   btFluidCoupling(const btFluidCoupling&) = delete;
   btFluidCoupling& operator=(const btFluidCoupling&) = delete;
 
-  /// One fluid per coupling; a second one is refused. Surfaces added before the fluid are attached with it.
+  /// Adds a fluid; all objects are attached to it, those added before and later. With several fluids, such as
+  /// water and oil, all touch the same objects in one step, and no particle of any crosses
+  /// (World::step_together()): fluids act on each other through objects alone, and pass through each other
+  /// where none is between them. Of the first fluid are the settings of contact. Refuses null, a fluid that
+  /// is in a coupling, more than 255 fluids, and a fluid whose FluidSettings::boundary is not that of the
+  /// first.
   Status addFluid(btFluid* fluid);
-  /// Removes the fluid; the surfaces remain and are attached to the next one.
+  /// Removes a fluid. With the last one the objects remain, and are attached to the next one.
   void removeFluid(btFluid* fluid);
-  /// Null = none.
+  /// The first fluid; null = none.
   btFluid* getFluid() const;
+  /// The i-th fluid; null for i outside 0 … getNumFluids() − 1.
+  btFluid* getFluid(int i) const;
+  /// The number of fluids.
+  int getNumFluids() const;
 
   /// Refuses soft bodies without faces, thicknesses below 4 δ [m] or above twice the diagonal of the body,
   /// and bodies that are attached already, here or in another coupling; a refusal attaches nothing. Without a
@@ -141,7 +150,8 @@ class btFluidCoupling : public btActionInterface {
   /// that the cloth has moved since the last call: Bullet's sub-steps × their length. 0 (no sub-step) does
   /// nothing, and the motion is part of the next step.
   const StepReport& step(btScalar dt);
-  /// The report of the last step, with the balance of energies.
+  /// The report of the last step, with the balance of energies: of all fluids together. World::report() of
+  /// each has its own particles and pressure.
   const StepReport& getReport() const;
 
   /// The impulses on the nodes in the last step [N s], one per node in Bullet's order, at pins the reaction;
@@ -152,11 +162,13 @@ class btFluidCoupling : public btActionInterface {
   const SurfaceMotion* getSurface(const btSoftBody* cloth) const;
   /// The motion of an object in the last step; null for one that is not attached. load_of() gives the force.
   const SurfaceMotion* getSurface(const btCollisionObject* object) const;
-  /// The handle of a cloth in the fluid's world, for World::node_values() and World::set_slip(); none for one
-  /// that is not attached, or without a fluid. Nodes that are welded are one node there.
+  /// The handle of a cloth in the first fluid's world, for World::node_values() and World::set_slip(); none
+  /// for one that is not attached, or without a fluid. Nodes that are welded are one node there.
   SurfaceId getSurfaceId(const btSoftBody* cloth) const;
-  /// The handle of an object.
+  /// The handle of an object in the first fluid's world.
   SurfaceId getSurfaceId(const btCollisionObject* object) const;
+  /// The handle of an object, also a cloth, in the world of a fluid of the coupling; none for another fluid.
+  SurfaceId getSurfaceId(const btCollisionObject* object, const btFluid* fluid) const;
 
   /// Calls the listener after each coupled step (oilskin/bullet_listener.h). It is the caller's, and removes
   /// itself when it is deleted. Refuses null, and a listener that is in a coupling already.
@@ -177,12 +189,13 @@ class btFluidCoupling : public btActionInterface {
   /// What a sensor has measured up to the last step (oilskin/bullet_sensor.h); null for an object that is not
   /// attached or is a wall. The reading changes with each step.
   const btFluidReading* getReading(const btCollisionObject* object) const;
-  /// The object with this handle; null for one that is not attached.
-  const btCollisionObject* getObject(SurfaceId surface) const;
-  /// The object of a Contact::surface of the last step; null where it was removed since.
-  const btCollisionObject* getObject(std::uint32_t surface) const;
+  /// The object with this handle in a fluid of the coupling, null = the first; null for one that is not
+  /// attached.
+  const btCollisionObject* getObject(SurfaceId surface, const btFluid* fluid = nullptr) const;
+  /// The object of a Contact::surface of the last step of such a fluid; null where it was removed since.
+  const btCollisionObject* getObject(std::uint32_t surface, const btFluid* fluid = nullptr) const;
 
-  /// Writes the state that determines all further steps: that of the fluid (World::save()), of the emitters
+  /// Writes the state that determines all further steps: that of the fluids (World::save()), of the emitters
   /// that were added with btFluid::addEmitter(), and of each attached object what Bullet's steps change; with
   /// readings of sensors, touches, impulses, reports and messages that were not taken yet. Call it between
   /// two calls of stepSimulation() that leave no remaining time. What the game sets is not written: settings
@@ -194,8 +207,9 @@ class btFluidCoupling : public btActionInterface {
   /// written, too: those of all its objects. Without them rigid bodies that touch each other go on slightly
   /// differently. Refuses worlds without btDbvtBroadphase and btCollisionDispatcher.
   Status saveState(std::vector<std::uint8_t>* out, btCollisionWorld* world = nullptr) const;
-  /// Gives the fluid, the emitters and all attached objects the state that was saved, here or in another
-  /// process: the same build and precision, with the same objects and emitters, added in the same order.
+  /// Gives the fluids, the emitters and all attached objects the state that was saved, here or in another
+  /// process: the same build and precision, with the same fluids, objects and emitters, added in the same
+  /// order.
   /// Refuses, and changes nothing, where the bytes are damaged or of another version, or where objects,
   /// emitters, their number, their meshes or their masses are others. Spans, reports and contacts of the
   /// fluid's world are invalid after it.
@@ -203,7 +217,7 @@ class btFluidCoupling : public btActionInterface {
   /// states of those that are not attached are the caller's, to be set before.
   Status restoreState(Span<const std::uint8_t> saved, btCollisionWorld* world = nullptr);
 
-  /// Moves everything by `offset` [m], for games far from the origin: the fluid with its kill box, sinks and
+  /// Moves everything by `offset` [m], for games far from the origin: the fluids with kill boxes, sinks and
   /// emitters (World::translate()), and all attached objects, with their motion states. Nothing is swept, and
   /// velocities, loads, touches and sums go on; positions are rounded to btScalar. Forces of
   /// btFluid::addForce() and the other objects of Bullet's world are the caller's to move. Refuses what

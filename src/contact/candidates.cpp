@@ -23,8 +23,8 @@ Box swept_box(const ParticleMotion& particles, std::uint32_t p) {
 }  // namespace
 
 // Covers what pressure and impulses usually add to the predicted displacement.
-double CandidateSet::prediction_margin(const ParticleMotion& particles) {
-  return 0.2 * particles.spacing;
+double CandidateSet::prediction_margin(const Liquid& liquid) {
+  return 0.2 * liquid.spacing;
 }
 
 void CandidateSet::collect(Context& context) {
@@ -50,12 +50,16 @@ void CandidateSet::query(Context& context, std::uint32_t surface,
                          const std::vector<std::uint32_t>& particles) {
   Surface& set = surfaces_[surface];
   const SurfaceMotion& motion = *context.surfaces[surface];
-  const double reach =
-      std::max(std::max(motion.thickness, 2 * motion.delta) + prediction_margin(*context.particles),
-               wall_layer(*context.particles, motion));
+  std::vector<double> reach;  // of each liquid; negative = it does not collide with the surface
+  for (const Liquid& liquid : context.liquids)
+    reach.push_back(liquid.collides_with(surface)
+                        ? std::max(std::max(motion.thickness, 2 * motion.delta) + prediction_margin(liquid),
+                                   wall_layer(liquid, motion))
+                        : -1);
   context.workers->for_each(particles.size(), chunk, [&](std::size_t k) {
     const std::uint32_t p = particles[k];
-    set.box[p] = context.out_of_play[p] ? Box{} : swept_box(*context.particles, p).inflated(reach);
+    const double r = reach[context.liquid_index.empty() ? 0 : context.liquid_index[p]];
+    set.box[p] = context.out_of_play[p] || r < 0 ? Box{} : swept_box(*context.particles, p).inflated(r);
   });
   const bool all = particles.size() == set.box.size();  // in their order
   if (!all) {
@@ -63,7 +67,9 @@ void CandidateSet::query(Context& context, std::uint32_t surface,
     for (std::size_t k = 0; k < particles.size(); ++k) boxes_[k] = set.box[particles[k]];
   }
   context.geometry[surface]->tree.query(all ? set.box : boxes_, *context.workers, set.scratch);
-  OILSKIN_ASSERT(reach > 2 * motion.delta && std::isfinite(reach));
+  OILSKIN_ASSERT(std::all_of(reach.begin(), reach.end(), [&](double r) {
+    return r == -1 || (r > 2 * motion.delta && std::isfinite(r));
+  }));
   OILSKIN_ASSERT(set.pool.size() + set.scratch.triangle.size() <= std::numeric_limits<std::uint32_t>::max());
   const auto base = static_cast<std::uint32_t>(set.pool.size());
   set.pool.resize(base + set.scratch.triangle.size());

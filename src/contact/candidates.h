@@ -27,7 +27,7 @@ class CandidateSet {
   std::vector<std::uint32_t> refresh(Context& context, double margin = 0);
 
   /// The largest change of an end, per axis, after which refresh(…, 1) does not query again [m].
-  static double prediction_margin(const ParticleMotion& particles);
+  static double prediction_margin(const Liquid& liquid);
 
   Span<CandidatePair> of(std::uint32_t surface, std::uint32_t particle) {
     OILSKIN_ASSERT(surface < surfaces_.size());

@@ -14,6 +14,14 @@ namespace oilskin::contact {
 
 namespace {
 
+// Of the particle's liquid.
+void record_load(Context& context, const Contact& c, const Vec3& impulse) {
+  const std::size_t liquid = context.liquid_index.empty() ? 0 : context.liquid_index[c.particle];
+  std::vector<Vec3>& load = (*context.loads)[liquid][c.surface];
+  if (load.empty()) load.assign(context.surfaces[c.surface]->x_t0.size(), Vec3::Zero());
+  for (std::size_t k = 0; k < 3; ++k) load[c.nodes[k]] += c.weights[k] * impulse;
+}
+
 // (C.11)
 void apply_impulse(Context& context, const Contact& c, const Vec3& impulse, bool moves_particle) {
   OILSKIN_ASSERT(impulse.allFinite());
@@ -23,6 +31,7 @@ void apply_impulse(Context& context, const Contact& c, const Vec3& impulse, bool
     context.set_particle_end(c.particle, context.particles->x_t1[c.particle] + context.dt * dv);
   if (context.particles->inverse_mass[c.particle] == 0) context.report->impulse_on_prescribed += impulse;
   push_point(*context.surfaces[c.surface], c, -impulse);
+  if (context.loads) record_load(context, c, -impulse);
 }
 
 // Inelastic stop (C.12): v_n ≥ 0 with an accumulated impulse J_n ≥ 0. [Huber2013] Eq. 2 with the inverse

@@ -21,6 +21,7 @@ ContactPass::ContactPass(double dt, const ContactSettings& settings, const Worke
   context_.settings = &settings;
   context_.workers = &workers;
   context_.particles = &particles;
+  context_.liquids.emplace_back(particles);
   context_.surfaces = surfaces;
   context_.geometry = geometry;
   context_.report = &report;
@@ -33,7 +34,9 @@ void ContactPass::find() {
   const std::size_t n = particles.id.size();
   OILSKIN_ASSERT(particles.x_t0.size() == n && particles.x_t1.size() == n && particles.velocity.size() == n);
   OILSKIN_ASSERT(particles.inverse_mass.size() == n && particles.removed.size() == n);
-  OILSKIN_ASSERT(particles.spacing > 0);
+  OILSKIN_ASSERT(context_.liquid_index.empty() || context_.liquid_index.size() == n);
+  OILSKIN_ASSERT(std::all_of(context_.liquids.begin(), context_.liquids.end(),
+                             [](const Liquid& liquid) { return liquid.spacing > 0; }));
   context_.epoch = 1;
   context_.particle_stamp.assign(n, 0);
   context_.out_of_play.assign(n, 0);

@@ -28,6 +28,16 @@ class ContactPass {
   ContactPass(const ContactPass&) = delete;
   ContactPass& operator=(const ContactPass&) = delete;
 
+  /// The particles are of several liquids: `index` has that of each one. Without it all are of one liquid, as
+  /// the particles say.
+  void set_liquids(std::vector<Liquid> liquids, Span<const std::uint8_t> index) {
+    context_.liquids = std::move(liquids);
+    context_.liquid_index = index;
+  }
+
+  /// `loads` gets what solve() adds to it.
+  void record_loads(LiquidLoads& loads) { context_.loads = &loads; }
+
   /// Collects candidates and contacts for the predicted x_t1. Sets impulse and moved of the surfaces to zero.
   void find();
 

@@ -53,15 +53,16 @@ void find_for_particle(const Context& context, const CandidateSet& candidates,
                        const std::vector<double>& max_displacement, std::uint32_t p,
                        std::vector<Contact>& out) {
   const ParticleMotion& particles = *context.particles;
+  const Liquid& liquid = context.liquid(p);
   const double displacement =
-      (particles.x_t1[p] - particles.x_t0[p]).norm() + 2 * CandidateSet::prediction_margin(particles);
+      (particles.x_t1[p] - particles.x_t0[p]).norm() + 2 * CandidateSet::prediction_margin(liquid);
   // Vertices of the surface that have been tested; thousands of triangles may share one.
   std::vector<std::uint64_t> vertices;
   for (std::uint32_t s = 0; s < context.surfaces.size(); ++s) {
     const SurfaceMotion& motion = *context.surfaces[s];
     // (C.4): contacts beyond h + dx do not act, nor do those whose gap the motion cannot reduce below h.
-    const double radius = motion.thickness + std::min(particles.spacing, displacement + max_displacement[s]);
-    const double reach = std::max(radius, wall_layer(particles, motion));
+    const double radius = motion.thickness + std::min(liquid.spacing, displacement + max_displacement[s]);
+    const double reach = std::max(radius, wall_layer(liquid, motion));
     const std::size_t first = out.size();
     vertices.clear();
     for (const CandidatePair& pair : candidates.of(s, p)) {
@@ -203,7 +204,7 @@ bool comes_within_thickness(const Context& context, const Contact& contact) {
 bool friction_may_act(const Context& context, const Contact& contact) {
   const SurfaceMotion& s = *context.surfaces[contact.surface];
   const SlipSettings& slip = s.slip_on(contact.back);
-  const double reach = friction_distance(*context.particles, s, slip);
+  const double reach = friction_distance(context.liquid(contact.particle), s, slip);
   return slip.model == SlipModel::viscous_wall ? contact.distance < reach
                                                : (reach > 0 && contact.distance <= reach);
 }

@@ -11,6 +11,22 @@
 
 namespace oilskin::contact {
 
+/// What contact needs to know of a liquid.
+struct Liquid {
+  double spacing = 0;                  // dx [m]
+  double rest_density = 0;             // ρ0 [kg/m³]
+  double viscosity = 0;                // ν [m²/s]
+  std::vector<std::uint8_t> collides;  // per surface; empty = with all of them
+
+  Liquid() = default;
+  explicit Liquid(const ParticleMotion& particles)
+      : spacing(particles.spacing), rest_density(particles.rest_density), viscosity(particles.viscosity) {}
+  bool collides_with(std::uint32_t surface) const { return collides.empty() || collides[surface] != 0; }
+};
+
+/// Of each liquid, surface and node: the impulse by its constraints [N s]; empty lists = none.
+using LiquidLoads = std::vector<std::vector<std::vector<Vec3>>>;
+
 struct Context {
   // Input
   double dt = 0;
@@ -19,6 +35,8 @@ struct Context {
   ParticleMotion* particles = nullptr;
   Span<SurfaceMotion* const> surfaces;
   Span<SurfaceGeometry* const> geometry;  // one per surface
+  std::vector<Liquid> liquids;            // one at least
+  Span<const std::uint8_t> liquid_index;  // of each particle; empty = all are of the first liquid
   Span<const Vec3> start_velocity;        // of the particles, before this interval's forces; empty = unknown
   Span<const fluid::WallImpulse> wall_impulses;  // ordered by particle
   Span<Vec3> spare_load;                         // per particle: in and out, with boundary terms (B.35)
@@ -35,8 +53,10 @@ struct Context {
   // Output
   ContactReport* report = nullptr;
   StageSeconds* seconds = nullptr;
+  LiquidLoads* loads = nullptr;  // null = they are not asked for
 
   std::size_t particle_count() const { return particles->id.size(); }
+  const Liquid& liquid(std::uint32_t p) const { return liquids[liquid_index.empty() ? 0 : liquid_index[p]]; }
   PointTriangle start(std::uint32_t p, std::uint32_t surface, std::uint32_t triangle) const {
     const SurfaceMotion& s = *surfaces[surface];
     OILSKIN_ASSERT(p < particles->x_t0.size() && triangle < s.triangles.size());

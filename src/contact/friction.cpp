@@ -55,7 +55,7 @@ bool has_wall_area(const Context& context, const ContactConstraint& constraint) 
     case SlipModel::viscous_wall:
       return constraint.friction_active;
     case SlipModel::sticking:
-      return context.boundary_terms && context.particles->viscosity > 0;
+      return context.boundary_terms && context.liquid(c.particle).viscosity > 0;
     case SlipModel::free:
     case SlipModel::coulomb:
       break;
@@ -65,16 +65,16 @@ bool has_wall_area(const Context& context, const ContactConstraint& constraint) 
 
 /// Distance over which the wall shear of (C.17) falls [m].
 double shear_distance(const Context& context, const ContactConstraint& constraint) {
-  const ParticleMotion& p = *context.particles;
   const Contact& c = constraint.contact;
-  return std::max(c.distance - wall_offset(p, *context.surfaces[c.surface]), 0.25 * p.spacing);
+  const Liquid& liquid = context.liquid(c.particle);
+  return std::max(c.distance - wall_offset(liquid, *context.surfaces[c.surface]), 0.25 * liquid.spacing);
 }
 
 /// M of (C.17) [kg].
 double wall_drag(const Context& context, const ContactConstraint& constraint, double slip_length) {
-  const ParticleMotion& p = *context.particles;
+  const Liquid& liquid = context.liquid(constraint.contact.particle);
   const double z = shear_distance(context, constraint);
-  return context.dt * p.viscosity * p.rest_density * constraint.wall_area / (z + slip_length);
+  return context.dt * liquid.viscosity * liquid.rest_density * constraint.wall_area / (z + slip_length);
 }
 
 /// ψ (B.36), with the area that the particle has of the wall: contacts that share it are one wall, and those
@@ -89,8 +89,11 @@ double viscous_share(const Context& context, const ContactConstraint& constraint
   const auto tangential = [&](const Vec3& v) { return (v - v.dot(c.normal) * c.normal).norm(); };
   const Vec3 &v = p.velocity[c.particle], slip = relative_velocity(context, c);
   const Vec3 change = context.start_velocity.empty() ? v : Vec3(v - context.start_velocity[c.particle]);
-  const double z = shear_distance(context, constraint), nu = p.viscosity, area = p.spacing * p.spacing;
-  const double of_forces = tangential(change) * z * z / (u * context.dt * area * p.rest_density * nu * nu);
+  const Liquid& liquid = context.liquid(c.particle);
+  const double z = shear_distance(context, constraint), nu = liquid.viscosity,
+               area = liquid.spacing * liquid.spacing;
+  const double of_forces =
+      tangential(change) * z * z / (u * context.dt * area * liquid.rest_density * nu * nu);
   const double ratio = std::max(of_forces, tangential(slip) * z / nu) / sublayer;
   return 1 / (1 + ratio * ratio);
 }
@@ -101,11 +104,11 @@ double viscous_share(const Context& context, const ContactConstraint& constraint
 // edges of a flat sheet, a cloth on a floor), twice in a corner. A contact gets the area that nearer contacts
 // of the particle leave, by the component of its normal that theirs do not have.
 void distribute_wall_area(const Context& context, std::vector<ContactConstraint>& constraints) {
-  const double area = context.particles->spacing * context.particles->spacing;
   for (std::size_t begin = 0, end = 0; begin < constraints.size(); begin = end) {
     while (end < constraints.size() &&
            constraints[end].contact.particle == constraints[begin].contact.particle)
       ++end;
+    const double spacing = context.liquid(constraints[begin].contact.particle).spacing;
     for (std::size_t k = begin; k < end; ++k) {
       const Contact& c = constraints[k].contact;
       if (!has_wall_area(context, constraints[k])) continue;
@@ -116,7 +119,7 @@ void distribute_wall_area(const Context& context, std::vector<ContactConstraint>
         if (nearer) fraction *= 1 - std::clamp(c.normal.dot(other.normal), 0.0, 1.0);
       }
       OILSKIN_ASSERT(fraction >= 0 && fraction < 1 + 1e-9);
-      constraints[k].wall_area = fraction * area;
+      constraints[k].wall_area = fraction * (spacing * spacing);
       constraints[k].viscous_share = viscous_share(context, constraints[k]);
     }
   }

@@ -141,9 +141,10 @@ void FluidSolver::record_host_response(double dt, const Vec3& gravity, Span<Surf
     impl_->state.boundary.memory().record_host_response(dt, gravity, surfaces);
 }
 
-void FluidSolver::record_load(double dt, Span<SurfaceMotion* const> surfaces) {
+void FluidSolver::record_load(double dt, Span<SurfaceMotion* const> surfaces,
+                              Span<const std::vector<Vec3>> of_others) {
   if (impl_->settings.boundary == BoundaryModel::mirrored)
-    impl_->state.boundary.memory().record_load(dt, surfaces);
+    impl_->state.boundary.memory().record_load(dt, surfaces, of_others);
 }
 
 void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,

@@ -53,7 +53,8 @@ class FluidSolver {
   /// this one. Once per step each, after all surfaces were gathered and before they are scattered. Surfaces
   /// that are not in the list are forgotten.
   void record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
-  void record_load(double dt, Span<SurfaceMotion* const> surfaces);
+  void record_load(double dt, Span<SurfaceMotion* const> surfaces,
+                   Span<const std::vector<Vec3>> of_others = {});
 
   /// After prepare(), for the same particles: density and pressure of the start positions, and
   /// velocity ← particles.velocity + dt (gravity + viscosity + pressure). Positions do not change. Pair

@@ -93,6 +93,18 @@ void keep_larger(T& largest, const T& value) {
 
 }  // namespace
 
+void StepReport::add_world(const StepReport& other) {
+  const StepReport own = *this;
+  add(other);
+  step = own.step, time = own.time, dt = own.dt, energy = own.energy, substeps = own.substeps;
+  if (!other.status.ok()) return;
+  fluid = worst_of(own.fluid, other.fluid);
+  substeps_left_out = std::max(own.substeps_left_out, other.substeps_left_out);
+  alive = own.alive + other.alive;
+  momentum_before = own.momentum_before + other.momentum_before;
+  momentum_after = own.momentum_after + other.momentum_after;
+}
+
 // Structured bindings name every member: a new member that is not added does not compile.
 void StepReport::add(const StepReport& next) {
   if (status.ok()) status = next.status;

@@ -319,6 +319,13 @@ struct StepReport {
   /// or-ed. Of the first step: momentum_before; of the last: step, time, alive, momentum_after, energy, but
   /// for made_in_step (sum) and max_speed (largest). `status` is the first refusal. Messages: add_message().
   void add(const StepReport& next);
+
+  /// Makes this the report of several worlds that were stepped together (World::step_together()): adds that
+  /// of another one in the same step. Sums: seconds, contact, particles and starts counted, masses and
+  /// momenta. `fluid`: worst_of(). Largest: substeps_needed, substeps_left_out, carried_ratio, load_speed;
+  /// smallest: iteration_limit, where there is one. `flags` are or-ed. `status` is the first refusal.
+  /// `energy`, step, time, dt and substeps stay as they are: the first world has the balance of all.
+  void add_world(const StepReport& other);
 };
 
 /// Adds a message to a list, in place of the one about the same surfaces that differs from it in numbers

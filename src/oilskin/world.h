@@ -240,6 +240,24 @@ class World {
   /// to fluid.max_substeps intervals, each with its own certificate; surfaces move on straight lines through
   /// them to the positions that their hosts propose for the end of the step.
   const StepReport& step(double dt);
+  /// One coupled step of several worlds whose fluids touch the same surfaces: water and oil, or water of two
+  /// spacings, at one cloth. Surfaces with the same SurfaceHost are one: it is read and written once, contact
+  /// takes the particles of all worlds at once, and each world has its certificate for the motion in which
+  /// the surface ends. One after the other, step() would move the surface again after the certificate of the
+  /// first.
+  ///
+  /// Fluids of different worlds do not act on each other but through surfaces: where none is between them,
+  /// they pass through each other. Each world keeps its settings, effects, emitters, time and files. Of the
+  /// first world are the settings of contact, and the slip of a surface that several worlds have; a shared
+  /// surface has the smallest of their thicknesses. All worlds take the largest number of sub-steps that one
+  /// of them needs.
+  ///
+  /// Returns the sum of the reports (StepReport::add_world()). In report() of each world are its particles
+  /// and its pressure; what contact did, the impulses on surfaces and the balance of energies are in that of
+  /// the first. So momentum_residual() is zero for the sum alone. A surface's loads (load_of()) are those of
+  /// all fluids. Refuses what step() refuses, null, a world that is there twice, more than 255 worlds, and
+  /// worlds whose FluidSettings::boundary differ. A refusal or an exception changes nothing in any world.
+  static StepReport step_together(Span<World* const> worlds, double dt);
   /// The longest accurate next step, 0 < dt ≤ `largest` [s] (F.45); longer steps have no crossing either. It
   /// is the minimum of
   ///   - fluid.cfl spacings × max_substeps over the largest speed: of particles and due starts (gravity
@@ -299,6 +317,7 @@ class World {
 
  private:
   struct Impl;
+  class JointStep;
   std::unique_ptr<Impl> impl_;
 };
 

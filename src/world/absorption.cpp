@@ -147,9 +147,8 @@ void release_particles(Span<const Release> releases, const ActiveSurfaces& activ
   }
 }
 
-std::vector<Vec3> add_momentum_of_liquid(Attachment& a) {
+std::vector<Vec3> add_momentum_of_liquid(Attachment& a, SurfaceMotion& m) {
   LiquidChange& c = a.liquid_change;
-  SurfaceMotion& m = a.motion;
   if (c.mass.size() != m.x_t1.size()) return {};
   std::vector<Vec3> arrived(c.mass.size());  // momentum relative to the node
   for (std::size_t i = 0; i < arrived.size(); ++i) arrived[i] = c.momentum[i] - c.mass[i] * m.velocity[i];
@@ -159,7 +158,7 @@ std::vector<Vec3> add_momentum_of_liquid(Attachment& a) {
     if (m.inverse_mass[i] == 0 || arrived[i].isZero(0)) continue;
     const double own = own_mass(m, i);
     const double dry = own - c.before[i];  // ≤ 0: the host does not weigh what its nodes hold
-    const Vec3 dv = arrived[i] / (dry > 0 ? own + m.absorbed_mass[i] - c.before[i] : own);
+    const Vec3 dv = arrived[i] / (dry > 0 ? own + a.motion.absorbed_mass[i] - c.before[i] : own);
     m.velocity[i] += dv;
     m.add_impulse(static_cast<std::uint32_t>(i), dv / m.inverse_mass[i]);
   }

@@ -22,8 +22,8 @@ void release_particles(Span<const Release> releases, const ActiveSurfaces& activ
                        double spacing, double rest_density, double particle_mass, const Workers& workers,
                        fluid::Particles& particles, std::uint64_t& next_id, Ledger& ledger);
 
-/// Before the host's scatter: what arrived with another velocity changes that of its node, as an impulse
-/// more. Returns the impulses without it, or none if nothing arrived.
-std::vector<Vec3> add_momentum_of_liquid(Attachment& a);
+/// Before the host's scatter: what arrived in `a` with another velocity changes that of its node in `motion`,
+/// as an impulse more. Returns the impulses without it, or none if nothing arrived.
+std::vector<Vec3> add_momentum_of_liquid(Attachment& a, SurfaceMotion& motion);
 
 }  // namespace oilskin::world

@@ -11,14 +11,15 @@
 #include "world/absorption.h"
 #include "world/carried_mass.h"
 #include "world/numeric_range.h"
+#include "world/sharing.h"
 
 namespace oilskin::world {
-
-namespace {
 
 double max_coordinate(const Box& kill_box) {
   return std::max(kill_box.min.cwiseAbs().maxCoeff(), kill_box.max.cwiseAbs().maxCoeff());
 }
+
+namespace {
 
 Status check_mesh(const SurfaceMotion& m) {
   if (m.triangles.empty())
@@ -61,9 +62,10 @@ Status check_state(const SurfaceMotion& m) {
   return check_body(m);
 }
 
-Status set_delta(SurfaceMotion& m, const SurfaceSettings& settings, double r) {
+Status set_delta(SurfaceMotion& m, const SurfaceSettings& settings, double r, const Sharing& sharing = {}) {
   OILSKIN_ASSERT(settings.thickness);
-  m.thickness = *settings.thickness;
+  m.thickness = sharing.thickness > 0 ? sharing.thickness : *settings.thickness;
+  r = std::max(r, sharing.reach);
   m.slip = settings.slip;
   m.slip_back = settings.slip_back;
   m.smooth = settings.smooth;
@@ -205,12 +207,16 @@ Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box
   m.added_mass.clear();
   const std::optional<BodyMotion> body = m.body;
   const std::uint64_t id = m.id;
-  const Gathered gathered = a.host->gather(dt, m);
+  const Gathered gathered = read_host(a, dt);
   if (!gathered.status.ok()) return gathered.status;
   if (gathered.unchanged && (m.still == 0 || gathered.new_surface)) return refuse_unchanged();
   if (!gathered.unchanged)
     if (Status s = take_motion(a, gathered.new_surface, nodes_before, kill_box, report); !s.ok()) return s;
   start_body(m, body, m.id != id, dt);
+  if (a.sharing.original) {
+    m.body = a.sharing.original->motion.body;
+    m.velocity_t0 = a.sharing.original->motion.velocity_t0;
+  }
   OILSKIN_ASSERT(m.id != 0 && m.delta > 0 && m.x_t0.size() == m.x_t1.size());
   OILSKIN_ASSERT(m.still == 0 || stands_still(m));
   m.slip = a.settings.slip;
@@ -230,15 +236,17 @@ Status Attachments::take_motion(Attachment& a, bool new_surface, std::size_t nod
     if (Status s = check_mesh(m); !s.ok()) return s;
   if (Status s = check_state(m); !s.ok()) return s;
   if (is_new) {
-    if (Status s = set_delta(m, a.settings, max_coordinate(kill_box)); !s.ok()) return s;
+    if (Status s = set_delta(m, a.settings, max_coordinate(kill_box), a.sharing); !s.ok()) return s;
     m.id = next_id_++;
-    m.x_t0 = m.x_t1;
+    m.x_t0 = a.sharing.original ? a.sharing.original->motion.x_t0 : m.x_t1;
     m.velocity_t0.clear();
     a.is_new = true;
     forget_load(a);
+    a.sharing.teleported = true;
     // A teleport keeps them. A mesh that was refused may have had another number of nodes.
     const bool fits = m.absorbed_mass.empty() || m.absorbed_mass.size() == m.x_t1.size();
     if (new_surface || m.x_t1.size() != nodes_before || !fits) {
+      a.sharing.mesh_changed = true;
       a.values.clear();
       report.mass_lost += absorbed_mass(a);
       m.absorbed_mass.clear();
@@ -267,7 +275,7 @@ void Attachments::scatter(const ActiveSurfaces& active, StepReport& report) {
     SurfaceMotion& m = a->motion;
     OILSKIN_ASSERT(m.impulse.size() == m.x_t1.size() && m.moved.size() == m.x_t1.size());
     if (m.still == 0) certified = m.x_t1;
-    a->host->scatter(m);
+    write_host(*a);
     OILSKIN_ASSERT(m.x_t1.size() == m.x_t0.size());
     if (!is_certified(m, certified)) {
       // The certificate holds for positions that the host does not store: the stored ones begin a new

@@ -32,6 +32,19 @@ struct SavedState {
   std::uint64_t still = 0;  ///< whose arrays `motion` has; 0 = they must be copied
 };
 
+struct Attachment;
+
+/// In a step of several worlds: what the attachments of one host have to do with each other. The first one,
+/// the original, reads and writes the host; the others are copies.
+struct Sharing {
+  Attachment* original = nullptr;   ///< of a copy; null = none
+  std::vector<Attachment*> copies;  ///< of an original
+  double thickness = 0;             ///< the smallest of all [m]; 0 = its own
+  double reach = 0;                 ///< the largest coordinate of their kill boxes [m]
+  bool mesh_changed = false;        ///< the host gave the original another mesh in this step
+  bool teleported = false;          ///< or its motion was a teleport
+};
+
 /// All that a world keeps of a surface, but for the load that the fluid's boundary terms remember by id.
 struct Attachment {
   std::uint64_t handle = 0;
@@ -48,6 +61,7 @@ struct Attachment {
   std::vector<std::vector<double>> values;  // of effects: per kind of value, one per node
 
   LiquidChange liquid_change;  // of the step under way
+  Sharing sharing;             // of a step of several worlds
   SavedState saved;            // by checkpoint()
 
   // Derived from the motion
@@ -68,6 +82,9 @@ struct ActiveSurfaces {
   /// At x_t1.
   std::vector<StandingSurface> at_end() const;
 };
+
+/// The largest coordinate that δ covers [m].
+double max_coordinate(const Box& kill_box);
 
 /// Do the collision groups and masks of a fluid and a surface let them collide?
 bool can_collide(const FluidSettings& fluid, const SurfaceSettings& surface);

@@ -176,31 +176,66 @@ void EnergyBalance::end_surface(const SurfaceMotion& now, double dt, const Surfa
   }
 }
 
-const EnergyReport& EnergyBalance::finish(double sum, double dt, double spacing) {
+void EnergyBalance::include(EnergyBalance& other) {
+  OILSKIN_ASSERT(&other != this);
+  others_.push_back(&other);
+  other.is_included_ = true;
+}
+
+void EnergyBalance::share_limits(EnergyBalance& other) {
+  state_.max_specific = other.state_.max_specific = std::max(state_.max_specific, other.state_.max_specific);
+  state_.max_node_speed = other.state_.max_node_speed =
+      std::max(state_.max_node_speed, other.state_.max_node_speed);
+}
+
+const EnergyReport& EnergyBalance::finish_water(double mass) {
   EnergyReport& r = state_.report;
-  const Energy& water = state_.water;
-  r.water_kinetic = water.kinetic;
-  r.water_potential = water.potential(gravity_);
+  r.water_kinetic = state_.water.kinetic;
+  r.water_potential = state_.water.potential(gravity_);
+  r.rms_speed = mass > 0 ? std::sqrt(2 * r.water_kinetic / mass) : 0;
+  state_.gravity = gravity_;
+  return r;
+}
+
+const EnergyReport& EnergyBalance::finish(double relative_mass, double mass_of_others, double dt,
+                                          double spacing) {
+  EnergyReport& r = state_.report;
+  const double mass = relative_mass * mass_ + mass_of_others;
+  if (is_included_) return finish_water(mass);
+  std::vector<const EnergyBalance*> all = {this};
+  all.insert(all.end(), others_.begin(), others_.end());
+  r.water_kinetic = r.water_potential = 0;
+  double start = 0, entered = 0, left = 0, before = 0, by_effects = 0, raised = 0;
+  for (const EnergyBalance* e : all) {  // each has its own gravity
+    const Vec3& g = e->gravity_;
+    r.water_kinetic += e->state_.water.kinetic;
+    r.water_potential += e->state_.water.potential(g);
+    r.max_speed = std::max(r.max_speed, e->state_.report.max_speed);
+    r.entered_kinetic += e->entered_.kinetic;
+    r.entered_potential += e->entered_.potential(g);
+    r.left_kinetic += e->left_.kinetic;
+    r.left_potential += e->left_.potential(g);
+    start += e->start_.total(g);
+    entered += e->entered_.total(g);
+    left += e->left_.total(g);
+    before += e->water_before_.total(e->state_.gravity);
+    by_effects += e->by_effects_;
+    raised += e->state_.water.potential(g) - e->start_.potential(g) - e->entered_.potential(g) +
+              e->left_.potential(g);
+  }
   r.node_kinetic = nodes_.kinetic;
   r.node_potential = nodes_.potential(gravity_);
-  r.rms_speed = sum > 0 ? std::sqrt(2 * water.kinetic / (sum * mass_)) : 0;
-  r.entered_kinetic += entered_.kinetic;
-  r.entered_potential +=
-      entered_.potential(gravity_) + nodes_before_.total(gravity_) - state_.nodes.total(gravity_);
-  r.left_kinetic += left_.kinetic;
-  r.left_potential += left_.potential(gravity_);
+  r.rms_speed = mass > 0 ? std::sqrt(2 * r.water_kinetic / mass) : 0;
+  r.entered_potential += nodes_before_.total(gravity_) - state_.nodes.total(gravity_);
   r.work_prescribed -= on_prescribed_;
   r.work_host += nodes_.total(gravity_) - nodes_before_.total(gravity_) - r.transfer - late_;
-  r.work_outside += by_effects_ + start_.total(gravity_) - water_before_.total(state_.gravity) -
-                    (gravity_ - state_.gravity).dot(state_.nodes.moment);
+  r.work_outside += by_effects + start - before - (gravity_ - state_.gravity).dot(state_.nodes.moment);
   r.transfer = transfer_;
-  r.made_in_step = water.total(gravity_) - start_.total(gravity_) - entered_.total(gravity_) +
-                   left_.total(gravity_) + on_prescribed_ + transfer_ + late_ - by_effects_;
+  r.made_in_step = r.water_kinetic + r.water_potential - start - entered + left + on_prescribed_ + transfer_ +
+                   late_ - by_effects;
   r.made += r.made_in_step;
-  state_.gravity_work -= water.potential(gravity_) - start_.potential(gravity_) -
-                         entered_.potential(gravity_) + left_.potential(gravity_) +
-                         nodes_.potential(gravity_) - nodes_before_.potential(gravity_);
-  const double mass = sum * mass_, slow = spacing / window;
+  state_.gravity_work -= raised + nodes_.potential(gravity_) - nodes_before_.potential(gravity_);
+  const double slow = spacing / window;
   update_scale(mass * std::max(gravity_.norm() * spacing, 0.5 * slow * slow));
   update_window(dt);
   state_.gravity = gravity_;

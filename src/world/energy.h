@@ -108,17 +108,23 @@ class EnergyBalance {
   /// `sums` are of all particles; `next_id` is that of particles to come.
   void end_interval(const Sums& sums, std::uint64_t next_id, double dt);
 
+  /// The water of `other` counts with this one's: its surfaces are the same. `other` is finished later, and
+  /// has the numbers of its water alone.
+  void include(EnergyBalance& other);
+  /// What makes a particle too fast, of both.
+  void share_limits(EnergyBalance& other);
   /// A surface at the end of a step of dt, and as the step of dt_before left it.
   void end_surface(const SurfaceMotion& now, double dt, const SurfaceMotion& before, double dt_before);
-  /// The report of a step of dt with particles of the mass `sum` [particle_mass]. `spacing` [m] is the
-  /// resolution of heights.
-  const EnergyReport& finish(double sum, double dt, double spacing);
+  /// The report of a step of dt. `spacing` [m] is the resolution of heights. The mass of the particles is
+  /// `relative_mass` [particle_mass]; of others with this one's, that and their own [kg].
+  const EnergyReport& finish(double relative_mass, double mass_of_others, double dt, double spacing);
 
  private:
   double mass_of(const fluid::Particles& particles, std::size_t i) const {
     return particles.relative_mass(i) * mass_;
   }
   Vec3 middle(const fluid::Particles& particles, std::size_t i, const Vec3& x, double dt) const;
+  const EnergyReport& finish_water(double mass);
   void update_scale(double least);
   void update_window(double dt);
 
@@ -133,6 +139,8 @@ class EnergyBalance {
   // off by in the step before.
   double on_prescribed_ = 0, transfer_ = 0, late_ = 0;
   double by_effects_ = 0;  // work of effects on particles and surfaces [J]
+  std::vector<const EnergyBalance*> others_;
+  bool is_included_ = false;  // in that of another world
 };
 
 }  // namespace oilskin::world

@@ -1,4 +1,4 @@
-/// The range of positions and velocities that a step accepts.
+/// The range of positions, velocities and lengths that a step accepts.
 #pragma once
 
 #include "oilskin/types.h"
@@ -7,5 +7,8 @@ namespace oilskin::world {
 
 /// Finite, and so small that products of six values do not overflow in the continuous test.
 bool is_in_range(const Vec3& v);
+
+/// Refuses a step that is not 1e-12 … 1e6 s.
+Status check_dt(double dt);
 
 }  // namespace oilskin::world

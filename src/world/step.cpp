@@ -8,6 +8,7 @@
 #include "world/carried_mass.h"
 #include "world/numeric_range.h"
 #include "world/relocation.h"
+#include "world/roll_back.h"
 #include "world/world_impl.h"
 
 namespace oilskin {
@@ -37,67 +38,73 @@ std::uint32_t flags_of(const StepReport& r, const ContactSettings& contact) {
   return flags;
 }
 
-/// Puts the world back to its checkpoint if an exception ends the step.
-template <class Impl>
-class RollBack {
- public:
-  explicit RollBack(Impl& world) : world_(&world) { world.checkpoint(); }
-  ~RollBack() {
-    if (world_) world_->roll_back();
-  }
-  RollBack(const RollBack&) = delete;
-  RollBack& operator=(const RollBack&) = delete;
-  void dismiss() noexcept { world_ = nullptr; }
-
- private:
-  Impl* world_;
-};
-
 }  // namespace
 
 void World::Impl::run_step(StepContext& step) {
   OILSKIN_ASSERT(step.dt > 0 && fluid && emission);
-  RollBack<Impl> roll_back_on_exception(*this);
-  book_withdrawn(step);
-  state.particles.new_end = state.time + state.max_age;
-  gather(step);  // surfaces: x_t0 → proposed x_t1
-  remove_invalid_particles(step);
+  world::RollBack<Impl> roll_back_on_exception(*this);
+  step.contact = &contact_settings;
+  begin_step(step);
+  step.counted = step.surfaces.motion;
   choose_substeps(step);
-  emission->begin_step(state.time, step.dt);
   const double part = step.dt / step.report.substeps;
+  step.paths.begin(step.surfaces.motion, step.report.substeps, part);
+  emission->begin_step(state.time, step.dt);
   for (int k = 0; k < step.report.substeps; ++k) {
     IntervalContext interval(step, state.time + k * part, part, k);
     run_interval(interval);
   }
+  step.paths.end();
   scatter(step);
   finish(step);
   roll_back_on_exception.dismiss();
   emission->commit(state.time);
 }
 
+void World::Impl::begin_step(StepContext& step) {
+  book_withdrawn(step);
+  state.particles.new_end = state.time + state.max_age;
+  gather(step);  // surfaces: x_t0 → proposed x_t1
+  remove_invalid_particles(step);
+}
+
 /// What is certified at once: a step, or one of its sub-steps.
 void World::Impl::run_interval(IntervalContext& interval) {
   StepContext& step = interval.step;
-  StageSeconds& seconds = step.report.seconds;
-  step.paths.next();                         // surfaces: the next part of their motion
-  fluid->prepare(state.particles, seconds);  // cell order, neighbours
-  emit(interval);                            // starts of this interval, or blocked
-  predict_motion(interval);                  // x_t1 without pressure, to find contacts
+  step.paths.next();         // surfaces: the next part of their motion
+  begin_interval(interval);  // x_t1 without pressure, to find contacts
   ParticleMotion motion = motion_of(interval);
   contact::ContactPass pass(interval.dt, contact_settings, *workers, motion, step.surfaces.motion,
-                            step.surfaces.geometry, contact_buffers, interval.report, seconds);
+                            step.surfaces.geometry, contact_buffers, interval.report, step.report.seconds);
   pass.find();
+  propose(interval, pass);
+  pass.set_start_velocity(state.particles.velocity);
+  if (fluid_settings.boundary == BoundaryModel::mirrored)
+    pass.set_wall_impulses(fluid->wall_impulses(), state.particles.spare_load);
+  pass.solve();  // impulses, impacts, zones → certificate
+  interval.removed_by_contact = interval.report.removed;
+  step.contacts = pass.take_contacts();
+  end_interval(interval, motion);
+}
+
+void World::Impl::begin_interval(IntervalContext& interval) {
+  fluid->prepare(state.particles, interval.step.report.seconds);  // cell order, neighbours
+  emit(interval);                                                 // starts of this interval, or blocked
+  predict_motion(interval);
+}
+
+/// After pass.find(): where the fluid would go without contact.
+void World::Impl::propose(IntervalContext& interval, contact::ContactPass& pass) {
   apply_surfaces(interval, pass);    // hidden neighbours, boundary terms
   act(interval);                     // forces of effects
   predict_contacts(interval, pass);  // bounds for the pressure solver
   propose_motion(interval);          // pressure, viscosity → x_t1
-  pass.set_start_velocity(state.particles.velocity);
-  if (fluid_settings.boundary == BoundaryModel::mirrored)
-    pass.set_wall_impulses(fluid->wall_impulses(), state.particles.spare_load);
-  pass.solve();              // impulses, impacts, zones → certificate
-  verify(interval, motion);  // an independent check, when asked for
-  step.contacts = pass.take_contacts();
-  exchange(interval, step.contacts);  // of effects
+}
+
+/// After the certificate.
+void World::Impl::end_interval(IntervalContext& interval, const ParticleMotion& motion) {
+  verify(interval, motion);                    // an independent check, when asked for
+  exchange(interval, interval.step.contacts);  // of effects
   notify_observer(interval);
   commit(interval);  // no live particle has moved since the certificate
 }
@@ -243,7 +250,7 @@ bool World::Impl::propose_end(IntervalContext& interval, std::size_t i) const {
 }
 
 void World::Impl::verify(IntervalContext& interval, const ParticleMotion& motion) const {
-  if (!contact_settings.verify) return;
+  if (!interval.step.contact->verify) return;
   StageTimer timer(interval.step.report.seconds.verify);
   interval.report.crossings_found_by_verify =
       ContactSolver::count_crossings(motion, interval.step.surfaces.motion, &interval.report.verified_pairs);
@@ -278,7 +285,7 @@ void World::Impl::commit(IntervalContext& interval) {
   OILSKIN_ASSERT(all_finite(interval.x_t1) && all_finite(interval.velocity));
   std::vector<std::uint8_t> keep(particles.size(), 1);
   if (state.sinks.act()) interval.taken_by.assign(particles.size(), world::Sinks::none);
-  step.energy.touch(step.surfaces.motion, interval.dt);
+  step.energy.touch(step.counted, interval.dt);
   const world::EndSums all = workers->ordered_sum(particles.size(), chunk_size, world::EndSums(),
                                                   [&](std::size_t begin, std::size_t end) {
                                                     world::EndSums sums;
@@ -295,7 +302,7 @@ void World::Impl::commit(IntervalContext& interval) {
                                                   });
   step.ledger.end_interval(all.ledger);
   step.energy.end_interval(all.energy, state.next_particle_id, interval.dt);
-  step.report.removed += interval.report.removed + all.removed;
+  step.report.removed += interval.removed_by_contact + all.removed;
   step.report.removed_by_age += all.removed_by_age;
   step.report.removed_too_fast += all.removed_too_fast;
   step.report.absorbed += all.absorbed;
@@ -356,14 +363,14 @@ void World::Impl::release(StepContext& step) {
 
 void World::Impl::scatter(StepContext& step) {
   StageTimer timer(step.report.seconds.gather);
-  step.paths.end();
   state.particles.new_end = state.time + step.dt + state.max_age;
   release(step);
   fluid->record_load(step.dt, step.surfaces.motion);
   for (world::Attachment* a : step.surfaces.attachment)
     world::update_carried_mass(step.dt, fluid_settings, *a, step.report);
   std::vector<std::vector<Vec3>> impulses;  // of contact and pressure alone
-  for (world::Attachment* a : step.surfaces.attachment) impulses.push_back(world::add_momentum_of_liquid(*a));
+  for (world::Attachment* a : step.surfaces.attachment)
+    impulses.push_back(world::add_momentum_of_liquid(*a, a->motion));
   world::Attachments::scatter(step.surfaces, step.report);
   for (std::size_t s = 0; s < impulses.size(); ++s)
     if (!impulses[s].empty()) step.surfaces.motion[s]->impulse.swap(impulses[s]);
@@ -374,15 +381,15 @@ void World::Impl::scatter(StepContext& step) {
 void World::Impl::finish(StepContext& step) {
   OILSKIN_ASSERT(all_finite(state.particles.position) && all_finite(state.particles.velocity));
   OILSKIN_ASSERT(step.report.alive == state.particles.size());
-  step.report.energy =
-      step.energy.finish(state.particles.sum_of_relative_masses(), step.dt, fluid_settings.spacing);
+  step.report.energy = step.energy.finish(state.particles.sum_of_relative_masses(), step.mass_of_others,
+                                          step.dt, fluid_settings.spacing);
   state.time += step.dt;
   state.last_dt = step.dt;
   ++state.step_count;
   step.report.time = state.time;
-  if (step.report.contact.crossings_found_by_verify > 0 && contact_settings.ccd && contact_settings.zones)
+  if (step.report.contact.crossings_found_by_verify > 0 && step.contact->ccd && step.contact->zones)
     step.report.messages.push_back("verify found particles that crossed a surface or ended nearer than δ");
-  step.report.flags = flags_of(step.report, contact_settings);
+  step.report.flags = flags_of(step.report, *step.contact);
   if (settings.step_budget > 0) budget.learn(step.report);
   if (step.report.energy.risen > energy_made_limit * step.report.energy.scale) advise_on_energy(step);
 }

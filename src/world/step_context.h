@@ -21,6 +21,9 @@ struct StepContext {
 
   // State
   ActiveSurfaces surfaces;
+  std::vector<SurfaceMotion*> counted;       // of which the report has impulses and energies
+  const ContactSettings* contact = nullptr;  // in force
+  double mass_of_others = 0;                 // of the water in other worlds that counts in `energy` [kg]
   SurfacePaths paths;
 
   // Output
@@ -51,6 +54,7 @@ struct IntervalContext {
   std::vector<Vec3> x_t1, velocity;  // at the end: predicted, proposed, then certified [m], [m/s]
   std::vector<double> inverse_mass;  // [1/kg]
   std::vector<std::uint8_t> removed;
+  std::uint64_t removed_by_contact = 0;
   Span<const std::vector<std::uint32_t>> near;  // per surface: triangles within H of the fluid, at least
   std::vector<fluid::PredictionContact> prediction;
   std::vector<Vec3> acceleration;       // by effects; empty = there are none [m/s²]

@@ -142,7 +142,6 @@ void World::Impl::choose_substeps(StepContext& step) {
   count = within_budget(step, stable(std::max(loaded, usual)), count);
   if (needed > count) report_instability(step, found);
   OILSKIN_ASSERT(count >= 1 && count <= maximum);
-  step.paths.begin(surfaces, count, dt / count);
 }
 
 /// The limits (F.45) and (F.46). They hold for an interval: sub-steps relax them.

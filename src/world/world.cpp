@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <numeric>
-#include <sstream>
 #include <utility>
 
 #include "core/hash.h"
@@ -287,20 +286,20 @@ Status World::set_node_values(const Effect& effect, SurfaceId id, std::size_t ch
 const StepReport& World::step(double dt) {
   Impl& w = *impl_;
   world::StepContext step(dt, particle_mass(), w.state.energy, w.settings.gravity);
-  step.report.step = w.state.step_count;
-  step.report.time = w.state.time;
-  step.report.dt = dt;
-  step.report.alive = w.state.particles.size();
-  step.report.energy = w.state.energy.report;
-  step.report.status = w.status;
-  if (w.status.ok() && !(dt >= 1e-12 && dt <= 1e6)) {
-    std::ostringstream s;
-    s << "dt is " << dt << "; it must be 1e-12 … 1e6 s";
-    step.report.status = Status::refused(s.str());
-  }
+  w.start_report(step.report, dt);
+  if (w.status.ok()) step.report.status = world::check_dt(dt);
   if (step.report.status.ok()) w.try_step(step);
   std::swap(w.report, step.report);
   return w.report;
+}
+
+void World::Impl::start_report(StepReport& report, double dt) const {
+  report.step = state.step_count;
+  report.time = state.time;
+  report.dt = dt;
+  report.alive = state.particles.size();
+  report.energy = state.energy.report;
+  report.status = status;
 }
 
 /// Refuses what takes too long.
@@ -310,13 +309,9 @@ void World::Impl::try_step(world::StepContext& step) {
     contacts.swap(step.contacts);
     contact_surfaces.swap(step.contact_surfaces);
   } catch (const fluid::TooCrowded& crowd) {
-    const StepReport before = std::exchange(step.report, StepReport());
+    const double dt = std::exchange(step.report, StepReport()).dt;
+    start_report(step.report, dt);
     step.report.status = Status::refused(crowd.what());
-    step.report.step = before.step;
-    step.report.time = before.time;
-    step.report.dt = before.dt;
-    step.report.alive = state.particles.size();
-    step.report.energy = state.energy.report;
   }
 }
 

@@ -68,7 +68,7 @@ struct World::Impl {
   std::shared_ptr<Workers> workers;
   std::unique_ptr<fluid::FluidSolver> fluid;
   std::unique_ptr<fluid::Emission> emission;
-  contact::ContactBuffers contact_buffers;
+  contact::ContactBuffers contact_buffers, joint_buffers;  // joint: of steps of several worlds
   world::Attachments attachments;
   world::Effects effects;
   world::StepBudget budget;
@@ -86,21 +86,27 @@ struct World::Impl {
 
   Impl(const WorldSettings& world, const FluidSettings& fluid, const ContactSettings& contact);
 
+  /// A report with nothing done yet.
+  void start_report(StepReport& report, double dt) const;
   // The step, in order (step.cpp)
   void try_step(world::StepContext& step);
   void run_step(world::StepContext& step);
+  void begin_step(world::StepContext& step);
   void gather(world::StepContext& step);
   void remove_invalid_particles(world::StepContext& step);
   void choose_substeps(world::StepContext& step);  // time_step.cpp
   int within_budget(world::StepContext& step, int least, int count);
   void run_interval(world::IntervalContext& interval);
+  void begin_interval(world::IntervalContext& interval);
   void emit(world::IntervalContext& interval);  // emit.cpp
   void predict_motion(world::IntervalContext& interval) const;
+  void propose(world::IntervalContext& interval, contact::ContactPass& pass);
   void apply_surfaces(world::IntervalContext& interval, contact::ContactPass& pass);
   void act(world::IntervalContext& interval);
   void predict_contacts(world::IntervalContext& interval, contact::ContactPass& pass) const;
   void propose_motion(world::IntervalContext& interval);
   bool propose_end(world::IntervalContext& interval, std::size_t i) const;
+  void end_interval(world::IntervalContext& interval, const ParticleMotion& motion);
   void verify(world::IntervalContext& interval, const ParticleMotion& motion) const;
   void exchange(world::IntervalContext& interval, Span<const Contact> near);
   void notify_observer(world::IntervalContext& interval);

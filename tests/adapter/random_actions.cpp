@@ -30,7 +30,7 @@ void RandomGame::change_fluid() {
   switch (random_.below(5)) {
     case 0:
     case 1: {
-      if (fluids_.size() >= 2) return;
+      if (fluids_.size() >= 3) return;
       FluidSettings settings = coarse_fluid(static_cast<PressureSolver>(random_.below(3)));
       settings.max_substeps = 1 + static_cast<int>(random_.below(3));
       if (settings.solver != PressureSolver::mcg03 && once_in(2)) settings.boundary = BoundaryModel::mirrored;

@@ -14,7 +14,8 @@ using test::RandomGame;
 
 void add(RandomGame::Seen& sum, const RandomGame::Seen& seen) {
   sum.accepted += seen.accepted, sum.refused += seen.refused, sum.heard += seen.heard;
-  sum.steps += seen.steps, sum.particle_steps += seen.particle_steps;
+  sum.steps += seen.steps, sum.steps_of_several += seen.steps_of_several,
+      sum.particle_steps += seen.particle_steps;
 }
 
 TEST(RandomCalls, nothing_crosses_and_threads_do_not_matter) {
@@ -37,12 +38,14 @@ TEST(RandomCalls, nothing_crosses_and_threads_do_not_matter) {
   }
   oilskin::test::record("calls accepted", static_cast<double>(sum.accepted));
   oilskin::test::record("calls refused", static_cast<double>(sum.refused));
+  oilskin::test::record("steps of several fluids", static_cast<double>(sum.steps_of_several));
   // The games do what they are for.
   const auto count = static_cast<std::uint64_t>(games);
   EXPECT_GT(sum.accepted, 30 * count);
   EXPECT_GT(sum.refused, 5 * count);
   EXPECT_GT(sum.heard, 10 * count);
   EXPECT_GT(sum.particle_steps, 1000 * count);
+  EXPECT_GT(sum.steps_of_several, count);
 }
 
 }  // namespace

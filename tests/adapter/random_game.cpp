@@ -60,11 +60,14 @@ void RandomGame::step() {
   seen_.crossings += report.contact.crossings_found_by_verify;
   seen_.steps_without_residual +=
       report.momentum_residual().norm() < 1e-6 * (1 + report.momentum_after.norm());
-  btFluid* water = fluid();
-  if (!water) return;
-  seen_.particle_steps += static_cast<std::uint64_t>(water->getNumParticles());
-  for (const Vec3& x : water->getWorld().positions()) seen_.is_finite &= x.allFinite();
-  for (const Vec3& v : water->getWorld().velocities()) seen_.is_finite &= v.allFinite();
+  const btFluidCoupling& coupling = solver_->getCoupling();
+  seen_.steps_of_several += coupling.getNumFluids() > 1 && report.status.ok();
+  for (int k = 0; k < coupling.getNumFluids(); ++k) {
+    const World& world = coupling.getFluid(k)->getWorld();
+    seen_.particle_steps += world.particle_count();
+    for (const Vec3& x : world.positions()) seen_.is_finite &= x.allFinite();
+    for (const Vec3& v : world.velocities()) seen_.is_finite &= v.allFinite();
+  }
 }
 
 void RandomGame::hear() {

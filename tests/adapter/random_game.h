@@ -21,7 +21,7 @@ class RandomGame {
     std::uint64_t accepted = 0, refused = 0;  // calls that return a Status
     std::uint64_t heard = 0;                  // calls of listeners
     std::uint64_t particle_steps = 0, crossings = 0;
-    std::uint64_t steps_without_residual = 0, steps = 0;
+    std::uint64_t steps_without_residual = 0, steps = 0, steps_of_several = 0;
     bool is_finite = true;
   };
 
@@ -72,7 +72,12 @@ class RandomGame {
   }
   void destroy(std::unique_ptr<btCollisionObject> object);
   void destroy(std::unique_ptr<btRigidBody> body);
-  btFluid* fluid() { return solver_->getCoupling().getFluid(); }
+  /// One of those in the coupling; null = there is none.
+  btFluid* fluid() {
+    const btFluidCoupling& coupling = solver_->getCoupling();
+    const auto count = static_cast<std::uint32_t>(coupling.getNumFluids());
+    return count == 0 ? nullptr : coupling.getFluid(static_cast<int>(random_.below(count)));
+  }
 
   // What may be done: random_actions.cpp
   void change_fluid();

@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 3, "saved state"};
+constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 4, "saved state"};
 
 /// A scene in use, and the state of another one that was built the same way.
 struct Pair {
@@ -54,7 +54,7 @@ TEST(RefusedState, damaged_bytes) {
   };
   EXPECT_EQ(pair.refusal({}), "the bytes are not a saved state");
   EXPECT_EQ(changed(0, 'o'), "the bytes are not a saved state");
-  EXPECT_EQ(changed(12, 9), "the saved state has version 9; this library reads version 3");
+  EXPECT_EQ(changed(12, 9), "the saved state has version 9; this library reads version 4");
   EXPECT_TRUE(has(changed(pair.saved.size() / 2, 77), "check sum"));
   for (std::size_t size = 0; size < pair.saved.size(); size += 1 + size / 15)
     EXPECT_NE(pair.refusal(Span<const std::uint8_t>(pair.saved).first(size)), "");
@@ -79,7 +79,7 @@ TEST(RefusedState, content_that_ends_early_or_goes_on) {
   EXPECT_TRUE(has(pair.refusal(framed(saved_state, other_precision)), "the other precision"));
 }
 
-TEST(RefusedState, emitters_without_a_fluid) {
+TEST(RefusedState, another_number_of_fluids) {
   btFluidCoupling coupling;
   Bytes saved;
   ASSERT_TRUE(coupling.saveState(&saved).ok());
@@ -87,12 +87,19 @@ TEST(RefusedState, emitters_without_a_fluid) {
   Span<const std::uint8_t> inside;
   ASSERT_TRUE(unframe(saved_state, saved, &inside).ok());
   Bytes content(inside.begin(), inside.end());
-  const std::size_t emitters = 1 + 1 + 8 + 3 + 4 + 8 + 8;  // what comes before their number [bytes]
-  ASSERT_EQ(content[emitters], 0);
-  content[emitters] = 1;
-  content.insert(content.begin() + emitters + 8, 18 + 16 * sizeof(btScalar) + sizeof(btScalar), 0);
+  const std::size_t fluids = 1;  // what comes before their number [bytes]
+  ASSERT_EQ(content[fluids], 0);
+  content[fluids] = 2;
+  content.insert(content.begin() + fluids + 8, 2 * 32, 0);  // without world, emitters, sinks, forces
   EXPECT_EQ(coupling.restoreState(framed(saved_state, content)).message,
-            "the saved state has 1 emitters, the coupling 0; add the same ones in the same order");
+            "the saved state has 2 fluids: call addFluid() first");
+  btFluid water(bt(0.02));
+  ASSERT_TRUE(coupling.addFluid(&water).ok());
+  EXPECT_EQ(coupling.restoreState(framed(saved_state, content)).message,
+            "the saved state has 2 fluids, the coupling 1");
+  content.erase(content.begin() + fluids + 8, content.begin() + fluids + 8 + 32);
+  content[fluids] = 1;
+  EXPECT_NE(coupling.restoreState(framed(saved_state, content)).message, "") << "no world";
 }
 
 /// Each byte of the coupling's part may be wrong: the state is refused, or a game goes on with it.

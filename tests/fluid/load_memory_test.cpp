@@ -14,6 +14,7 @@ const Vec3 load(0, -0.5, 0.1);  // [N]
 struct Sheet {
   SurfaceMotion motion;
   LoadMemory memory;
+  Vec3 applied = load;  ///< of all fluids [N]
 
   Sheet() {
     test::StaticMesh mesh;
@@ -24,14 +25,14 @@ struct Sheet {
   std::vector<SurfaceMotion*> surfaces() { return {&motion}; }
 
   /// One step in which the nodes get the load, and the host carries a part of it in the next.
-  void step(double carried, const Vec3& gravity) {
+  void step(double carried, const Vec3& gravity, Span<const std::vector<Vec3>> of_others = {}) {
     memory.record_host_response(dt, gravity, surfaces());
     for (std::size_t i = 0; i < motion.velocity.size(); ++i) {
-      motion.impulse[i] = dt * load;
+      motion.impulse[i] = dt * applied;
       motion.velocity[i] += motion.impulse[i] / mass;
     }
-    memory.record_load(dt, surfaces());
-    for (Vec3& v : motion.velocity) v += dt * (gravity - carried * load / mass);
+    memory.record_load(dt, surfaces(), of_others);
+    for (Vec3& v : motion.velocity) v += dt * (gravity - carried * applied / mass);
   }
 };
 
@@ -50,6 +51,26 @@ TEST(LoadMemory, a_host_that_adds_to_the_load_carries_nothing) {
   Sheet sheet;
   for (int k = 0; k < 1000; ++k) sheet.step(-0.5, Vec3::Zero());
   EXPECT_TRUE(sheet.memory.carried_impulse(1, 0, dt).isZero(0));
+}
+
+/// Another fluid gives a part of the load: of what the host carries, it has its share.
+TEST(LoadMemory, what_the_host_carries_for_another_fluid_is_not_carried_for_this_one) {
+  for (const double carried : {0.0, 0.4, 1.0}) {
+    Sheet sheet;
+    const std::vector<std::vector<Vec3>> of_others = {std::vector<Vec3>(4, 0.6 * dt * load)};
+    for (int k = 0; k < 2000; ++k) sheet.step(carried, Vec3::Zero(), of_others);
+    EXPECT_LT((sheet.memory.carried_impulse(1, 0, dt) - (carried - 0.6) * dt * load).norm(), 1e-6 * dt)
+        << carried;
+  }
+}
+
+TEST(LoadMemory, opposite_fluids_on_a_free_sheet_carry_each_other) {
+  Sheet sheet;
+  const Vec3 own = 0.7 * load;
+  const std::vector<std::vector<Vec3>> of_others = {std::vector<Vec3>(4, -dt * own)};
+  sheet.applied.setZero();  // together
+  for (int k = 0; k < 2000; ++k) sheet.step(0, Vec3::Zero(), of_others);
+  EXPECT_LT((sheet.memory.carried_impulse(1, 2, dt) - dt * own).norm(), 1e-6 * dt);
 }
 
 TEST(LoadMemory, forgets_surfaces_that_are_absent) {

@@ -63,6 +63,42 @@ TEST(ReportSum, counts_are_added_limits_are_kept_and_the_ends_are_those_of_first
   EXPECT_EQ(sum.messages, (std::vector<std::string>{"one", "both", "two"}));
 }
 
+TEST(ReportSum,
+     of_several_worlds_in_one_step_particles_and_momenta_are_added_and_the_step_is_the_first_ones) {
+  StepReport a = report_of(4, 0.5), b = report_of(9, 0.5);
+  a.substeps = b.substeps = 3;
+  a.alive = 30, b.alive = 34;
+  a.emitted = 3, b.emitted = 4;
+  a.substeps_left_out = 2, b.substeps_left_out = 1;
+  a.flags = flag_stalled, b.flags = flag_pressure_diverged;
+  a.momentum_before = Vec3(1, 0, 0), a.momentum_after = Vec3(2, 0, 0), a.momentum_gravity = Vec3(1, 0, 0);
+  b.momentum_before = Vec3(5, 0, 0), b.momentum_after = Vec3(9, 0, 0), b.momentum_gravity = Vec3(4, 0, 0);
+  a.fluid.density_error_max = 0.1, b.fluid.density_error_max = 0.5;
+  b.fluid.converged = false;
+  a.contact.contacts = 10;
+  a.energy.made = 7, b.energy.made = 1;
+  a.energy.made_in_step = 2, b.energy.made_in_step = 1;
+  b.messages = {"of the second"};
+  a.add_world(b);
+  EXPECT_EQ(a.step, 4u);
+  EXPECT_EQ(a.time, 2.5);
+  EXPECT_EQ(a.dt, 0.5);
+  EXPECT_EQ(a.substeps, 3);
+  EXPECT_EQ(a.alive, 64u);
+  EXPECT_EQ(a.emitted, 7u);
+  EXPECT_EQ(a.substeps_left_out, 2);
+  EXPECT_EQ(a.flags, flag_stalled | flag_pressure_diverged);
+  EXPECT_EQ(a.momentum_before, Vec3(6, 0, 0));
+  EXPECT_EQ(a.momentum_after, Vec3(11, 0, 0));
+  EXPECT_EQ(a.momentum_residual(), Vec3::Zero());
+  EXPECT_EQ(a.fluid.density_error_max, 0.5);
+  EXPECT_FALSE(a.fluid.converged);
+  EXPECT_EQ(a.contact.contacts, 10u);
+  EXPECT_EQ(a.energy.made, 7) << "of all of them";
+  EXPECT_EQ(a.energy.made_in_step, 2);
+  EXPECT_EQ(a.messages, std::vector<std::string>{"of the second"});
+}
+
 TEST(ReportSum, a_refused_step_adds_its_reason_alone) {
   StepReport sum, refused = report_of(0, 0.5), later = refused;
   sum.add(report_of(0, 0.5));

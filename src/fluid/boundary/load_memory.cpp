@@ -75,18 +75,29 @@ void LoadMemory::record_host_response(double dt, const Vec3& gravity, Span<Surfa
   }
 }
 
-void LoadMemory::record_load(double dt, Span<SurfaceMotion* const> surfaces) {
+void LoadMemory::record_load(double dt, Span<SurfaceMotion* const> surfaces,
+                             Span<const std::vector<Vec3>> of_others) {
+  OILSKIN_ASSERT(of_others.empty() || of_others.size() == surfaces.size());
   const double fresh = weight_of_new_value(dt);
-  for (const SurfaceMotion* s : surfaces) {
-    std::vector<NodeMemory>* nodes = find(*s);
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    const SurfaceMotion& s = *surfaces[k];
+    std::vector<NodeMemory>* nodes = find(s);
     if (nodes == nullptr) continue;
-    if (s->body) {
-      (*nodes)[0].record(fresh, s->body->velocity, s->body->impulse / dt);
-      (*nodes)[1].record(fresh, s->body->angular_velocity, s->body->angular_impulse / dt);
+    const Span<const Vec3> others = of_others.empty() ? Span<const Vec3>() : Span<const Vec3>(of_others[k]);
+    OILSKIN_ASSERT(others.empty() || others.size() == s.x_t0.size());
+    if (s.body) {
+      Vec3 impulse = Vec3::Zero(), moment = Vec3::Zero();
+      for (std::size_t i = 0; i < others.size(); ++i) {
+        impulse += others[i];
+        moment += (s.x_t0[i] - s.body->center_t0).cross(others[i]);
+      }
+      (*nodes)[0].record(fresh, s.body->velocity, s.body->impulse / dt, impulse / dt);
+      (*nodes)[1].record(fresh, s.body->angular_velocity, s.body->angular_impulse / dt, moment / dt);
       continue;
     }
     for (std::size_t i = 0; i < nodes->size(); ++i)
-      (*nodes)[i].record(fresh, s->velocity[i], s->impulse[i] / dt);
+      (*nodes)[i].record(fresh, s.velocity[i], s.impulse[i] / dt,
+                         others.empty() ? Vec3::Zero() : Vec3(others[i] / dt));
   }
 }
 
@@ -94,9 +105,13 @@ Vec3 LoadMemory::carried_impulse(std::uint64_t surface_id, std::uint32_t node, d
   OILSKIN_ASSERT(of_surface_.count(surface_id) == 1 && dt > 0);
   const NodeMemory& m = of_surface_.at(surface_id)[node];
   const double load2 = m.load.squaredNorm();
-  if (!(load2 > 0)) return Vec3::Zero();
-  const double carried = std::clamp(-m.response.dot(m.load) / load2, 0.0, 1.0);  // χ_c (B.27)
-  return carried * dt * m.load;
+  Vec3 carried = Vec3::Zero();
+  if (load2 > 0) {
+    const double share = std::clamp(-m.response.dot(m.load) / load2, 0.0, 1.0);  // χ_c (B.27)
+    carried = share * dt * m.load;
+  }
+  if (!m.of_others.isZero(0)) carried -= dt * m.of_others;
+  return carried;
 }
 
 void LoadMemory::visit(Archive& archive) {
@@ -105,7 +120,7 @@ void LoadMemory::visit(Archive& archive) {
   archive.value(ids);
   for (std::uint64_t id : ids)
     archive.list(of_surface_[id], sizeof(NodeMemory),
-                 [&](NodeMemory& m) { archive.values(m.velocity_left, m.load, m.response); });
+                 [&](NodeMemory& m) { archive.values(m.velocity_left, m.load, m.of_others, m.response); });
 }
 
 }  // namespace oilskin::fluid

@@ -20,11 +20,14 @@ class LoadMemory {
   /// Once per step, after the hosts were gathered: the forces with which they reacted to the last load
   /// (B.26). dt of the step [s], gravity [m/s²]. Surfaces that are not in the list are forgotten.
   void record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
-  /// Once per step, before the hosts are scattered: the impulses of this step.
-  void record_load(double dt, Span<SurfaceMotion* const> surfaces);
+  /// Once per step, before the hosts are scattered: the impulses of this step. `of_others`: those of other
+  /// fluids among them, per surface and node [N s]; empty lists = none.
+  void record_load(double dt, Span<SurfaceMotion* const> surfaces,
+                   Span<const std::vector<Vec3>> of_others = {});
 
-  /// J^carried: impulse of the load that the host is expected to carry within dt [N s] (B.28). Of a body,
-  /// "node" 0 is the impulse at its centre of mass and 1 the angular impulse [N m s].
+  /// J^carried: impulse of the fluid's load that the host, and other fluids, are expected to carry within dt
+  /// [N s] (B.28). Of a body, "node" 0 is the impulse at its centre of mass and 1 the angular impulse [N m
+  /// s].
   Vec3 carried_impulse(std::uint64_t surface_id, std::uint32_t node, double dt) const;
 
   void visit(Archive& archive);
@@ -34,13 +37,15 @@ class LoadMemory {
   /// Forces are exponential means over the last steps.
   struct NodeMemory {
     Vec3 velocity_left = Vec3::Zero();  // at the end of the last step [m/s]
-    Vec3 load = Vec3::Zero();           // of fluid and contact [N]
+    Vec3 load = Vec3::Zero();           // of fluids and contact [N]
+    Vec3 of_others = Vec3::Zero();      // the part of it by other fluids [N]
     Vec3 response = Vec3::Zero();       // of the host, without gravity [N]
 
     void respond(double fresh, const Vec3& force) { response += fresh * (force - response); }
-    void record(double fresh, const Vec3& velocity, const Vec3& force) {
+    void record(double fresh, const Vec3& velocity, const Vec3& force, const Vec3& force_of_others) {
       velocity_left = velocity;
       load += fresh * (force - load);
+      of_others += fresh * (force_of_others - of_others);
     }
   };
 
