@@ -131,7 +131,7 @@ void visit_state(Archive& archive, CouplingState& state) {
   archive.require(std::isfinite(touch_hold) && touch_hold >= 0, "the time that a touch is held");
   archive.list(attachments, of_attachment, [&](AttachmentState& a) {
     visit_attachment(archive, a);
-    archive.require(a.sensor.inside.size() <= fluids.size(), "what is in a sensor");
+    archive.require(a.sensor.inside.size() <= state.fluids.size(), "what is in a sensor");
   });
   archive.optional(followed_gravity, [&](Vec3& gravity) { archive.value(gravity); });
   visit(archive, messages);

@@ -16,7 +16,6 @@
 
 namespace oilskin {
 
-using world::ActiveSurfaces;
 using world::Attachment;
 using world::Attachments;
 using world::for_all_of;
