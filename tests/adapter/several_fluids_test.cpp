@@ -27,10 +27,14 @@ WorldSettings without_gravity() {
   return w;
 }
 
-void throw_block(btFluid& fluid, const Vec3& corner, const Vec3& velocity, int n = 5) {
+/// nx × ny × nx particles, one spacing apart.
+void throw_block(btFluid& fluid, const Vec3& corner, const Vec3& velocity, int nx = 5, int ny = 5) {
   std::vector<Vec3> x;
   const double dx = fluid.getWorld().fluid_settings().spacing;
-  for (int i = 0; i < n * n * n; ++i) x.push_back(corner + dx * Vec3(i % n, i / n % n, i / (n * n)));
+  x.reserve(static_cast<std::size_t>(nx * ny * nx));
+  for (int i = 0; i < nx; ++i)
+    for (int j = 0; j < ny; ++j)
+      for (int k = 0; k < nx; ++k) x.push_back(corner + dx * Vec3(i, j, k));
   ASSERT_TRUE(fluid.getWorld().add_particles(x, std::vector<Vec3>(x.size(), velocity)).ok());
 }
 
@@ -201,10 +205,7 @@ TEST(SeveralFluids, two_waters_at_one_place_on_light_cloth_make_no_energy) {
   ASSERT_TRUE(solver.addCloth(cloth, bt(0.002)).ok());
   for (btFluid* f : {&first, &second}) {
     ASSERT_TRUE(solver.addFluid(f).ok());
-    std::vector<Vec3> x;
-    for (int i = 0; i < 12 * 12 * 4; ++i)
-      x.push_back(Vec3(-0.055, 0.006, -0.055) + 0.01 * Vec3(i % 12, i / 144, i / 12 % 12));
-    ASSERT_TRUE(f->getWorld().add_particles(x, std::vector<Vec3>(x.size(), Vec3::Zero())).ok());
+    throw_block(*f, Vec3(-0.055, 0.006, -0.055), Vec3::Zero(), 12, 4);
   }
   for (int k = 0; k < 150; ++k) {
     bullet.step(0.002);
