@@ -247,15 +247,18 @@ Gathered SoftBodyHost::gather(double dt, SurfaceMotion& motion) {
   } else {
     result.new_surface = split_pins(motion);
   }
-  std::vector<Triangle> triangles = faces_;
-  for (Triangle& t : triangles)
-    for (std::uint32_t& node : t) node = contact_node_[node];
-  if (result.new_surface || motion.triangles != triangles) {
+  const auto contact_triangle = [&](const Triangle& face) {
+    return Triangle{contact_node_[face[0]], contact_node_[face[1]], contact_node_[face[2]]};
+  };
+  const auto is_given = [&](const Triangle& t, const Triangle& face) { return t == contact_triangle(face); };
+  if (result.new_surface ||
+      !std::equal(motion.triangles.begin(), motion.triangles.end(), faces_.begin(), faces_.end(), is_given)) {
     if (!result.new_surface) teleported = true;  // another motion was given the change, or it is the first
     result.new_surface = true;
     motion.storage = bt_storage;
     motion.nodes_movable = false;  // Bullet's position solver turns moved nodes into velocity
-    motion.triangles = std::move(triangles);
+    motion.triangles.resize(faces_.size());
+    std::transform(faces_.begin(), faces_.end(), motion.triangles.begin(), contact_triangle);
   }
   if (!result.new_surface) weigh_nodes(motion.absorbed_mass);  // also those that the owner freed
   fill(teleported ? 0 : dt, motion);

@@ -58,7 +58,7 @@ void CandidateSet::query(Context& context, std::uint32_t surface,
                         : -1);
   context.workers->for_each(particles.size(), chunk, [&](std::size_t k) {
     const std::uint32_t p = particles[k];
-    const double r = reach[context.liquid_index.empty() ? 0 : context.liquid_index[p]];
+    const double r = reach[context.liquid_of(p)];
     set.box[p] = context.out_of_play[p] || r < 0 ? Box{} : swept_box(*context.particles, p).inflated(r);
   });
   const bool all = particles.size() == set.box.size();  // in their order

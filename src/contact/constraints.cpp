@@ -16,8 +16,7 @@ namespace {
 
 // Of the particle's liquid.
 void record_load(Context& context, const Contact& c, const Vec3& impulse) {
-  const std::size_t liquid = context.liquid_index.empty() ? 0 : context.liquid_index[c.particle];
-  std::vector<Vec3>& load = (*context.loads)[liquid][c.surface];
+  std::vector<Vec3>& load = (*context.loads)[context.liquid_of(c.particle)][c.surface];
   if (load.empty()) load.assign(context.surfaces[c.surface]->x_t0.size(), Vec3::Zero());
   for (std::size_t k = 0; k < 3; ++k) load[c.nodes[k]] += c.weights[k] * impulse;
 }

@@ -13,12 +13,11 @@ namespace oilskin::contact {
 
 /// What contact needs to know of a liquid.
 struct Liquid {
-  double spacing = 0;                  // dx [m]
-  double rest_density = 0;             // ρ0 [kg/m³]
-  double viscosity = 0;                // ν [m²/s]
+  double spacing;                      // dx [m]
+  double rest_density;                 // ρ0 [kg/m³]
+  double viscosity;                    // ν [m²/s]
   std::vector<std::uint8_t> collides;  // per surface; empty = with all of them
 
-  Liquid() = default;
   explicit Liquid(const ParticleMotion& particles)
       : spacing(particles.spacing), rest_density(particles.rest_density), viscosity(particles.viscosity) {}
   bool collides_with(std::uint32_t surface) const { return collides.empty() || collides[surface] != 0; }
@@ -56,7 +55,8 @@ struct Context {
   LiquidLoads* loads = nullptr;  // null = they are not asked for
 
   std::size_t particle_count() const { return particles->id.size(); }
-  const Liquid& liquid(std::uint32_t p) const { return liquids[liquid_index.empty() ? 0 : liquid_index[p]]; }
+  std::size_t liquid_of(std::uint32_t p) const { return liquid_index.empty() ? 0 : liquid_index[p]; }
+  const Liquid& liquid(std::uint32_t p) const { return liquids[liquid_of(p)]; }
   PointTriangle start(std::uint32_t p, std::uint32_t surface, std::uint32_t triangle) const {
     const SurfaceMotion& s = *surfaces[surface];
     OILSKIN_ASSERT(p < particles->x_t0.size() && triangle < s.triangles.size());

@@ -1,8 +1,7 @@
 /// One step of several worlds whose fluids touch the same surfaces.
 #include <algorithm>
 #include <limits>
-#include <numeric>
-#include <sstream>
+#include <optional>
 
 #include "contact/contact_pass.h"
 #include "core/assert.h"

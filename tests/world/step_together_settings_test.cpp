@@ -9,14 +9,7 @@
 namespace oilskin {
 namespace {
 
-using test::oil;
-using test::sheet_shape;
-using test::verified;
-using test::water;
-using test::world_settings;
-
-template <class Scalar>
-using Cloth = test::MockCloth<Scalar>;
+using namespace test;
 
 /// Each falls, and the balance of energies has the potential of each.
 TEST(StepTogether, worlds_may_have_gravities_of_their_own) {

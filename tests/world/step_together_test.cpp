@@ -10,14 +10,7 @@
 namespace oilskin {
 namespace {
 
-using test::oil;
-using test::sheet_shape;
-using test::verified;
-using test::water;
-using test::world_settings;
-
-template <class Scalar>
-using Cloth = test::MockCloth<Scalar>;
+using namespace test;
 
 /// Water falls onto a free sheet, and oil hits it from below.
 template <class Scalar>

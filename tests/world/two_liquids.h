@@ -6,6 +6,9 @@
 
 namespace oilskin::test {
 
+template <class Scalar>
+using Cloth = MockCloth<Scalar>;
+
 inline WorldSettings world_settings(const Vec3& gravity = Vec3::Zero(), int threads = 1) {
   WorldSettings s;
   s.kill_box = {Vec3::Constant(-1), Vec3::Constant(1)};
