@@ -22,6 +22,9 @@ constexpr Record far_away = {1e18f, 1e18f, 1e18f, 0};
 
 constexpr std::size_t list_padding = 8;
 
+/// Length of a padded list in water at rest, H from 2 to 2.2 dx.
+constexpr std::size_t usual_list = 40;
+
 /// Records beyond the last one that the search may read, and places beyond a list that it may write.
 constexpr std::size_t read_ahead = 8, write_ahead = 16;
 
@@ -315,6 +318,7 @@ void Neighbours::remove(Span<const std::pair<std::uint32_t, std::uint32_t>> pair
 void Neighbours::search_chunk(std::size_t begin, std::size_t end, std::size_t chunk) {
   Around candidates;
   const PairKernels& kernels = pair_kernels();
+  if (lists_[chunk].empty()) lists_[chunk].resize(usual_list * (end - begin));
   std::size_t cell = static_cast<std::size_t>(
       std::upper_bound(cell_begin_.begin(), cell_begin_.end(), static_cast<std::uint32_t>(begin)) -
       cell_begin_.begin() - 1);
@@ -349,7 +353,7 @@ void Neighbours::list_neighbours(const PairKernels& kernels, std::size_t i, std:
   OILSKIN_ASSERT(own < c.count && c.particle[own] == i);
   const std::size_t n = c.count, begin = used_[chunk];
   std::vector<std::uint32_t>& list = lists_[chunk];
-  if (list.size() < begin + n + write_ahead) list.resize(begin + n + write_ahead + list.size() / 2);
+  if (list.size() < begin + n + write_ahead) list.resize(begin + n + write_ahead + list.size() / 8);
   std::uint32_t* out = list.data() + begin;
   c.x[own] = far_away.x;  // no neighbour of itself
   std::size_t found =

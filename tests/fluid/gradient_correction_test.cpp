@@ -142,7 +142,6 @@ TEST(GradientCorrection, the_force_is_the_transpose_of_the_compression) {
     };
     const std::vector<float> compression = block.compression(displacement);
     block.correction.apply_pressure(block.state, x_phi, 1);
-    block.correction.set_pressures(block.state, x_phi);
     std::vector<Record> push(block.size());
     block.state.for_chunks([&](std::size_t begin, std::size_t end) {
       block.correction.push(block.state, x_phi, {begin, end}, &push[begin]);

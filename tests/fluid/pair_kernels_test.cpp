@@ -20,9 +20,9 @@ constexpr PairFriction friction = {0.3f, 0.2f, 0.7f, 0.1f, 0.4f, 0.2f};
 /// Particles at random within one chunk of lists, some at the same place, one alone.
 struct Cloud {
   Neighbours neighbours;
-  std::vector<Record> x, v;                   // s of the pressure in x.w; with one more for the padding
-  std::vector<float> mass_ratio, weighted_s;  // the latter m s
-  std::vector<Record> diagonal, rest;         // of tensors
+  std::vector<Record> x, v;  // s of the pressure in x.w; with one more for the padding
+  std::vector<float> mass_ratio;
+  std::vector<Record> diagonal, rest;  // of tensors
 
   Cloud() {
     std::vector<Vec3> places;
@@ -41,14 +41,12 @@ struct Cloud {
       x[i].w = random(5 * i) + 1;
       v.push_back({random(5 * i + 1), random(5 * i + 2), random(5 * i + 3), 0});
       mass_ratio.push_back(1.05f + random(5 * i + 4));
-      weighted_s.push_back(mass_ratio[i] * x[i].w);
       const std::size_t k = 5000 + 6 * i;
       diagonal.push_back({random(k), random(k + 1), random(k + 2), 0});
       rest.push_back({random(k + 3), random(k + 4), random(k + 5), 0});
     }
     v.push_back({0, 0, 0, 0});
     mass_ratio.push_back(1);
-    weighted_s.push_back(0);
     diagonal.push_back({0, 0, 0, 0});
     rest.push_back({0, 0, 0, 0});
   }
@@ -78,12 +76,11 @@ void add_corrected(Results& r, const Cloud& cloud, const PairTable& table) {
   const GradientKernels& kernels = pair_kernels().corrected;
   const PairRange all = {0, n};
   const Tensors tensors = {cloud.diagonal.data(), cloud.rest.data()};
-  std::vector<float> corrected(3 * cloud.neighbours.pair_capacity(0)), compression(n);
+  std::vector<float> compression(n);
   std::vector<Change> exact(n);
   std::vector<Record> push(n);
-  kernels.slopes(table, cloud.x.data(), tensors, all, corrected.data());
-  kernels.pressure(table, corrected.data(), cloud.weighted_s.data(), all, push.data());
-  kernels.pressure_exact(table, cloud.x.data(), tensors, corrected.data(), all, exact.data());
+  kernels.pressure(table, cloud.x.data(), tensors, all, push.data());
+  kernels.pressure_exact(table, cloud.x.data(), tensors, all, exact.data());
   kernels.compression(table, cloud.x.data(), tensors, cloud.v.data(), all, compression.data());
   for (std::size_t i = 0; i < n; ++i) {
     add(r, "corrected pressure of the others", {push[i].x, push[i].y, push[i].z});
@@ -151,7 +148,7 @@ Results expected_sums(const Cloud& cloud, bool weighted) {
       push += m * s * g * delta;
       const Vec3 own = g * cloud.tensor(i) * delta, other = g * cloud.tensor(j) * delta;
       const double s_i = static_cast<double>(cloud.x[i].w), s_j = static_cast<double>(cloud.x[j].w);
-      of_others += static_cast<double>(cloud.mass_ratio[j]) * s_j * other;
+      of_others += m * s_j * other;
       corrected_push += m * (s_i * own + s_j * other);
       corrected_compression += m * own.dot(dv);
       moments += m * g * delta * delta.transpose();

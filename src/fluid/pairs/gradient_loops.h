@@ -39,50 +39,35 @@ struct GradientLoops {
     Tensor8(const Record8& d, const Record8& r) : xx(d.x), yy(d.y), zz(d.z), xy(r.x), xz(r.y), yz(r.z) {}
   };
 
-  /// Eight vectors as they are stored.
-  static Sum3<F8> load(const float* p) { return {F8::load(p), F8::load(p + 8), F8::load(p + 16)}; }
-
-  static void slopes(const PairTable& t, const Record* x, const Tensors& k, PairRange range, float* out) {
-    for (std::size_t i = range.begin; i < range.end; ++i) {
-      float* at = out + 3 * t.list_begin[i];
-      for (List n(t, i); n; ++n, at += 24) {
-        const Pairs pairs(x[i], Record8(x, n.j));
-        const Sum3<F8> g = Tensor8(k, n.j).slope_times(F8::load(n.slope), pairs);
-        g.x.store(at);
-        g.y.store(at + 8);
-        g.z.store(at + 16);
+  static void pressure(const PairTable& t, const Record* x, const Tensors& k, PairRange range, Record* out) {
+    Base::by_masses(t, [&](const auto& masses) {
+      for (std::size_t i = range.begin; i < range.end; ++i) {
+        Sum3<F8> sum;
+        for (List n(t, i); n; ++n) {
+          const Record8 other(x, n.j);
+          const Sum3<F8> g = Tensor8(k, n.j).slope_times(F8::load(n.slope) * other.w, Pairs(x[i], other));
+          masses.add(sum.x, g.x, n.j);
+          masses.add(sum.y, g.y, n.j);
+          masses.add(sum.z, g.z, n.j);
+        }
+        *out++ = {total(sum.x), total(sum.y), total(sum.z), 0};
       }
-    }
+    });
   }
 
-  static void pressure(const PairTable& t, const float* corrected, const float* s, PairRange range,
-                       Record* out) {
-    for (std::size_t i = range.begin; i < range.end; ++i) {
-      Sum3<F8> sum;
-      const float* at = corrected + 3 * t.list_begin[i];
-      for (List n(t, i); n; ++n, at += 24) {
-        const F8 other = F8::gather(s, n.j);
-        const Sum3<F8> g = load(at);
-        sum.x += other * g.x;
-        sum.y += other * g.y;
-        sum.z += other * g.z;
-      }
-      *out++ = {total(sum.x), total(sum.y), total(sum.z), 0};
-    }
-  }
-
-  static void pressure_exact(const PairTable& t, const Record* x, const Tensors& k, const float* corrected,
-                             PairRange range, Change* out) {
+  static void pressure_exact(const PairTable& t, const Record* x, const Tensors& k, PairRange range,
+                             Change* out) {
     Base::by_masses(t, [&](const auto& masses) {
       for (std::size_t i = range.begin; i < range.end; ++i) {
         Sum3<Sum8> sum;
         const Tensor8 tensor(k, i);
         const F8 own(x[i].w);
-        const float* at = corrected + 3 * t.list_begin[i];
-        for (List n(t, i); n; ++n, at += 24) {
+        for (List n(t, i); n; ++n) {
           const Record8 other(x, n.j);
-          const Sum3<F8> of_own = tensor.slope_times(F8::load(n.slope), Pairs(x[i], other));
-          const Sum3<F8> of_other = load(at);
+          const Pairs pairs(x[i], other);
+          const F8 slope = F8::load(n.slope);
+          const Sum3<F8> of_own = tensor.slope_times(slope, pairs);
+          const Sum3<F8> of_other = Tensor8(k, n.j).slope_times(slope, pairs);
           masses.add(sum.x, own * of_own.x + other.w * of_other.x, n.j);
           masses.add(sum.y, own * of_own.y + other.w * of_other.y, n.j);
           masses.add(sum.z, own * of_own.z + other.w * of_other.z, n.j);
@@ -110,7 +95,7 @@ struct GradientLoops {
     });
   }
 
-  static constexpr GradientKernels kernels() { return {slopes, pressure, pressure_exact, compression}; }
+  static constexpr GradientKernels kernels() { return {pressure, pressure_exact, compression}; }
 };
 
 }  // namespace oilskin::fluid

@@ -76,17 +76,13 @@ struct Candidates {
   std::size_t count;
 };
 
-/// The loops of corrected gradients K_i Δ w'/q (F.77). `corrected`: w'/q K_j Δ of each pair, where slopes()
-/// put them.
+/// The loops of corrected gradients K_i Δ w'/q (F.77).
 struct GradientKernels {
-  /// Writes `corrected`, which has space for three times as many floats as there are slopes.
-  void (*slopes)(const PairTable&, const Record* x, const Tensors& k, PairRange, float* corrected);
-  /// Σ_j s_j w'/q K_j Δ_ij with s_j = m_j φ_j: what the pressures of the neighbours do. In float, for
+  /// Σ_j m_j φ_j w'/q K_j Δ_ij, φ being Record::w: what the pressures of the neighbours do. In float, for
   /// iterations.
-  void (*pressure)(const PairTable&, const float* corrected, const float* s, PairRange, Record* out);
-  /// Σ_j m_j w'/q (φ_i K_i + φ_j K_j) Δ_ij (F.79), φ being Record::w. In double, for what is applied.
-  void (*pressure_exact)(const PairTable&, const Record* x, const Tensors& k, const float* corrected,
-                         PairRange, Change* out);
+  void (*pressure)(const PairTable&, const Record* x, const Tensors& k, PairRange, Record* out);
+  /// Σ_j m_j w'/q (φ_i K_i + φ_j K_j) Δ_ij (F.79). In double, for what is applied.
+  void (*pressure_exact)(const PairTable&, const Record* x, const Tensors& k, PairRange, Change* out);
   /// Σ_j m_j w'/q (K_i Δ_ij)·(y_i − y_j): the compression by displacements y [H], over D (F.78).
   void (*compression)(const PairTable&, const Record* x, const Tensors& k, const Record* y, PairRange,
                       float* out);

@@ -283,7 +283,6 @@ Errors Dfsph::correct(StepState& state, const RateOf& rates_of, const ErrorOf& e
 /// Displacements under the current pressures.
 void Dfsph::displace(StepState& state) {
   walls_.predict_walls(state, x_phi_);
-  if (correction_.is_on()) correction_.set_pressures(state, x_phi_);
   state.for_chunks([&](std::size_t begin, std::size_t end) {
     ContactCursor contacts(state.contacts, begin);
     Record push[chunk_size];

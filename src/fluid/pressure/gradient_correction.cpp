@@ -48,17 +48,7 @@ void GradientCorrection::begin_step(StepState& state, const std::vector<Record>&
     of_particles->back() = {0, 0, 0, 0};
   }
   own_.resize(n);
-  weighted_phi_.resize(n + 1);
-  weighted_phi_[n] = 0;
-  if (slopes_.size() < state.slope.size()) slopes_.resize(state.slope.size());
   state.for_each([&](std::size_t i) { set_tensor(state, i, sums, density_scale); });
-  state.for_chunks([&](std::size_t begin, std::size_t end) {
-    std::vector<float>& slopes = slopes_[begin / chunk_size];
-    const std::size_t floats = 3 * state.neighbours.pair_capacity(begin / chunk_size);
-    if (slopes.size() < floats) slopes.resize(floats + floats / 4);
-    pair_kernels().corrected.slopes(pair_table(state, begin), state.position().data(), tensors(),
-                                    {begin, end}, slopes.data());
-  });
 }
 
 /// K_i (F.77), and what K_i makes of the sums.
@@ -99,16 +89,9 @@ Eigen::Vector3f GradientCorrection::times(std::size_t i, const Eigen::Vector3f& 
           r.y * g.x() + r.z * g.y() + d.z * g.z()};
 }
 
-void GradientCorrection::set_pressures(const StepState& state, const std::vector<Record>& x_phi) {
-  const bool weighted = !state.mass_ratio.empty();
-  state.for_each(
-      [&](std::size_t i) { weighted_phi_[i] = weighted ? state.mass_ratio[i] * x_phi[i].w : x_phi[i].w; });
-}
-
 void GradientCorrection::push(StepState& state, const std::vector<Record>& x_phi, PairRange range,
                               Record* out) const {
-  pair_kernels().corrected.pressure(pair_table(state, range.begin), slopes(range.begin), weighted_phi_.data(),
-                                    range, out);
+  pair_kernels().corrected.pressure(pair_table(state, range.begin), x_phi.data(), tensors(), range, out);
   for (std::size_t i = range.begin; i < range.end; ++i, ++out) {
     out->x += x_phi[i].w * own_[i].x;
     out->y += x_phi[i].w * own_[i].y;
@@ -126,8 +109,8 @@ void GradientCorrection::apply_pressure(StepState& state, const std::vector<Reco
                                         double scale) const {
   state.for_chunks([&](std::size_t begin, std::size_t end) {
     Change sum[chunk_size];
-    pair_kernels().corrected.pressure_exact(pair_table(state, begin), x_phi.data(), tensors(), slopes(begin),
-                                            {begin, end}, sum);
+    pair_kernels().corrected.pressure_exact(pair_table(state, begin), x_phi.data(), tensors(), {begin, end},
+                                            sum);
     for (std::size_t i = begin; i < end; ++i) state.dv[i] -= scale * to_vector(sum[i - begin]);
   });
 }

@@ -19,16 +19,14 @@ class GradientCorrection {
   /// Σ_j m_j w'/q Δ ⊗ Δ of the particles, images included, for begin_step().
   std::vector<SecondMoments>& moments() { return moments_; }
 
-  /// Computes K_i and the corrected slopes of an interval. `sums`: Σ_j m_j w'/q Δ of the particles,
+  /// Computes K_i of an interval. `sums`: Σ_j m_j w'/q Δ of the particles,
   /// `density_scale` D.
   void begin_step(StepState& state, const std::vector<Record>& sums, float density_scale);
 
   /// K_i times a vector.
   Eigen::Vector3f times(std::size_t i, const Eigen::Vector3f& g) const;
 
-  /// Takes over the pressures φ, a field of `x_phi`, for push().
-  void set_pressures(const StepState& state, const std::vector<Record>& x_phi);
-  /// Σ_j m_j w'/q (φ_i K_i + φ_j K_j) Δ_ij for a chunk, `x_phi` being that of set_pressures().
+  /// Σ_j m_j w'/q (φ_i K_i + φ_j K_j) Δ_ij for a chunk.
   void push(StepState& state, const std::vector<Record>& x_phi, PairRange range, Record* out) const;
   /// Σ_j m_j w'/q (K_i Δ_ij)·(y_i − y_j) for a chunk.
   void compression(StepState& state, const std::vector<Record>& y, PairRange range, float* out) const;
@@ -39,14 +37,11 @@ class GradientCorrection {
   void set_tensor(const StepState& state, std::size_t i, const std::vector<Record>& sums,
                   float density_scale);
   Tensors tensors() const { return {diagonal_.data(), rest_.data()}; }
-  const float* slopes(std::size_t begin) const { return slopes_[begin / chunk_size].data(); }
 
   const double share_;
   std::vector<SecondMoments> moments_;
-  std::vector<Record> diagonal_, rest_;     // K, with one more for the padding
-  std::vector<Record> own_;                 // Σ_j m_j w'/q K_i Δ
-  std::vector<float> weighted_phi_;         // m φ, with one more for the padding
-  std::vector<std::vector<float>> slopes_;  // per chunk and pair: w'/q K_j Δ, eight x, eight y, eight z
+  std::vector<Record> diagonal_, rest_;  // K, with one more for the padding
+  std::vector<Record> own_;              // Σ_j m_j w'/q K_i Δ
 };
 
 }  // namespace oilskin::fluid

@@ -97,7 +97,7 @@ void run_explicit_sums(StepState& state, const ExplicitModel& model, bool with_f
   if (state.slope.size() < chunks) state.slope.resize(chunks);
   state.workers.for_chunks(state.size(), chunk_size, [&](std::size_t begin, std::size_t end, std::size_t c) {
     const std::size_t pairs = state.neighbours.pair_capacity(c);
-    if (state.slope[c].size() < pairs) state.slope[c].resize(pairs + pairs / 4);
+    if (state.slope[c].size() < pairs) state.slope[c].resize(pairs + pairs / 8);
     float density[chunk_size];
     Change friction[chunk_size];
     PairRates rates[with_rates ? chunk_size : 1];
