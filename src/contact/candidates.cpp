@@ -11,7 +11,7 @@ namespace oilskin::contact {
 
 namespace {
 
-constexpr std::size_t chunk = 512;
+constexpr std::size_t chunk = 512;  // a multiple of the size of groups
 
 Box swept_box(const ParticleMotion& particles, std::uint32_t p) {
   Box box;
@@ -27,22 +27,108 @@ double CandidateSet::prediction_margin(const Liquid& liquid) {
   return 0.2 * liquid.spacing;
 }
 
-void CandidateSet::collect(Context& context) {
+void CandidateSet::measure_groups(const Context& context) {
   const std::size_t n = context.particle_count();
+  swept_.resize((n + group_size - 1) / group_size);
+  context.workers->for_each(swept_.size(), chunk / group_size, [&](std::size_t g) {
+    Box box;
+    for (std::size_t p = g * group_size; p < std::min(n, (g + 1) * group_size); ++p)
+      if (!context.out_of_play[p]) box.add(swept_box(*context.particles, static_cast<std::uint32_t>(p)));
+    swept_[g] = box;
+  });
+  swept_by_all_ = Box();
+  for (const Box& box : swept_) swept_by_all_.add(box);
+}
+
+namespace {
+
+/// Of the queries of each liquid; negative = it does not collide with the surface.
+std::vector<double> query_reach(const Context& context, std::uint32_t surface) {
+  const SurfaceMotion& motion = *context.surfaces[surface];
+  std::vector<double> reach;
+  for (const Liquid& liquid : context.liquids)
+    reach.push_back(liquid.collides_with(surface) ? std::max(std::max(motion.thickness, 2 * motion.delta) +
+                                                                 CandidateSet::prediction_margin(liquid),
+                                                             wall_layer(liquid, motion))
+                                                  : -1);
+  OILSKIN_ASSERT(std::all_of(reach.begin(), reach.end(), [&](double r) {
+    return r == -1 || (r > 2 * motion.delta && std::isfinite(r));
+  }));
+  return reach;
+}
+
+double largest(const std::vector<double>& reach) {
+  return *std::max_element(reach.begin(), reach.end());
+}
+
+}  // namespace
+
+void CandidateSet::collect(Context& context) {
   OILSKIN_ASSERT(context.geometry.size() == context.surfaces.size());
+  measure_groups(context);
   surfaces_.resize(context.surfaces.size());
-  std::vector<std::uint32_t> all(n);
-  std::iota(all.begin(), all.end(), 0u);
   for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
     Surface& set = surfaces_[s];
-    set.box.resize(n);  // query() writes all
-    set.begin.resize(n);
-    set.count.resize(n);
+    set.reach = query_reach(context, s);
+    set.clear = Box();
+    set.slot.assign(swept_.size(), none);
+    set.box.clear();
+    set.begin.clear();
+    set.count.clear();
     set.pool.clear();
     context.geometry[s]->use(context.settings->hierarchy);
     context.geometry[s]->fit(*context.surfaces[s]);
     set.tree_epoch = context.epoch;
-    query(context, s, all);
+    if (find_near_groups(context, s, 0, true)) query(context, s, find_stale(context, set, true, 0));
+  }
+  list_near_surfaces();
+}
+
+/// Whether the surface is as far from all particles as from those of a group that is far.
+bool CandidateSet::is_clear_of_all(const Context& context, std::uint32_t surface, double reach, bool is_new) {
+  Surface& set = surfaces_[surface];
+  if (largest(set.reach) < 0) return true;
+  if (!set.box.empty()) return false;
+  if (!is_new && set.clear.contains(swept_by_all_.inflated(reach))) return true;
+  set.clear = swept_by_all_.inflated(largest(set.reach));
+  if (!context.geometry[surface]->tree.overlaps(set.clear)) return true;
+  set.clear = Box();
+  return false;
+}
+
+/// Finds groups that were far and no longer are. `is_new`: the tree has been fitted since the last call.
+/// True if there are any.
+bool CandidateSet::find_near_groups(const Context& context, std::uint32_t surface, double reach,
+                                    bool is_new) {
+  Surface& set = surfaces_[surface];
+  const bool all_were_far = set.box.empty() && !(set.clear.min.array() > set.clear.max.array()).any();
+  if (is_clear_of_all(context, surface, reach, is_new)) return false;
+  set.clear_of_group.resize(swept_.size());
+  std::vector<std::uint8_t> is_near(swept_.size(), 0);
+  context.workers->for_each(swept_.size(), chunk / group_size, [&](std::size_t g) {
+    if (set.slot[g] != none) return;
+    Box& clear = set.clear_of_group[g];
+    if (!is_new && !all_were_far && clear.contains(swept_[g].inflated(reach))) return;
+    clear = swept_[g].inflated(largest(set.reach));
+    is_near[g] = context.geometry[surface]->tree.overlaps(clear);
+  });
+  std::size_t groups = set.box.size() / group_size;
+  const std::size_t before = groups;
+  for (std::size_t g = 0; g < swept_.size(); ++g)
+    if (is_near[g]) set.slot[g] = static_cast<std::uint32_t>(groups++);
+  set.box.resize(groups * group_size);
+  set.begin.resize(groups * group_size, 0);
+  set.count.resize(groups * group_size, 0);
+  return groups > before;
+}
+
+void CandidateSet::list_near_surfaces() {
+  near_begin_.assign(1, 0);
+  near_surface_.clear();
+  for (std::size_t g = 0; g < swept_.size(); ++g) {
+    for (std::uint32_t s = 0; s < surfaces_.size(); ++s)
+      if (surfaces_[s].slot[g] != none) near_surface_.push_back(s);
+    near_begin_.push_back(static_cast<std::uint32_t>(near_surface_.size()));
   }
 }
 
@@ -50,52 +136,45 @@ void CandidateSet::query(Context& context, std::uint32_t surface,
                          const std::vector<std::uint32_t>& particles) {
   Surface& set = surfaces_[surface];
   const SurfaceMotion& motion = *context.surfaces[surface];
-  std::vector<double> reach;  // of each liquid; negative = it does not collide with the surface
-  for (const Liquid& liquid : context.liquids)
-    reach.push_back(liquid.collides_with(surface)
-                        ? std::max(std::max(motion.thickness, 2 * motion.delta) + prediction_margin(liquid),
-                                   wall_layer(liquid, motion))
-                        : -1);
+  boxes_.resize(particles.size());
   context.workers->for_each(particles.size(), chunk, [&](std::size_t k) {
     const std::uint32_t p = particles[k];
-    const double r = reach[context.liquid_of(p)];
-    set.box[p] = context.out_of_play[p] || r < 0 ? Box{} : swept_box(*context.particles, p).inflated(r);
+    OILSKIN_ASSERT(!context.out_of_play[p]);
+    const double r = set.reach[context.liquid_of(p)];
+    boxes_[k] = set.box[set.place(p)] = r < 0 ? Box{} : swept_box(*context.particles, p).inflated(r);
   });
-  const bool all = particles.size() == set.box.size();  // in their order
-  if (!all) {
-    boxes_.resize(particles.size());
-    for (std::size_t k = 0; k < particles.size(); ++k) boxes_[k] = set.box[particles[k]];
-  }
-  context.geometry[surface]->tree.query(all ? set.box : boxes_, *context.workers, set.scratch);
-  OILSKIN_ASSERT(std::all_of(reach.begin(), reach.end(), [&](double r) {
-    return r == -1 || (r > 2 * motion.delta && std::isfinite(r));
-  }));
+  context.geometry[surface]->tree.query(boxes_, *context.workers, set.scratch);
   OILSKIN_ASSERT(set.pool.size() + set.scratch.triangle.size() <= std::numeric_limits<std::uint32_t>::max());
   const auto base = static_cast<std::uint32_t>(set.pool.size());
   set.pool.resize(base + set.scratch.triangle.size());
   context.workers->for_each(particles.size(), chunk, [&](std::size_t k) {
     const Span<const std::uint32_t> found = set.scratch.of(k);
     std::uint32_t at = base + set.scratch.begin[k];
-    set.begin[particles[k]] = at;
-    set.count[particles[k]] = static_cast<std::uint32_t>(found.size());
+    const std::size_t place = set.place(particles[k]);
+    set.begin[place] = at;
+    set.count[place] = static_cast<std::uint32_t>(found.size());
     OILSKIN_ASSERT(found.empty() || found[found.size() - 1] < motion.triangles.size());
     for (std::uint32_t t : found) set.pool[at++] = {t, 0, std::numeric_limits<double>::infinity()};
   });
 }
 
-/// The particles in play whose swept box, inflated by `reach`, is not within that of their last query, or all
-/// of them. Those out of play have no candidates from now on.
+/// The particles in play of groups that are near whose swept box, inflated by `reach`, is not within that of
+/// their last query, or all of them. Those out of play have no candidates from now on.
 std::vector<std::uint32_t> CandidateSet::find_stale(const Context& context, Surface& set, bool all,
                                                     double reach) {
   const std::size_t n = context.particle_count();
   std::vector<std::vector<std::uint32_t>> part((n + chunk - 1) / chunk);
   context.workers->for_chunks(n, chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
-    for (auto p = static_cast<std::uint32_t>(begin); p < end; ++p) {
-      if (context.out_of_play[p])
-        set.count[p] = 0;
-      else if (all || (context.particle_stamp[p] > 0 &&
-                       !set.box[p].contains(swept_box(*context.particles, p).inflated(reach))))
-        part[c].push_back(p);
+    for (std::size_t first = begin; first < end; first += group_size) {
+      if (set.slot[first / group_size] == none) continue;
+      const auto stop = static_cast<std::uint32_t>(std::min(end, first + group_size));
+      for (auto p = static_cast<std::uint32_t>(first); p < stop; ++p) {
+        if (context.out_of_play[p])
+          set.count[set.place(p)] = 0;
+        else if (all || (context.particle_stamp[p] > 0 &&
+                         !set.box[set.place(p)].contains(swept_box(*context.particles, p).inflated(reach))))
+          part[c].push_back(p);
+      }
     }
   });
   std::vector<std::uint32_t> stale;
@@ -105,7 +184,9 @@ std::vector<std::uint32_t> CandidateSet::find_stale(const Context& context, Surf
 
 std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin) {
   OILSKIN_ASSERT(surfaces_.size() == context.surfaces.size() && margin >= 0);
+  measure_groups(context);
   std::vector<std::uint32_t> queried;
+  bool has_near_groups = false;
   for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
     Surface& set = surfaces_[s];
     const SurfaceMotion& motion = *context.surfaces[s];
@@ -118,10 +199,12 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
     }
     // Pairs farther apart than δ are no violations: for detection a swept box inflated by 2 δ is enough.
     const double reach = std::max(2 * motion.delta, margin * motion.thickness);
+    has_near_groups |= find_near_groups(context, s, reach, nodes_moved);
     const std::vector<std::uint32_t> stale = find_stale(context, set, nodes_moved, reach);
     if (!stale.empty()) query(context, s, stale);
     queried.insert(queried.end(), stale.begin(), stale.end());
   }
+  if (has_near_groups) list_near_surfaces();
   OILSKIN_ASSERT(std::all_of(queried.begin(), queried.end(),
                              [&](std::uint32_t p) { return context.out_of_play[p] == 0; }));
   std::sort(queried.begin(), queried.end());
@@ -131,9 +214,9 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
 
 double CandidateSet::min_end_distance(const Context& context) const {
   double minimum = std::numeric_limits<double>::infinity();
-  for (std::uint32_t s = 0; s < surfaces_.size(); ++s)
-    for (std::uint32_t p = 0; p < context.particle_count(); ++p)
-      if (!context.out_of_play[p])
+  for (std::uint32_t p = 0; p < context.particle_count(); ++p)
+    if (!context.out_of_play[p])
+      for (const std::uint32_t s : surfaces_near(p))
         for (const CandidatePair& pair : of(s, p)) minimum = std::min(minimum, pair.end_distance);
   return minimum;
 }

@@ -23,40 +23,72 @@ class CandidateSet {
 
   /// Covers the present x_t1 up to a margin. A particle is queried again if its swept box, inflated by
   /// max(2 δ, `margin` × h), is not within the box of its last query; all are if nodes of the surface moved
-  /// since its tree was fitted. Returns the particles that were queried, ascending.
+  /// since its tree was fitted. Returns the particles whose candidates may have changed, ascending.
   std::vector<std::uint32_t> refresh(Context& context, double margin = 0);
 
   /// The largest change of an end, per axis, after which refresh(…, 1) does not query again [m].
   static double prediction_margin(const Liquid& liquid);
 
+  /// The surfaces that may have candidates of the particle, ascending.
+  Span<const std::uint32_t> surfaces_near(std::uint32_t particle) const {
+    const std::size_t group = particle / group_size;
+    OILSKIN_ASSERT(group + 1 < near_begin_.size());
+    return {near_surface_.data() + near_begin_[group], near_begin_[group + 1] - near_begin_[group]};
+  }
+  /// The candidates of the particle on one of surfaces_near().
   Span<CandidatePair> of(std::uint32_t surface, std::uint32_t particle) {
     OILSKIN_ASSERT(surface < surfaces_.size());
     Surface& s = surfaces_[surface];
-    OILSKIN_ASSERT(particle < s.count.size() && s.begin[particle] + s.count[particle] <= s.pool.size());
-    return {s.pool.data() + s.begin[particle], s.count[particle]};
+    const std::size_t at = s.place(particle);
+    OILSKIN_ASSERT(at < s.count.size() && s.begin[at] + s.count[at] <= s.pool.size());
+    return {s.pool.data() + s.begin[at], s.count[at]};
   }
   Span<const CandidatePair> of(std::uint32_t surface, std::uint32_t particle) const {
     OILSKIN_ASSERT(surface < surfaces_.size());
     const Surface& s = surfaces_[surface];
-    OILSKIN_ASSERT(particle < s.count.size());
-    return {s.pool.data() + s.begin[particle], s.count[particle]};
+    const std::size_t at = s.place(particle);
+    OILSKIN_ASSERT(at < s.count.size() && s.begin[at] + s.count[at] <= s.pool.size());
+    return {s.pool.data() + s.begin[at], s.count[at]};
   }
   std::uint64_t size() const;
   /// Minimum over particles in play and pairs that end within the thickness; infinity if there are none [m].
   double min_end_distance(const Context& context) const;
 
  private:
+  /// Consecutive particles, which lie in a few cells. A surface far from a group has nothing to do with its
+  /// particles: in a level with many bodies each is near a few groups.
+  static constexpr std::size_t group_size = 64;
+  static constexpr std::uint32_t none = UINT32_MAX;
+
   struct Surface {
-    std::vector<Box> box;  // of each particle's last query
+    std::vector<double> reach;        // of the queries, of each liquid [m]; negative: it does not collide
+    Box clear;                        // that no triangle overlaps; empty if some group is near
+    std::vector<std::uint32_t> slot;  // per group: where it is in `box`, in groups; none = it is far
+    std::vector<Box>
+        clear_of_group;  // if `clear` is empty, per group that is far: one that no triangle overlaps
+    // Per particle of groups that are near
+    std::vector<Box> box;  // of the last query
     std::vector<std::uint32_t> begin, count;
     std::vector<CandidatePair> pool;
     std::uint32_t tree_epoch = 0;
     proximity::Candidates scratch;
+
+    std::size_t place(std::uint32_t particle) const {
+      OILSKIN_ASSERT(slot[particle / group_size] != none);
+      return slot[particle / group_size] * group_size + particle % group_size;
+    }
   };
+  void measure_groups(const Context& context);
+  bool find_near_groups(const Context& context, std::uint32_t surface, double reach, bool is_new);
+  bool is_clear_of_all(const Context& context, std::uint32_t surface, double reach, bool is_new);
   static std::vector<std::uint32_t> find_stale(const Context& context, Surface& set, bool all, double reach);
   void query(Context& context, std::uint32_t surface, const std::vector<std::uint32_t>& particles);
+  void list_near_surfaces();
 
   std::vector<Surface> surfaces_;
+  std::vector<Box> swept_;  // per group: of its particles in play
+  Box swept_by_all_;
+  std::vector<std::uint32_t> near_begin_, near_surface_;
   std::vector<Box> boxes_;
 };
 

@@ -58,7 +58,7 @@ void find_for_particle(const Context& context, const CandidateSet& candidates,
       (particles.x_t1[p] - particles.x_t0[p]).norm() + 2 * CandidateSet::prediction_margin(liquid);
   // Vertices of the surface that have been tested; thousands of triangles may share one.
   std::vector<std::uint64_t> vertices;
-  for (std::uint32_t s = 0; s < context.surfaces.size(); ++s) {
+  for (const std::uint32_t s : candidates.surfaces_near(p)) {
     const SurfaceMotion& motion = *context.surfaces[s];
     // (C.4): contacts beyond h + dx do not act, nor do those whose gap the motion cannot reduce below h.
     const double radius = motion.thickness + std::min(liquid.spacing, displacement + max_displacement[s]);

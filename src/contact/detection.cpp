@@ -46,7 +46,7 @@ void detect_for_particle(const Context& context, CandidateSet& candidates, std::
                          std::vector<Violation>& out) {
   const std::uint32_t stamp = context.particle_stamp[p];
   double min_distance = std::numeric_limits<double>::infinity();
-  for (std::uint32_t s = 0; s < context.surfaces.size(); ++s) {
+  for (const std::uint32_t s : candidates.surfaces_near(p)) {
     const SurfaceMotion& motion = *context.surfaces[s];
     for (CandidatePair& pair : candidates.of(s, p)) {
       const Triangle& t = motion.triangles[pair.triangle];

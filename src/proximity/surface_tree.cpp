@@ -258,6 +258,11 @@ void SurfaceTree::query(const Box& box, std::vector<std::uint32_t>& triangles) c
   triangles.insert(triangles.end(), scratch.found.begin(), scratch.found.end());
 }
 
+bool SurfaceTree::overlaps(const Box& box) const {
+  Scratch scratch;
+  return !impl_->collect(box, 0, scratch);
+}
+
 void SurfaceTree::query(Span<const Box> boxes, const Workers& workers, Candidates& candidates) const {
   const std::size_t n = boxes.size();
   candidates.begin.assign(n + 1, 0);

@@ -43,6 +43,9 @@ class SurfaceTree {
   /// Appends all triangles whose swept box overlaps the closed `box`, in ascending order. Thread-safe.
   void query(const Box& box, std::vector<std::uint32_t>& triangles) const;
 
+  /// Whether some triangle's swept box overlaps the closed `box`. Thread-safe.
+  bool overlaps(const Box& box) const;
+
   /// For each of n boxes, exactly the triangles whose swept boxes overlap it. A block of consecutive boxes
   /// shares a traversal, so the order of boxes should be spatially coherent. An empty box (min > max) has no
   /// candidates.
