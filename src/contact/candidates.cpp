@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "contact/reach.h"
 #include "core/assert.h"
@@ -70,7 +69,7 @@ void CandidateSet::collect(Context& context) {
   for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
     Surface& set = surfaces_[s];
     set.reach = query_reach(context, s);
-    set.clear = Box();
+    set.forget_clear();
     set.slot.assign(swept_.size(), none);
     set.box.clear();
     set.begin.clear();
@@ -79,36 +78,34 @@ void CandidateSet::collect(Context& context) {
     context.geometry[s]->use(context.settings->hierarchy);
     context.geometry[s]->fit(*context.surfaces[s]);
     set.tree_epoch = context.epoch;
-    if (find_near_groups(context, s, 0, true)) query(context, s, find_stale(context, set, true, 0));
+    if (find_near_groups(context, s, 0)) query(context, s, find_stale(context, set, true, 0));
   }
   list_near_surfaces();
 }
 
 /// Whether the surface is as far from all particles as from those of a group that is far.
-bool CandidateSet::is_clear_of_all(const Context& context, std::uint32_t surface, double reach, bool is_new) {
+bool CandidateSet::is_clear_of_all(const Context& context, std::uint32_t surface, double reach) {
   Surface& set = surfaces_[surface];
   if (largest(set.reach) < 0) return true;
   if (!set.box.empty()) return false;
-  if (!is_new && set.clear.contains(swept_by_all_.inflated(reach))) return true;
-  set.clear = swept_by_all_.inflated(largest(set.reach));
-  if (!context.geometry[surface]->tree.overlaps(set.clear)) return true;
+  if (set.clear.contains(swept_by_all_.inflated(reach))) return true;
   set.clear = Box();
-  return false;
+  const Box box = swept_by_all_.inflated(largest(set.reach));
+  if (context.geometry[surface]->tree.overlaps(box)) return false;
+  set.forget_clear();
+  set.clear = box;
+  return true;
 }
 
-/// Finds groups that were far and no longer are. `is_new`: the tree has been fitted since the last call.
-/// True if there are any.
-bool CandidateSet::find_near_groups(const Context& context, std::uint32_t surface, double reach,
-                                    bool is_new) {
+/// Finds groups that were far and no longer are. True if there are any.
+bool CandidateSet::find_near_groups(const Context& context, std::uint32_t surface, double reach) {
   Surface& set = surfaces_[surface];
-  const bool all_were_far = set.box.empty() && !(set.clear.min.array() > set.clear.max.array()).any();
-  if (is_clear_of_all(context, surface, reach, is_new)) return false;
+  if (is_clear_of_all(context, surface, reach)) return false;
   set.clear_of_group.resize(swept_.size());
   std::vector<std::uint8_t> is_near(swept_.size(), 0);
   context.workers->for_each(swept_.size(), chunk / group_size, [&](std::size_t g) {
-    if (set.slot[g] != none) return;
     Box& clear = set.clear_of_group[g];
-    if (!is_new && !all_were_far && clear.contains(swept_[g].inflated(reach))) return;
+    if (set.slot[g] != none || clear.contains(swept_[g].inflated(reach))) return;
     clear = swept_[g].inflated(largest(set.reach));
     is_near[g] = context.geometry[surface]->tree.overlaps(clear);
   });
@@ -196,10 +193,12 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
       context.geometry[s]->fit(motion);
       set.tree_epoch = context.epoch + 1;
       set.pool.clear();
+      set.forget_clear();
     }
     // Pairs farther apart than δ are no violations: for detection a swept box inflated by 2 δ is enough.
     const double reach = std::max(2 * motion.delta, margin * motion.thickness);
-    has_near_groups |= find_near_groups(context, s, reach, nodes_moved);
+    has_near_groups |= find_near_groups(context, s, reach);
+    if (set.box.empty()) continue;
     const std::vector<std::uint32_t> stale = find_stale(context, set, nodes_moved, reach);
     if (!stale.empty()) query(context, s, stale);
     queried.insert(queried.end(), stale.begin(), stale.end());

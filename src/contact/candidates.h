@@ -62,10 +62,9 @@ class CandidateSet {
 
   struct Surface {
     std::vector<double> reach;        // of the queries, of each liquid [m]; negative: it does not collide
-    Box clear;                        // that no triangle overlaps; empty if some group is near
+    Box clear;                        // that no triangle overlaps; empty unless all groups are far
     std::vector<std::uint32_t> slot;  // per group: where it is in `box`, in groups; none = it is far
-    std::vector<Box>
-        clear_of_group;  // if `clear` is empty, per group that is far: one that no triangle overlaps
+    std::vector<Box> clear_of_group;  // per group that is far: the same; nothing while `clear` is known
     // Per particle of groups that are near
     std::vector<Box> box;  // of the last query
     std::vector<std::uint32_t> begin, count;
@@ -73,14 +72,19 @@ class CandidateSet {
     std::uint32_t tree_epoch = 0;
     proximity::Candidates scratch;
 
+    /// The tree has changed, or the boxes of groups are out of date.
+    void forget_clear() {
+      clear = Box();
+      clear_of_group.clear();
+    }
     std::size_t place(std::uint32_t particle) const {
       OILSKIN_ASSERT(slot[particle / group_size] != none);
       return slot[particle / group_size] * group_size + particle % group_size;
     }
   };
   void measure_groups(const Context& context);
-  bool find_near_groups(const Context& context, std::uint32_t surface, double reach, bool is_new);
-  bool is_clear_of_all(const Context& context, std::uint32_t surface, double reach, bool is_new);
+  bool find_near_groups(const Context& context, std::uint32_t surface, double reach);
+  bool is_clear_of_all(const Context& context, std::uint32_t surface, double reach);
   static std::vector<std::uint32_t> find_stale(const Context& context, Surface& set, bool all, double reach);
   void query(Context& context, std::uint32_t surface, const std::vector<std::uint32_t>& particles);
   void list_near_surfaces();

@@ -85,17 +85,18 @@ static double rocking_on_the_floor(double height) {
   EXPECT_LT(static_cast<double>(now.getOrigin().y()), 0.04) << "one layer of particles may stay below it";
   // Nothing brakes a turn about the vertical on a layer of water without friction.
   EXPECT_LT(static_cast<double>(before.getRotation().angleShortestPath(now.getRotation())), 0.15);
-  EXPECT_LT(static_cast<double>((now.getOrigin() - before.getOrigin()).length()), 0.004);
+  EXPECT_LT(static_cast<double>((now.getOrigin() - before.getOrigin()).length()), 0.002);
   const btVector3 up_before = before.getBasis().getColumn(1), up = now.getBasis().getColumn(1);
   return static_cast<double>(up_before.cross(up).length());
 }
 
-/// On the few particles that stay below, a crate may rock: 0.013 as the mean of 40 heights, 0.07 at most.
+/// On the few particles that stay below, a crate may rock: of 40 heights 0.013 is the mean, 0.07 the
+/// most, and 10 exceed 0.02.
 TEST(RigidBody, sinks_where_it_is_heavier_and_comes_to_rest_on_bullets_floor) {
   std::vector<double> rocking;
   for (const double height : {0.05, 0.0501, 0.0502}) rocking.push_back(rocking_on_the_floor(height));
   std::sort(rocking.begin(), rocking.end());
-  EXPECT_LT(rocking[1], 0.03);
+  EXPECT_LT(rocking[1], 0.02) << "it does not rock";
   EXPECT_LT(rocking[2], 0.1);
 }
 

@@ -1,6 +1,8 @@
 // Surfaces far from the water: they change nothing, and are found as soon as water comes near.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "support/cloth_over_floor.h"
 
 namespace oilskin::test {
