@@ -151,7 +151,7 @@ class EffectExchange : public EffectInterval {
 
 /// An effect. The user creates and owns it; a world keeps a pointer. All calls come from the thread that
 /// steps the world, and must not call the world. What act() and exchange() throw ends the step, which leaves
-/// no trace in the world; members of the effect itself are the effect's.
+/// no trace in the world; see checkpoint().
 class Effect {
  public:
   virtual ~Effect() = default;
@@ -187,6 +187,12 @@ class Effect {
   virtual void act(EffectForces&) {}
   /// Exchanges, after the certificate.
   virtual void exchange(EffectExchange&) {}
+
+  /// Called before each step, for effects with state of their own that act() and exchange() change.
+  virtual void checkpoint() {}
+  /// Called after a step that an exception ended, thrown by whomever: that state is to be as it was at
+  /// checkpoint().
+  virtual void roll_back() noexcept {}
 
   /// World::translate() moves the world by `offset` [m]: places that are the effect's own move with it.
   virtual void translate(const Vec3& /*offset*/) {}

@@ -88,6 +88,8 @@ class Wetting : public Effect {
   bool changes_masses() const override { return true; }
   void act(EffectForces& f) override;
   void exchange(EffectExchange& e) override;
+  void checkpoint() override;
+  void roll_back() noexcept override;
   std::vector<std::uint8_t> save() const override;
   Status restore(Span<const std::uint8_t> saved) override;
 

@@ -65,6 +65,12 @@ class Effects {
   void act(const EffectInput& input) const;
   void exchange(const EffectInput& input, Span<const Contact> contacts) const;
 
+  void checkpoint() const {
+    for (const Slot& slot : slots_) slot.effect->checkpoint();
+  }
+  void roll_back() const noexcept {
+    for (const Slot& slot : slots_) slot.effect->roll_back();
+  }
   void translate(const Vec3& offset) const {
     for (const Slot& slot : slots_) slot.effect->translate(offset);
   }

@@ -129,7 +129,7 @@ namespace world {
 
 namespace {
 
-constexpr FrameKind saved_world = {{'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'}, 12, "saved world"};
+constexpr FrameKind saved_world = {{'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'}, 13, "saved world"};
 
 }  // namespace
 

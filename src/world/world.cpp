@@ -48,6 +48,7 @@ void World::Impl::checkpoint() {
   emission->checkpoint();
   fluid->checkpoint();
   attachments.checkpoint();
+  effects.checkpoint();
 }
 
 void World::Impl::roll_back() noexcept {
@@ -55,6 +56,7 @@ void World::Impl::roll_back() noexcept {
   emission->roll_back();
   fluid->roll_back();
   attachments.roll_back();
+  effects.roll_back();
 }
 
 World::World(const WorldSettings& world, const FluidSettings& fluid, const ContactSettings& contact)

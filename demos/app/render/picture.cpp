@@ -139,6 +139,8 @@ Picture::Impl::Impl(const Scene& scene, bool is_window)
     add_sky(renderer, views.front().up);
     renderer->UseDepthPeelingOn();  // clear water behind clear water
     renderer->SetMaximumNumberOfPeels(8);
+    // Layers on fewer pixels than this part are left out: in `jet` half of the time of a clear picture.
+    renderer->SetOcclusionRatio(0.005);
   }
   window->AddRenderer(renderer);
   window->SetSize(view_width * scale, height * scale);

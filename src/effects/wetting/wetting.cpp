@@ -79,7 +79,8 @@ struct Wetting::Impl {
   WettingSettings settings;
   std::map<std::uint64_t, std::optional<Fabric>> fabrics;  // of surfaces with their own; none: waterproof
   double pending = 0;                                      // time for which liquid has not spread yet [s]
-  double gathering = 0;  // time for which drops have not gathered yet, 0 between steps [s]
+  double gathering = 0;        // time for which drops have not gathered yet, 0 between steps [s]
+  double pending_at_step = 0;  // by checkpoint()
 
   // Derived from the surfaces of the last interval
   std::map<std::uint64_t, std::unique_ptr<WettedCloth>> cloths;
@@ -233,6 +234,15 @@ void Wetting::exchange(EffectExchange& e) {
   impl_->absorb(e);
   impl_->spread(e);
   impl_->drip(e);
+}
+
+void Wetting::checkpoint() {
+  impl_->pending_at_step = impl_->pending;
+}
+
+void Wetting::roll_back() noexcept {
+  impl_->pending = impl_->pending_at_step;
+  impl_->gathering = 0;
 }
 
 std::vector<std::uint8_t> Wetting::save() const {

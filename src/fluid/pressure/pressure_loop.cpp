@@ -1,6 +1,7 @@
 #include "fluid/pressure/pressure_loop.h"
 
 #include <cmath>
+#include <iterator>
 
 #include "core/assert.h"
 
@@ -8,12 +9,13 @@ namespace oilskin::fluid {
 
 namespace {
 
-/// Of the number of iterations (F.35): what it falls by in a step, at least by one, and the time for which
-/// the largest number that was needed is kept. Water at rest swings with periods of 30 to 80 ms.
+/// Of the number of iterations (F.35): what it falls by in a step, at least by one, and the length of an
+/// interval. Water at rest swings with periods of 30 to 80 ms, so that of three whole intervals two need what
+/// a swing needs. An impact needs it in one.
 constexpr double max_fall = 0.15;
-constexpr double kept_time = 0.05;  // [s]
+constexpr double interval = 0.05;  // [s]
 /// The number that would have left this part of the tolerance was needed.
-constexpr double margin = 0.8;
+constexpr double margin = 0.9;
 
 /// Growth of the error from which on a loop diverges. What no pressure removes, as a particle that surfaces
 /// enclose, leaves an error that creeps; a smaller ω would not help it, and would slow the rest of the fluid
@@ -27,15 +29,24 @@ constexpr double relaxation_rise = 1.02;
 }  // namespace
 
 void IterationController::visit(Archive& archive) {
-  archive.values(iterations, needed_now, needed_before, interval_elapsed);
-  archive.require(iterations >= 0 && needed_now >= 0 && needed_before >= 0 && interval_elapsed >= 0,
-                  "the number of iterations");
+  archive.values(iterations, needed[0], needed[1], needed[2], needed[3], interval_elapsed);
+  archive.require(iterations >= 0 && interval_elapsed >= 0, "the number of iterations");
+  for (const double n : needed) archive.require(n >= 0, "the number of iterations that was needed");
+}
+
+/// The second largest number.
+double IterationController::needed_twice() const {
+  double largest = 0, second = 0;
+  for (const double n : needed) {
+    second = std::max(second, std::min(n, largest));
+    largest = std::max(largest, n);
+  }
+  return second;
 }
 
 int IterationController::floor() const {
   const double fallen = iterations - std::max(1.0, max_fall * iterations);
-  return static_cast<int>(
-      std::lround(std::min(std::max({needed_now, needed_before, fallen}), 1.0 * iterations)));
+  return static_cast<int>(std::ceil(std::min(std::max(needed_twice(), fallen), 1.0 * iterations)));
 }
 
 void PressureLoop::visit(Archive& archive) {
@@ -86,13 +97,13 @@ IterationController PressureLoop::next_controller(double dt) const {
   IterationController next = goal_.controller;
   next.iterations = iterations_;
   next.interval_elapsed += dt;
-  if (next.interval_elapsed > kept_time) {
-    next.needed_before = next.needed_now;
-    next.needed_now = next.interval_elapsed = 0;
+  if (next.interval_elapsed > interval) {
+    std::copy_backward(next.needed, std::end(next.needed) - 1, std::end(next.needed));
+    next.needed[0] = next.interval_elapsed = 0;
   }
   // In water at rest the error is proportional to the inverse square of the number.
   const double part = errors_.mean(errors_.above_target) / (margin * goal_.tolerance);
-  next.needed_now = std::max(next.needed_now, iterations_ * (part < 1 ? std::sqrt(part) : 1));
+  next.needed[0] = std::max(next.needed[0], iterations_ * (part < 1 ? std::sqrt(part) : 1));
   return next;
 }
 

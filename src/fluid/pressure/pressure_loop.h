@@ -41,14 +41,15 @@ struct Errors {
   double mean(double total) const { return counted > 0 ? total / static_cast<double>(counted) : 0; }
 };
 
-/// Number of iterations of the last step, and how many the steps of the last 50 to 100 ms needed: below that
-/// the number does not fall (F.35).
+/// Number of iterations of the last step, and how many were needed twice in the last 150 to 200 ms: below
+/// that the number does not fall (F.35).
 struct IterationController {
-  int iterations = 0;           // of the last step; 0 = the loop ends when it has converged
-  double needed_now = 0;        // largest number that a step of the present interval of 50 ms needed
-  double needed_before = 0;     // and of the interval before
+  int iterations = 0;  // of the last step; 0 = the loop ends when it has converged
+  // The largest number that a step needed, in the present interval of 50 ms and the three before
+  double needed[4] = {};
   double interval_elapsed = 0;  // [s]
 
+  double needed_twice() const;
   int floor() const;
   void visit(Archive& archive);
 };
