@@ -4,102 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numeric>
 
-#include "support/mock_cloth.h"
+#include "effects/wetting_scene.h"
 #include "support/static_mesh.h"
-#include "support/world_helpers.h"
 
-namespace oilskin {
+namespace oilskin::test {
 namespace {
-
-using test::GridShape;
-using test::sheet_settings;
-
-constexpr double dx = 0.005;
-
-WorldSettings world_settings(const Vec3& gravity, int threads) {
-  WorldSettings s;
-  s.gravity = gravity;
-  s.threads = threads;
-  s.kill_box = {Vec3::Constant(-1), Vec3::Constant(1)};
-  return s;
-}
-
-ContactSettings verified() {
-  ContactSettings s;
-  s.verify = true;
-  return s;
-}
-
-/// A square sheet of 0.2 m in the plane y = 0.
-GridShape sheet() {
-  GridShape g;
-  g.nu = g.nv = 17;
-  g.origin = Vec3(-0.1, 0, -0.1);
-  g.u = Vec3(0.2, 0, 0);
-  g.v = Vec3(0, 0, 0.2);
-  return g;
-}
-
-double sum(Span<const double> values) {
-  return std::accumulate(values.begin(), values.end(), 0.0);
-}
-
-/// Water, a sheet that absorbs, and their ledger.
-struct WetScene {
-  test::MockCloth<double> cloth;
-  Wetting wetting;
-  World world;
-  SurfaceId id;
-  double emitted = 0, removed = 0, dried = 0, lost = 0;
-  std::uint64_t absorbed = 0, released = 0;
-
-  explicit WetScene(const WettingSettings& settings, const Vec3& gravity = Vec3::Zero(), int threads = 1,
-                    const GridShape& shape = sheet())
-      : cloth(shape),
-        wetting(settings),
-        world(world_settings(gravity, threads), FluidSettings(), verified()) {
-    cloth.gravity = gravity;
-    EXPECT_TRUE(world.attach(cloth, sheet_settings(), &id).ok());
-    EXPECT_TRUE(world.add_effect(wetting).ok());
-  }
-
-  void pin_border() {
-    for (std::size_t i = 0; i < 17; ++i)
-      for (std::size_t j = 0; j < 17; ++j)
-        if (i == 0 || j == 0 || i == 16 || j == 16) cloth.pin(i + 17 * j);
-  }
-  void add_block(int n, const Vec3& corner, const Vec3& velocity) {
-    test::add_block(world, n, corner, velocity);
-    emitted = world.fluid_mass();
-  }
-
-  Vec3 momentum() const { return cloth.momentum() + test::fluid_momentum(world); }
-  double missing() const {
-    return emitted - removed - dried - lost - world.fluid_mass() - world.absorbed_mass();
-  }
-  void step(double dt) {
-    const StepReport& r = world.step(dt);
-    ASSERT_TRUE(r.status.ok()) << r.status.message;
-    EXPECT_EQ(r.contact.crossings_found_by_verify, 0u);
-    emitted += r.mass_emitted;
-    removed += r.mass_removed;
-    dried += r.mass_dried;
-    lost += r.mass_lost;
-    absorbed += r.absorbed;
-    released += r.released;
-    ASSERT_LE(r.momentum_residual().norm(), 1e-12);
-  }
-};
-
-WettingSettings thirsty() {
-  WettingSettings s;
-  s.fabric.capacity = 5;
-  s.absorption = 2000;
-  s.dripping = 0;
-  return s;
-}
 
 TEST(Wetting, a_dry_sheet_takes_up_the_water_that_it_touches_and_its_momentum) {
   WetScene s(thirsty());
@@ -147,7 +57,7 @@ TEST(Wetting, no_node_takes_up_more_than_its_limit_and_no_particle_has_less_than
 
 /// As in Huber, Eberhardt, Weiskopf 2013, Fig. 9: the wet cloth sags lower.
 TEST(Wetting, wet_cloth_sags_below_dry) {
-  double low[2];
+  double low[2] = {};
   for (const bool wet : {false, true}) {
     WetScene s(thirsty(), Vec3(0, -9.81, 0));
     s.cloth.damping = 0.02;
@@ -206,7 +116,7 @@ TEST(Wetting, a_sheet_hung_in_a_reservoir_is_saturated_as_its_height_allows) {
   WetScene s(settings, Vec3(0, -9.81, 0), 1, strip);
   for (double& u : s.cloth.inverse_mass) u = 0;
   ASSERT_TRUE(s.wetting.set_fabric(s.id, settings.fabric).ok());
-  test::StaticMesh tank;
+  StaticMesh tank;
   tank.add_box({Vec3(-0.03, 0, -0.03), Vec3(0.03, 0.2, 0.03)}, 0.06);
   ASSERT_TRUE(s.world.attach(tank, sheet_settings(), nullptr).ok());
   BoxEmitter water;
@@ -272,7 +182,7 @@ TEST(Wetting, drops_wait_for_a_free_place) {
   // A plate below the sheet, nearer than a particle is wide.
   GridShape plate = sheet();
   plate.origin.y() = -0.003;
-  test::MockCloth<double> below(plate);
+  MockCloth<double> below(plate);
   for (double& u : below.inverse_mass) u = 0;
   ASSERT_TRUE(s.world.attach(below, sheet_settings(), nullptr).ok());
   s.step(1e-3);
@@ -343,8 +253,8 @@ std::uint64_t hash_of(const WetScene& s) {
 }
 
 TEST(Wetting, results_do_not_depend_on_threads) {
-  std::uint64_t hash[2];
-  double held[2];
+  std::uint64_t hash[2] = {};
+  double held[2] = {};
   for (int threads : {1, 2}) {
     WetScene s(thirsty(), Vec3(0, -9.81, 0), threads);
     s.add_block(8, Vec3(-0.0175, 0.004, -0.0175), Vec3(0, -1, 0));
@@ -396,4 +306,4 @@ TEST(Wetting, settings_out_of_range_are_refused) {
 }
 
 }  // namespace
-}  // namespace oilskin
+}  // namespace oilskin::test

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "support/random.h"
+#include "support/thrower.h"
 #include "support/world_helpers.h"
 #include "world/saved_bytes.h"
 
@@ -27,16 +28,6 @@ DiscEmitter nozzle(double speed = 2) {
   e.speed = speed;
   return e;
 }
-
-/// Throws while `throws` is set.
-class Thrower : public Effect {
- public:
-  bool throws = false;
-  std::string name() const override { return "thrower"; }
-  void act(EffectForces&) override {
-    if (throws) throw std::runtime_error("thrown by a test");
-  }
-};
 
 struct Hose {
   explicit Hose(int threads = 1) : world(weightless(threads)) {
@@ -108,9 +99,9 @@ TEST(Emitters, a_step_that_throws_leaves_the_motion_as_it_was) {
     hose.steer(k);
     other.steer(k);
     const Bytes before = save(hose.world);
-    hose.thrower.throws = true;
+    hose.thrower.throws_in_act = true;
     EXPECT_THROW(hose.world.step(0.003), std::runtime_error);
-    hose.thrower.throws = false;
+    hose.thrower.throws_in_act = false;
     EXPECT_EQ(save(hose.world), before);
     hose.world.step(0.004);
     other.world.step(0.004);

@@ -8,6 +8,7 @@
 
 #include "support/busy_scene.h"
 #include "support/particle_arrays.h"
+#include "world/saved_bytes.h"
 
 namespace {
 
@@ -56,19 +57,14 @@ void operator delete[](void* memory, std::size_t) noexcept {
 namespace oilskin {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
+using test::Bytes;
+using test::save;
 using Scene = test::BusyScene<float>;
 
 /// What a host or an observer throws.
 struct Failure : std::runtime_error {
   Failure() : std::runtime_error("thrown by a test") {}
 };
-
-Bytes save(const World& w) {
-  Bytes bytes;
-  EXPECT_TRUE(w.save(&bytes).ok());
-  return bytes;
-}
 
 /// All that a step may change and a caller can see.
 struct Snapshot {

@@ -88,7 +88,7 @@ PressureLoop::Verdict PressureLoop::judge(const Errors& errors) {
 
 /// More iterations make the fluid stiffer against its compression. If their number follows the error, a
 /// column that swings is stiffer while it expands than while it is compressed, and gains energy in each
-/// period. So the number does not fall below what was needed within such a period.
+/// period. So the number does not fall below what swings need.
 bool PressureLoop::may_end() const {
   return converged_ && iterations_ >= std::max(goal_.min_iterations, goal_.controller.floor());
 }
