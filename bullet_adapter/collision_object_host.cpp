@@ -29,13 +29,19 @@ void CollisionObjectHost::set_kill_box(const Box& kill_box) {
   world_.clear();
 }
 
+void CollisionObjectHost::set_tolerance(double tolerance) {
+  if (tolerance_ > 0 && tolerance >= tolerance_) return;
+  tolerance_ = tolerance;
+  signature_.clear();
+}
+
 Status CollisionObjectHost::read_if_changed() {
   const btCollisionShape* shape = object_->getCollisionShape();
   if (!shape)
     return Status::refused("collision object has no collision shape: call setCollisionShape() first");
   std::vector<double> signature = shape_signature(*shape);
   if (!forget_motion_ && signature == signature_) return Status::accepted();
-  Status status = read_shape(*shape, &mesh_);
+  Status status = read_shape(*shape, &mesh_, tolerance_);
   world_.clear();  // stale
   if (status.ok()) signature_ = std::move(signature);
   return status;

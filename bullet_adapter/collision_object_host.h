@@ -22,6 +22,9 @@ class CollisionObjectHost : public SurfaceHost {
   void scatter(SurfaceMotion& motion) override;
 
   void set_kill_box(const Box& kill_box);
+  /// How far the triangles of round shapes may be from them [m]; 0 = as near as they get (read_shape()). A
+  /// larger one than the present one is ignored: water that lies on a shape would be inside a coarser one.
+  void set_tolerance(double tolerance);
 
   /// The motion up to the next gather is a teleport, and the shape is read again.
   void forget_motion() { forget_motion_ = true; }
@@ -44,6 +47,7 @@ class CollisionObjectHost : public SurfaceHost {
 
   const btCollisionObject* object_;
   Box kill_box_;
+  double tolerance_ = 0;
   bool forget_motion_ = true;
   std::vector<double> signature_;
   ShapeMesh mesh_;

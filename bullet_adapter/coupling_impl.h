@@ -56,6 +56,10 @@ struct btFluidCoupling::Impl {
   /// Which of the fluids it is; nothing for another one. Null is the first.
   std::optional<std::size_t> index_of(const btFluid* fluid) const;
   Box kill_box() const;
+  /// Of all fluids [m].
+  double finest_spacing() const;
+  /// Makes the triangles of a round shape as fine as the fluids need them.
+  void refine(Attachment& a);
   std::vector<const btCollisionObject*> attached_objects() const;
   Attachment* find(const btCollisionObject* object);
   Status add(Attachment attachment);

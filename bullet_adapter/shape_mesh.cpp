@@ -73,9 +73,12 @@ btAlignedObjectArray<btVector3> corners_of(const btCollisionShape& shape) {
   return points;
 }
 
-btAlignedObjectArray<btVector3> support_points(const btConvexShape& shape) {
+btAlignedObjectArray<btVector3> support_points(const btConvexShape& shape, double tolerance) {
+  btVector3 center;
+  btScalar radius = 0;
+  shape.getBoundingSphere(center, radius);
   btAlignedObjectArray<btVector3> points;
-  for (const Vec3& direction : icosphere(3).points)
+  for (const Vec3& direction : icosphere(sphere_levels(static_cast<double>(radius), tolerance)).points)
     points.push_back(shape.localGetSupportingVertex(to_bt(direction)));
   return points;
 }
@@ -91,11 +94,16 @@ void read_concave(const btCollisionShape& shape, Collector* collector) {
     static_cast<const btConcaveShape&>(shape).processAllTriangles(collector, box_min, box_max);
 }
 
-Status read_convex(const btCollisionShape& shape, Collector* collector) {
+PointMesh read_sphere(const btSphereShape& shape, double tolerance) {
+  const auto radius = static_cast<double>(shape.getRadius());
+  return circumscribed_sphere(radius, sphere_levels(radius, tolerance));
+}
+
+Status read_convex(const btCollisionShape& shape, double tolerance, Collector* collector) {
   PointMesh part;
   switch (shape.getShapeType()) {
     case SPHERE_SHAPE_PROXYTYPE:
-      part = circumscribed_sphere(static_cast<double>(static_cast<const btSphereShape&>(shape).getRadius()));
+      part = read_sphere(static_cast<const btSphereShape&>(shape), tolerance);
       break;
     case BOX_SHAPE_PROXYTYPE:
     case TETRAHEDRAL_SHAPE_PROXYTYPE:
@@ -103,7 +111,7 @@ Status read_convex(const btCollisionShape& shape, Collector* collector) {
       part = convex_hull(corners_of(shape));
       break;
     default:
-      part = convex_hull(support_points(static_cast<const btConvexShape&>(shape)));
+      part = convex_hull(support_points(static_cast<const btConvexShape&>(shape), tolerance));
   }
   if (part.triangles.empty()) return unsupported(shape, "is flat: it needs four points that span a volume");
   collector->add(part);
@@ -115,14 +123,15 @@ void read_plane(const btStaticPlaneShape& shape, const btTransform& to_body, Sha
   mesh->planes.push_back({n, shape.getPlaneConstant() + n.dot(to_body.getOrigin())});
 }
 
-Status read(const btCollisionShape& shape, const btTransform& to_body, int depth, ShapeMesh* mesh) {
+Status read(const btCollisionShape& shape, const btTransform& to_body, double tolerance, int depth,
+            ShapeMesh* mesh) {
   const int type = shape.getShapeType();
   if (type == COMPOUND_SHAPE_PROXYTYPE) {
     if (depth >= max_compound_depth) return unsupported(shape, "is nested too deeply");
     const auto& compound = static_cast<const btCompoundShape&>(shape);
     for (int i = 0; i < compound.getNumChildShapes(); ++i) {
       const btTransform child = to_body * compound.getChildTransform(i);
-      Status status = read(*compound.getChildShape(i), child, depth + 1, mesh);
+      Status status = read(*compound.getChildShape(i), child, tolerance, depth + 1, mesh);
       if (!status.ok()) return status;
     }
     return Status::accepted();
@@ -132,7 +141,7 @@ Status read(const btCollisionShape& shape, const btTransform& to_body, int depth
     return Status::accepted();
   }
   Collector collector(to_body, mesh);
-  if (shape.isConvex()) return read_convex(shape, &collector);
+  if (shape.isConvex()) return read_convex(shape, tolerance, &collector);
   if (!shape.isConcave()) return unsupported(shape, "is not supported");
   read_concave(shape, &collector);
   return Status::accepted();
@@ -160,9 +169,9 @@ void add_signature(const btCollisionShape& shape, int depth, std::vector<double>
 
 }  // namespace
 
-Status read_shape(const btCollisionShape& shape, ShapeMesh* mesh) {
+Status read_shape(const btCollisionShape& shape, ShapeMesh* mesh, double tolerance) {
   *mesh = ShapeMesh();
-  Status status = read(shape, btTransform::getIdentity(), 0, mesh);
+  Status status = read(shape, btTransform::getIdentity(), tolerance, 0, mesh);
   if (!status.ok()) return status;
   if (mesh->triangles.empty() && mesh->planes.empty()) return unsupported(shape, "has no triangles");
   for (std::size_t i = 0; i < mesh->vertices.size(); ++i)

@@ -22,10 +22,11 @@ struct ShapeMesh {
 
 /// Reads triangle meshes (any concave shape that lists its triangles), convex hulls, boxes and tetrahedra
 /// exactly, without the collision margin that Bullet adds outside; spheres circumscribed (tessellation.h);
-/// other convex shapes (capsule, cylinder, cone, …) as the hull of 642 of their surface points, inscribed,
-/// with the margin; static planes; compounds of these. Applies the shape's scaling. Refuses shapes without
-/// triangles by name.
-Status read_shape(const btCollisionShape& shape, ShapeMesh* mesh);
+/// other convex shapes (capsule, cylinder, cone, …) as the hull of some of their surface points, inscribed,
+/// with the margin; static planes; compounds of these. Spheres and such hulls have 42, 162 or 642 points,
+/// by `tolerance` and the size of the shape (sphere_levels()). Applies the shape's scaling. Refuses shapes
+/// without triangles by name.
+Status read_shape(const btCollisionShape& shape, ShapeMesh* mesh, double tolerance = 0);
 
 /// Differs if the shape must be read again: another shape, scaling or margin, children added, removed or
 /// moved. Does not detect changes of the vertex array of a triangle mesh.

@@ -11,6 +11,8 @@ namespace oilskin::bullet {
 
 namespace {
 
+constexpr int finest_level = 3;
+
 PointMesh icosahedron() {
   const double g = (1 + std::sqrt(5.0)) / 2;
   PointMesh mesh;
@@ -54,6 +56,17 @@ PointMesh subdivided(const PointMesh& coarse) {
     fine.triangles.push_back({a, b, c});
   }
   return fine;
+}
+
+/// The smallest distance of a triangle's plane from the centre.
+double inradius(const PointMesh& sphere) {
+  double smallest = 1;
+  for (const Triangle& t : sphere.triangles) {
+    const Vec3& a = sphere.points[t[0]];
+    const Vec3 n = (sphere.points[t[1]] - a).cross(sphere.points[t[2]] - a).normalized();
+    smallest = std::min(smallest, n.dot(a));
+  }
+  return smallest;
 }
 
 /// Removes the points that no triangle uses.
@@ -105,15 +118,16 @@ PointMesh icosphere(int levels) {
   return mesh;
 }
 
-PointMesh circumscribed_sphere(double radius) {
-  PointMesh mesh = icosphere(3);
-  double inradius = 1;  // smallest distance of a triangle's plane from the centre
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3& a = mesh.points[t[0]];
-    const Vec3 n = (mesh.points[t[1]] - a).cross(mesh.points[t[2]] - a).normalized();
-    inradius = std::min(inradius, n.dot(a));
-  }
-  for (Vec3& p : mesh.points) p *= radius / inradius;
+int sphere_levels(double radius, double tolerance) {
+  int levels = 1;
+  while (levels < finest_level && radius * (1 / inradius(icosphere(levels)) - 1) > tolerance) ++levels;
+  return levels;
+}
+
+PointMesh circumscribed_sphere(double radius, int levels) {
+  PointMesh mesh = icosphere(levels);
+  const double scale = radius / inradius(mesh);
+  for (Vec3& p : mesh.points) p *= scale;
   return mesh;
 }
 

@@ -17,9 +17,12 @@ struct PointMesh {
 /// `levels` times (10 · 4^levels + 2 points).
 PointMesh icosphere(int levels);
 
-/// The triangles touch the sphere from outside, so that no fluid enters the ball that is drawn. Level 3 (642
-/// points, 1280 triangles): corners are less than 1 % of r outside.
-PointMesh circumscribed_sphere(double radius);
+/// The level of an icosphere, 1 … 3, of which no triangle is farther than `tolerance` from a sphere of the
+/// radius. 3 where none is so near: 642 points, 1280 triangles, less than 1 % of the radius.
+int sphere_levels(double radius, double tolerance);
+
+/// The triangles touch the sphere from outside, so that no fluid enters the ball that is drawn.
+PointMesh circumscribed_sphere(double radius, int levels);
 
 /// The convex hull; its corners are points of the input bit for bit. No triangles for points in a plane.
 PointMesh convex_hull(const btAlignedObjectArray<btVector3>& points);

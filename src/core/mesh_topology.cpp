@@ -82,8 +82,14 @@ void MeshTopology::join(std::uint32_t a, std::size_t edge_a, std::uint32_t b, st
   turned_[b] = static_cast<std::uint8_t>(turned_[b] | 1u << edge_b);
 }
 
+bool MeshTopology::is_closed_at(std::uint32_t triangle) const {
+  const std::array<std::uint32_t, 3>& n = neighbour_[triangle];
+  return turned_[triangle] == 0 && std::find(n.begin(), n.end(), none) == n.end();
+}
+
 void MeshTopology::find_parts() {
   part_.assign(neighbour_.size(), none);
+  is_closed_.assign(neighbour_.size(), 1);
   std::vector<std::uint32_t> open;
   for (std::uint32_t first = 0; first < part_.size(); ++first) {
     if (part_[first] != none) continue;
@@ -92,6 +98,7 @@ void MeshTopology::find_parts() {
     while (!open.empty()) {
       const std::uint32_t t = open.back();
       open.pop_back();
+      if (!is_closed_at(t)) is_closed_[first] = 0;
       for (const std::uint32_t n : neighbour_[t]) {
         if (n == none || part_[n] != none) continue;
         part_[n] = first;

@@ -54,6 +54,13 @@ class MeshTopology {
     return part_[triangle];
   }
 
+  /// Is the triangle's part a closed oriented surface: has each edge two triangles that run through it in
+  /// opposite directions?
+  bool is_closed(std::uint32_t triangle) const {
+    OILSKIN_ASSERT(triangle < part_.size());
+    return is_closed_[part_[triangle]] != 0;
+  }
+
   /// The triangles that have the node, ascending. A triangle that names the node twice is listed twice.
   Span<const std::uint32_t> triangles_of(std::uint32_t node) const {
     OILSKIN_ASSERT(node < node_count());
@@ -65,6 +72,7 @@ class MeshTopology {
   void connect(Span<const Triangle> triangles);
   void join(std::uint32_t a, std::size_t edge_a, std::uint32_t b, std::size_t edge_b, bool same_direction);
   void find_parts();
+  bool is_closed_at(std::uint32_t triangle) const;
 
   std::vector<std::uint32_t> first_equal_;  // per triangle
   std::vector<std::uint32_t> begin_;        // per node, into triangle_; one more than there are nodes
@@ -73,6 +81,7 @@ class MeshTopology {
   std::vector<std::array<std::uint32_t, 3>> neighbour_;
   std::vector<std::uint8_t> turned_;  // per triangle, a bit per edge
   std::vector<std::uint32_t> part_;
+  std::vector<std::uint8_t> is_closed_;  // of the part that the triangle names
 };
 
 }  // namespace oilskin

@@ -34,6 +34,7 @@ NearbyTriangle triangle_of(const SurfaceMotion& motion, const MeshTopology& topo
   t.is_at_border = topology.is_at_border(triangle);
   t.has_free_node =
       std::any_of(node.begin(), node.end(), [&](std::uint32_t n) { return motion.inverse_mass[n] > 0; });
+  if (!t.has_free_node && topology.is_closed(triangle)) t.closed_part = topology.part(triangle);
   return t;
 }
 

@@ -20,6 +20,8 @@ struct NearbyTriangle {
   Vec3 cross = Vec3::Zero();   ///< (b − a) × (c − a)
   double cross_norm = 0;       ///< its length, twice the area [m²]
   bool is_duplicate = false, is_at_border = false, has_free_node = false;
+  /// MeshTopology::part() where that is closed, else none. Cloth may pass through itself: none at free nodes.
+  std::uint32_t closed_part = MeshTopology::none;
   /// Particles within H may lie on this side of its plane, or in it.
   bool has_front = false, has_back = false;
 };

@@ -68,9 +68,13 @@ TEST(RigidBody, floats_with_the_draught_of_archimedes) {
   EXPECT_EQ(body->getActivationState(), ACTIVE_TAG) << "water keeps it awake";
 }
 
-/// A crate twice as dense as water sinks from `height` to Bullet's floor. Returns by how much it rocks in 0.2
-/// s [rad].
-static double rocking_on_the_floor(double height) {
+/// Of a crate in 0.2 s.
+struct Unrest {
+  double rocks, moves;  ///< [rad], [m]
+};
+
+/// A crate twice as dense as water sinks from `height` to Bullet's floor.
+static Unrest unrest_on_the_floor(double height) {
   WetWorld w(down);
   w.add_tank(0.14, 0.2);
   btRigidBody* body =
@@ -85,19 +89,26 @@ static double rocking_on_the_floor(double height) {
   EXPECT_LT(static_cast<double>(now.getOrigin().y()), 0.04) << "one layer of particles may stay below it";
   // Nothing brakes a turn about the vertical on a layer of water without friction.
   EXPECT_LT(static_cast<double>(before.getRotation().angleShortestPath(now.getRotation())), 0.15);
-  EXPECT_LT(static_cast<double>((now.getOrigin() - before.getOrigin()).length()), 0.002);
   const btVector3 up_before = before.getBasis().getColumn(1), up = now.getBasis().getColumn(1);
-  return static_cast<double>(up_before.cross(up).length());
+  return {static_cast<double>(up_before.cross(up).length()),
+          static_cast<double>((now.getOrigin() - before.getOrigin()).length())};
 }
 
 /// On the few particles that stay below, a crate may rock: of 40 heights 0.013 is the mean, 0.07 the
-/// most, and 10 exceed 0.02.
+/// most, and 9 exceed 0.02. It moves by 0.9 mm in the mean, 2.1 mm at most.
 TEST(RigidBody, sinks_where_it_is_heavier_and_comes_to_rest_on_bullets_floor) {
-  std::vector<double> rocking;
-  for (const double height : {0.05, 0.0501, 0.0502}) rocking.push_back(rocking_on_the_floor(height));
-  std::sort(rocking.begin(), rocking.end());
-  EXPECT_LT(rocking[1], 0.02) << "it does not rock";
-  EXPECT_LT(rocking[2], 0.1);
+  std::vector<double> rocks, moves;
+  for (const double height : {0.05, 0.0501, 0.0502}) {
+    const Unrest unrest = unrest_on_the_floor(height);
+    rocks.push_back(unrest.rocks);
+    moves.push_back(unrest.moves);
+  }
+  std::sort(rocks.begin(), rocks.end());
+  std::sort(moves.begin(), moves.end());
+  EXPECT_LT(rocks[1], 0.02) << "it does not rock";
+  EXPECT_LT(rocks[2], 0.1);
+  EXPECT_LT(moves[1], 0.002);
+  EXPECT_LT(moves[2], 0.004);
 }
 
 TEST(RigidBody, respects_factors_and_what_bullet_calls_dynamic) {

@@ -1,8 +1,9 @@
-// A tank of 1 m with 9,375 particles of 4 cm, and boxes of 6 cm that are attached to the water: 2.5 m away
-// from it, or dropped into it. Prints milliseconds per step of 1/60 s, the mean of the second half of the
-// steps.
+// A tank of 1 m with 9,375 particles of 4 cm, and boxes or balls of 6 cm that are attached to the water:
+// 2.5 m away from it, or dropped into it. Prints milliseconds per step of 1/60 s, the mean of the second half
+// of the steps.
 //
-// use: bodies_benchmark [boxes = 100] [far | in = far] [static | dynamic = static] [steps = 40]
+// use: bodies_benchmark [bodies = 100] [far | in = far] [static | dynamic = static] [steps = 40]
+//                       [boxes | balls = boxes]
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
@@ -25,7 +26,7 @@ void expect(const oilskin::Status& status) {
 
 class Scene {
  public:
-  Scene(int boxes, bool in_water, bool dynamic) {
+  Scene(int bodies, bool in_water, bool dynamic, bool round) {
     world_.setGravity(btVector3(0, btScalar(-9.81), 0));
     expect(solver_.addFluid(&water_));
     const btScalar t = btScalar(0.1), half = btScalar(0.5), wide = half + t;
@@ -36,13 +37,16 @@ class Scene {
     }
     const btScalar size = btScalar(0.03), mass = dynamic ? btScalar(0.1) : btScalar(0);
     if (!in_water && dynamic) ground();
-    for (int i = 0; i < boxes; ++i) {
+    for (int i = 0; i < bodies; ++i) {
       const btScalar x = btScalar(i % 10), y = btScalar(i / 100), z = btScalar(i / 10 % 10);
-      add_box({size, size, size}, mass,
-              in_water
-                  ? btVector3(btScalar(0.1) * x - btScalar(0.45), btScalar(0.1) * y + btScalar(0.62),
-                              btScalar(0.1) * z - btScalar(0.45))
-                  : btVector3(btScalar(0.2) * x + 3, btScalar(0.2) * y + btScalar(0.051), btScalar(0.2) * z));
+      const btVector3 at =
+          in_water ? btVector3(btScalar(0.1) * x - btScalar(0.45), btScalar(0.1) * y + btScalar(0.62),
+                               btScalar(0.1) * z - btScalar(0.45))
+                   : btVector3(btScalar(0.2) * x + 3, btScalar(0.2) * y + btScalar(0.051), btScalar(0.2) * z);
+      if (round)
+        add(std::make_unique<btSphereShape>(size), mass, at);
+      else
+        add_box({size, size, size}, mass, at);
     }
     expect(water_.addBox({-half, 0, -half}, {half, btScalar(0.6), half}));
   }
@@ -62,24 +66,29 @@ class Scene {
   int particles() const { return water_.getNumParticles(); }
 
  private:
-  btRigidBody* make(const btVector3& half, btScalar mass, const btVector3& at) {
-    shapes_.push_back(std::make_unique<btBoxShape>(half));
-    shapes_.back()->setMargin(btScalar(0.001));
+  btRigidBody* make(std::unique_ptr<btConvexShape> shape, btScalar mass, const btVector3& at) {
     btVector3 inertia(0, 0, 0);
-    if (mass > 0) shapes_.back()->calculateLocalInertia(mass, inertia);
-    btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shapes_.back().get(), inertia);
+    if (mass > 0) shape->calculateLocalInertia(mass, inertia);
+    btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape.get(), inertia);
     info.m_startWorldTransform.setOrigin(at);
+    shapes_.push_back(std::move(shape));
     bodies_.push_back(std::make_unique<btRigidBody>(info));
     world_.addRigidBody(bodies_.back().get());
     return bodies_.back().get();
   }
-  void add_box(const btVector3& half, btScalar mass, const btVector3& at) {
-    btRigidBody* const body = make(half, mass, at);
+  static std::unique_ptr<btConvexShape> box(const btVector3& half) {
+    auto shape = std::make_unique<btBoxShape>(half);
+    shape->setMargin(btScalar(0.001));
+    return shape;
+  }
+  void add(std::unique_ptr<btConvexShape> shape, btScalar mass, const btVector3& at) {
+    btRigidBody* const body = make(std::move(shape), mass, at);
     const btScalar thickness = btScalar(0.002);
     expect(mass > 0 ? solver_.addRigidBody(body, thickness) : solver_.addCollisionObject(body, thickness));
   }
-  /// For boxes that are far: the water does not know it.
-  void ground() { make({5, btScalar(0.05), 5}, 0, {7, btScalar(-0.05), 0}); }
+  void add_box(const btVector3& half, btScalar mass, const btVector3& at) { add(box(half), mass, at); }
+  /// For bodies that are far: the water does not know it.
+  void ground() { make(box({5, btScalar(0.05), 5}), 0, {7, btScalar(-0.05), 0}); }
 
   btSoftBodyRigidBodyCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_{&configuration_};
@@ -88,18 +97,19 @@ class Scene {
   oilskin::bullet::btFluidSoftBodySolver solver_;
   btSoftRigidDynamicsWorld world_{&dispatcher_, &broadphase_, &constraints_, &configuration_, &solver_};
   oilskin::bullet::btFluid water_{btScalar(0.04)};
-  std::vector<std::unique_ptr<btBoxShape>> shapes_;
+  std::vector<std::unique_ptr<btConvexShape>> shapes_;
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
 };
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int boxes = argc > 1 ? std::atoi(argv[1]) : 100, steps = argc > 4 ? std::atoi(argv[4]) : 40;
+  const int bodies = argc > 1 ? std::atoi(argv[1]) : 100, steps = argc > 4 ? std::atoi(argv[4]) : 40;
   const bool in_water = argc > 2 && std::string(argv[2]) == "in",
-             dynamic = argc > 3 && std::string(argv[3]) == "dynamic";
-  if (boxes < 0 || steps < 2) return std::fprintf(stderr, "boxes >= 0 and steps >= 2\n"), 2;
-  Scene scene(boxes, in_water, dynamic);
+             dynamic = argc > 3 && std::string(argv[3]) == "dynamic",
+             round = argc > 5 && std::string(argv[5]) == "balls";
+  if (bodies < 0 || steps < 2) return std::fprintf(stderr, "bodies >= 0 and steps >= 2\n"), 2;
+  Scene scene(bodies, in_water, dynamic, round);
   double seconds = 0;
   oilskin::StageSeconds stages;
   const int counted = steps - steps / 2;
@@ -110,9 +120,10 @@ int main(int argc, char** argv) {
     stages += scene.report().seconds;
   }
   const auto ms = [&](double s) { return 1e3 * s / counted; };
-  std::printf("%d %s boxes %s, %d particles: %.1f ms a step, %d sub-steps in the last one\n", boxes,
-              dynamic ? "dynamic" : "static", in_water ? "in the water" : "far away", scene.particles(),
-              ms(seconds), scene.report().substeps);
+  std::printf("%d %s %s %s, %d particles: %.1f ms a step, %d sub-steps in the last one\n", bodies,
+              dynamic ? "dynamic" : "static", round ? "balls" : "boxes",
+              in_water ? "in the water" : "far away", scene.particles(), ms(seconds),
+              scene.report().substeps);
   std::printf(
       "  pressure %.1f, boundary %.1f, hidden neighbours %.1f, proximity %.2f, continuous test %.2f, gather "
       "%.2f\n",

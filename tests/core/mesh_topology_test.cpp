@@ -144,5 +144,26 @@ TEST(MeshTopology, random_meshes_match_the_definitions) {
   EXPECT_GT(degenerate, 100);
 }
 
+TEST(MeshTopology, knows_which_parts_are_closed_and_oriented) {
+  const Triangles tetrahedron = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
+  const auto closed = [](const Triangles& triangles) {
+    const MeshTopology topology(triangles, 8);
+    std::vector<bool> all;
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) all.push_back(topology.is_closed(t));
+    return all;
+  };
+  EXPECT_EQ(closed(tetrahedron), std::vector<bool>(4, true));
+  EXPECT_EQ(closed({tetrahedron.begin(), tetrahedron.begin() + 3}), std::vector<bool>(3, false)) << "open";
+  Triangles turned = tetrahedron;
+  std::swap(turned[2][0], turned[2][1]);
+  EXPECT_EQ(closed(turned), std::vector<bool>(4, false));
+  Triangles two = tetrahedron;  // a second part, open
+  two.push_back({4, 5, 6});
+  EXPECT_EQ(closed(two), (std::vector<bool>{true, true, true, true, false}));
+  Triangles fin = tetrahedron;  // at an edge that has three triangles then
+  fin.push_back({0, 1, 7});
+  EXPECT_EQ(closed(fin), std::vector<bool>(5, false));
+}
+
 }  // namespace
 }  // namespace oilskin

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/assert.h"
 
@@ -11,6 +12,9 @@ namespace {
 
 /// Bounds in float are widened by this much, relative to the numbers in them.
 constexpr double rounding = 1e-5;
+
+/// Triangles that share the closest point have distances that differ by less, relative to them.
+constexpr double same_distance = 1 + 1e-9;
 
 }  // namespace
 
@@ -71,6 +75,50 @@ void NearTriangles::find(const CellTriangles& cell, const Vec3& x, double plane_
   const double radius = cell.support_radius(), reach2 = plane_reach * plane_reach;
   for (std::uint32_t k = 0; k < count; ++k)
     if (blocks_[k / 4].distance[k % 4] < radius && blocks_[k / 4].height2[k % 4] < reach2) at_.push_back(k);
+}
+
+/// Its sign says on which side of a triangle the particle is.
+double NearTriangles::side(std::size_t k, const Vec3& x) const {
+  return triangle(k).cross.dot(x - Eigen::Map<const Vec3>(corners(k).x));
+}
+
+/// Null for a triangle without a closed part.
+NearTriangles::ClosedPart* NearTriangles::closed_part(std::size_t k) {
+  const NearbyTriangle& t = triangle(k);
+  if (t.closed_part == MeshTopology::none) return nullptr;
+  const auto found = std::find_if(closed_.begin(), closed_.end(), [&](const ClosedPart& c) {
+    return c.surface == t.surface && c.part == t.closed_part;
+  });
+  if (found != closed_.end()) return &*found;
+  closed_.push_back({t.surface, t.closed_part, std::numeric_limits<double>::infinity(), false, false});
+  return &closed_.back();
+}
+
+/// At an edge or a corner all triangles that meet there are nearest. A particle outside a convex edge, and
+/// one inside a concave one, is on the same side of all; where it is not, its side stays unknown.
+void NearTriangles::find_closed_parts(const Vec3& x) {
+  closed_.clear();
+  for (std::size_t k = 0; k < size(); ++k)
+    if (ClosedPart* const part = closed_part(k)) part->distance = std::min(part->distance, distance(k));
+  for (std::size_t k = 0; k < size() && !closed_.empty(); ++k) {
+    ClosedPart* const part = closed_part(k);
+    if (part == nullptr || distance(k) > same_distance * part->distance) continue;
+    part->front |= side(k, x) >= 0;
+    part->back |= side(k, x) <= 0;
+  }
+}
+
+void NearTriangles::drop_turned_away(const Vec3& x) {
+  find_closed_parts(x);
+  if (closed_.empty()) return;
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < size(); ++k) {
+    const ClosedPart* const part = closed_part(k);
+    const bool is_known = part != nullptr && part->front != part->back;
+    if (is_known && (part->front ? side(k, x) < 0 : side(k, x) > 0)) continue;
+    at_[kept++] = at_[k];
+  }
+  at_.resize(kept);
 }
 
 }  // namespace oilskin::fluid

@@ -50,6 +50,9 @@ class NearTriangles {
  public:
   /// Those whose plane is nearer than `plane_reach` [m].
   void find(const CellTriangles& cell, const Vec3& x, double plane_reach);
+  /// Drops the triangles of closed parts that turn their other side to the particle than the part's nearest
+  /// triangles: other triangles of the part hide them. Needs all triangles within H.
+  void drop_turned_away(const Vec3& x);
 
   std::size_t size() const { return at_.size(); }
   bool empty() const { return at_.empty(); }
@@ -68,6 +71,16 @@ class NearTriangles {
   bool is_on_face(std::size_t k) const { return weight(k, 0) != 0 && weight(k, 1) != 0 && weight(k, 2) != 0; }
 
  private:
+  /// A closed part of a surface, and the side of its triangles that the particle sees.
+  struct ClosedPart {
+    std::uint32_t surface, part;
+    double distance;   // [m]
+    bool front, back;  // which sides the triangles at this distance show; both: the particle may see both
+  };
+  ClosedPart* closed_part(std::size_t k);
+  void find_closed_parts(const Vec3& x);
+  double side(std::size_t k, const Vec3& x) const;
+
   const ClosestBlock& block(std::size_t k) const { return blocks_[at_[k] / 4]; }
 
   const NearbyTriangle* triangles_ = nullptr;
@@ -75,6 +88,7 @@ class NearTriangles {
   std::vector<std::uint32_t> index_;  // of those that may be near
   std::vector<ClosestBlock> blocks_;
   std::vector<std::uint32_t> at_;  // of those that are near, in index_
+  std::vector<ClosedPart> closed_;
 };
 
 }  // namespace oilskin::fluid

@@ -27,6 +27,7 @@ bool PointWalls::find() {
     walls_.resize(point_.begin);
     point_.reset_sums();
     near_.find(cell_, x_, input_.support_radius);
+    near_.drop_turned_away(x_);
     find_visible();
   }
   point_.end = static_cast<std::uint32_t>(walls_.size());

@@ -2,11 +2,34 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <cstring>
 
 #include "core/assert.h"
 
 namespace oilskin::fluid {
+
+namespace {
+
+/// The order of numbers ≥ 0.
+std::uint64_t order_of_bits(float number) {
+  OILSKIN_ASSERT(number >= 0);
+  number += 0.0f;  // no −0
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &number, sizeof bits);
+  return bits;
+}
+
+/// One of 64 cells of directions: an octant and eight parts of it.
+std::uint64_t direction_cell(const Eigen::Vector3f& direction) {
+  std::uint64_t cell = 0;
+  for (int axis = 0; axis < 3; ++axis) cell = 2 * cell + (direction[axis] > 0 ? 1 : 0);
+  const Eigen::Array3f size = direction.array().abs();
+  cell = 2 * cell + (size.x() > size.y() ? 1 : 0);
+  cell = 2 * cell + (size.y() > size.z() ? 1 : 0);
+  return 2 * cell + (size.z() > size.x() ? 1 : 0);
+}
+
+}  // namespace
 
 void VisibleParts::add(const std::array<Eigen::Vector3f, 3>& x) {
   Occluder o{WallPlane(x), x, {}, Eigen::Vector3f::Zero(), -1, 0};
@@ -22,38 +45,64 @@ void VisibleParts::add(const std::array<Eigen::Vector3f, 3>& x) {
   triangles_.push_back(o);
 }
 
+/// Sorts `keys`, and writes which triangles they belong to.
+void VisibleParts::sort_by_key(std::vector<std::size_t>& sorted) {
+  for (std::size_t k = 0; k < keys_.size(); ++k) keys_[k] = keys_[k] << 32 | k;
+  std::sort(keys_.begin(), keys_.end());
+  sorted.resize(keys_.size());
+  for (std::size_t n = 0; n < keys_.size(); ++n) sorted[n] = keys_[n] & UINT32_MAX;
+}
+
 /// Near triangles hide most: after them little is left to cut.
-void VisibleParts::arrange() {
-  if (order_.size() == triangles_.size()) return;
-  order_.resize(triangles_.size());
-  std::iota(order_.begin(), order_.end(), std::size_t{0});
-  std::stable_sort(order_.begin(), order_.end(),
-                   [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
-  blocks_.resize((order_.size() + 7) / 8);
+void VisibleParts::sort_by_distance() {
+  keys_.resize(triangles_.size());
+  for (std::size_t k = 0; k < triangles_.size(); ++k) keys_[k] = order_of_bits(distance(k));
+  sort_by_key(order_);
+  rank_.resize(order_.size());
+  for (std::size_t n = 0; n < order_.size(); ++n) rank_[order_[n]] = n;
+}
+
+/// Triangles side by side in the view share blocks, so that a quick test skips most blocks.
+void VisibleParts::fill_blocks() {
+  for (std::size_t k = 0; k < triangles_.size(); ++k) keys_[k] = direction_cell(triangles_[k].axis);
+  sort_by_key(in_blocks_);
+  blocks_.resize((in_blocks_.size() + 7) / 8);
   may_hide_.resize(blocks_.size());
   for (std::size_t n = 0; n < 8 * blocks_.size(); ++n) {
     OccluderBlock& block = blocks_[n / 8];
     const std::size_t lane = n % 8;
     block.offset[lane] = 0;  // edge-on
-    if (n >= order_.size()) continue;
-    const Occluder& o = triangles_[order_[n]];
+    if (n >= in_blocks_.size()) continue;
+    const Occluder& o = triangles_[in_blocks_[n]];
     for (int axis = 0; axis < 3; ++axis) {
       block.normal[axis][lane] = o.plane.normal[axis];
       block.axis[axis][lane] = o.axis[axis];
-      for (std::size_t k = 0; k < 3; ++k) block.side[k][axis][lane] = o.side[k][axis];
+      for (std::size_t k = 0; k < 3; ++k) {
+        block.corner[k][axis][lane] = o.corners[k][axis];
+        block.side[k][axis][lane] = o.side[k][axis];
+      }
     }
     block.offset[lane] = o.plane.offset;
     block.cosine[lane] = o.cosine;
     block.sine[lane] = o.sine;
-    block.number[lane] = static_cast<float>(order_[n]);
+    block.number[lane] = static_cast<float>(in_blocks_[n]);
   }
+}
+
+void VisibleParts::arrange() {
+  if (order_.size() == triangles_.size()) return;
+  sort_by_distance();
+  fill_blocks();
 }
 
 Occluded VisibleParts::occluded(std::size_t k) const {
   const Occluder& o = triangles_[k];
   Occluded own{};
   for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t corner = 0; corner < 3; ++corner) own.corner[corner][axis] = o.corners[corner][axis];
+    for (std::size_t c = 0; c < 3; ++c) {
+      own.corner[c][axis] = o.corners[c][axis];
+      own.side[c][axis] = o.side[c][axis];
+    }
     own.axis[axis] = o.axis[axis];
   }
   own.cosine = o.cosine;
@@ -62,19 +111,23 @@ Occluded VisibleParts::occluded(std::size_t k) const {
   return own;
 }
 
-/// Fills may_hide_. A triangle is not among its own occluders.
+/// Fills occluders_, near ones first. A triangle is not among its own occluders.
 void VisibleParts::find_occluders(std::size_t k) {
+  occluders_.clear();
   pair_kernels().hide(blocks_.data(), blocks_.size(), occluded(k), may_hide_.data());
-  const auto n = static_cast<std::size_t>(std::find(order_.begin(), order_.end(), k) - order_.begin());
-  may_hide_[n / 8] &= static_cast<std::uint8_t>(~(1u << n % 8));
+  for (std::size_t block = 0; block < blocks_.size(); ++block)
+    for (std::uint32_t bits = may_hide_[block]; bits != 0; bits &= bits - 1) {
+      const std::size_t other = in_blocks_[8 * block + static_cast<std::size_t>(__builtin_ctz(bits))];
+      if (other != k) occluders_.push_back(rank_[other]);
+    }
+  std::sort(occluders_.begin(), occluders_.end());
 }
 
 bool VisibleParts::any_may_hide() {
   arrange();
   for (std::size_t k = 0; k < triangles_.size(); ++k) {
     find_occluders(k);
-    if (std::any_of(may_hide_.begin(), may_hide_.end(), [](std::uint8_t bits) { return bits != 0; }))
-      return true;
+    if (!occluders_.empty()) return true;
   }
   return false;
 }
@@ -138,8 +191,10 @@ void VisibleParts::cut(std::size_t k) {
   points_.assign(triangles_[k].corners.begin(), triangles_[k].corners.end());
   pieces_.assign(1, {0, 3});
   find_occluders(k);
-  for (std::size_t n = 0; n < order_.size() && !pieces_.empty(); ++n)
-    if (may_hide_[n / 8] >> n % 8 & 1) subtract(triangles_[order_[n]]);
+  for (const std::size_t n : occluders_) {
+    if (pieces_.empty()) return;
+    subtract(triangles_[order_[n]]);
+  }
 }
 
 void VisibleParts::cast_shadows(std::size_t k) {

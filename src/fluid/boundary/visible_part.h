@@ -52,6 +52,9 @@ class VisibleParts {
 
   Occluded occluded(std::size_t k) const;
   void find_occluders(std::size_t k);
+  void sort_by_key(std::vector<std::size_t>& sorted);
+  void sort_by_distance();
+  void fill_blocks();
   void arrange();
   void cut(std::size_t k);
   void cast_shadows(std::size_t k);
@@ -61,9 +64,13 @@ class VisibleParts {
   Piece split(Piece piece, const Eigen::Vector3f& normal, float offset);
 
   std::vector<Occluder> triangles_;
-  std::vector<std::size_t> order_;       ///< by distance
-  std::vector<OccluderBlock> blocks_;    ///< in this order
-  std::vector<std::uint8_t> may_hide_;   ///< per block, a bit per triangle
+  std::vector<std::size_t> order_;      ///< by distance
+  std::vector<std::size_t> rank_;       ///< in this order, per triangle
+  std::vector<std::size_t> in_blocks_;  ///< by direction
+  std::vector<OccluderBlock> blocks_;   ///< in this order
+  std::vector<std::uint8_t> may_hide_;  ///< per block, a bit per triangle
+  std::vector<std::size_t> occluders_;  ///< of one triangle, in order_
+  std::vector<std::uint64_t> keys_;
   Shadows shadows_;                      ///< of the pieces that are seen
   std::vector<std::size_t> pieces_end_;  ///< per triangle
   std::vector<WallView> views_;

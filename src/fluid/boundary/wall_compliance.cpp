@@ -33,7 +33,7 @@ void WallCompliance::build(const WallGeometry& geometry, const WallNodes& nodes,
 }
 
 /// The walls of a point share most of their nodes. Their sums are stored, so that the iterations read each
-/// pair of point and node once.
+/// pair of point and node once. Nodes that stand still and do not yield add nothing and are left out.
 void WallCompliance::couple_points(const WallGeometry& geometry, const WallNodes& nodes,
                                    const Workers& workers) {
   const std::vector<WallPoint>& points = geometry.points();
@@ -41,19 +41,22 @@ void WallCompliance::couple_points(const WallGeometry& geometry, const WallNodes
   of_point_.begin.assign(points.size() + 1, 0);
   workers.for_chunks(points.size(), point_chunk, [&](std::size_t begin, std::size_t end, std::size_t chunk) {
     std::vector<Coupling>& list = found[chunk];
+    std::vector<std::size_t> place(motion_.size(), 0);  // per node, in the list; may be of an earlier point
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t first = list.size();
       for (std::uint32_t w = points[k].begin; w < points[k].end; ++w)
         for (int c = 0; c < 3; ++c) {
           const Wall& wall = geometry.walls()[w];
           const std::uint32_t node = nodes.of_wall(w)[static_cast<std::size_t>(c)];
+          if (motion_[node].is_still()) continue;
           const Eigen::Vector3f gamma = static_cast<float>(wall.share(c)) * wall.gamma;
-          const auto same = std::find_if(list.begin() + static_cast<std::ptrdiff_t>(first), list.end(),
-                                         [node](const Coupling& o) { return o.other == node; });
-          if (same != list.end())
-            same->gamma += gamma;
-          else
+          std::size_t& at = place[node];
+          if (at >= first && at < list.size() && list[at].other == node) {
+            list[at].gamma += gamma;
+          } else {
+            at = list.size();
             list.push_back({node, gamma});
+          }
         }
       of_point_.begin[k + 1] = static_cast<std::uint32_t>(list.size() - first);
     }

@@ -14,6 +14,8 @@ struct WallNodeMotion {
   float inverse_mass = 0;                              ///< [1/kg]; 0 = prescribed
   Eigen::Vector3f velocity = Eigen::Vector3f::Zero();  ///< proposed by the host [m/s]
   Eigen::Vector3f carried = Eigen::Vector3f::Zero();   ///< part of J that the host will carry [N s]
+
+  bool is_still() const { return inverse_mass == 0 && velocity.isZero(0); }
 };
 
 class WallCompliance {

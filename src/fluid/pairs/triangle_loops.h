@@ -34,6 +34,11 @@ struct TriangleLoops {
     return touch & ~greater_mask(F8(edge_on), distance) & 0xff;
   }
 
+  template <class F>
+  static std::uint32_t reach_inwards(const F& height_of) {
+    return greater_mask(larger(larger(height_of(0), height_of(1)), height_of(2)), F8(in_plane));
+  }
+
   static std::uint32_t hide(const OccluderBlock& o, const Occluded& own) {
     std::uint32_t may = cones_touch(o, own);
     if (may == 0) return 0;
@@ -46,10 +51,10 @@ struct TriangleLoops {
     const std::uint32_t lies_on_it = above & greater_mask(F8(in_plane), highest);
     const std::uint32_t earlier = greater_mask(F8(own.number), F8::load(o.number));
     may &= (lies_on_it & earlier) | (~lies_on_it & ~above);
+    // Pyramids that are apart are on different sides of a face of one of them.
     for (int side = 0; side < 3 && may != 0; ++side) {
-      const F8 inwards = larger(larger(dot(o.side[side], own.corner[0]), dot(o.side[side], own.corner[1])),
-                                dot(o.side[side], own.corner[2]));
-      may &= greater_mask(inwards, F8(in_plane));
+      may &= reach_inwards([&](int corner) { return dot(o.side[side], own.corner[corner]); });
+      may &= reach_inwards([&](int corner) { return dot(o.corner[corner], own.side[side]); });
     }
     return may;
   }

@@ -20,6 +20,7 @@ struct EdgeBlock {
 
 /// Eight triangles that may hide others, in columns: see VisibleParts.
 struct OccluderBlock {
+  float corner[3][3][8];          ///< [corner][axis]
   float normal[3][8], offset[8];  ///< of the plane; normal · corner = offset
   float side[3][3][8];            ///< [k][axis]: unit normals of the pyramid's faces, inwards
   float axis[3][8];               ///< of the cone around the pyramid
@@ -30,6 +31,7 @@ struct OccluderBlock {
 /// What occluders may hide.
 struct Occluded {
   float corner[3][3];  ///< [corner][axis]
+  float side[3][3];    ///< [k][axis], as in OccluderBlock
   float axis[3], cosine, sine, number;
 };
 
