@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t most_fluids = 255;  // World::step_together()
 
-/// Of round shapes, relative to the spacing of the finest fluid. Contact keeps a thickness of about a tenth.
-constexpr double shape_tolerance = 0.05;
+/// Of round shapes, relative to the spacing of the finest fluid: half of the default thickness.
+constexpr double shape_tolerance = 0.1;
 
 /// Finds lengths in millimetres where metres are meant.
 Status check_size(const SurfaceMotion& surface, const SurfaceSettings& settings) {

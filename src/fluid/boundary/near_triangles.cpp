@@ -94,7 +94,7 @@ NearTriangles::ClosedPart* NearTriangles::closed_part(std::size_t k) {
   return &closed_.back();
 }
 
-/// At an edge or a corner all triangles that meet there are nearest. A particle outside a convex edge, and
+/// At an edge or a corner all triangles there are nearest. A particle outside a convex edge, and
 /// one inside a concave one, is on the same side of all; where it is not, its side stays unknown.
 void NearTriangles::find_closed_parts(const Vec3& x) {
   closed_.clear();
