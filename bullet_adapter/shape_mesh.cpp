@@ -78,7 +78,7 @@ btAlignedObjectArray<btVector3> support_points(const btConvexShape& shape, doubl
   btScalar radius = 0;
   shape.getBoundingSphere(center, radius);
   btAlignedObjectArray<btVector3> points;
-  for (const Vec3& direction : icosphere(sphere_levels(static_cast<double>(radius), tolerance)).points)
+  for (const Vec3& direction : icosphere(static_cast<double>(radius), tolerance).points)
     points.push_back(shape.localGetSupportingVertex(to_bt(direction)));
   return points;
 }
@@ -94,16 +94,12 @@ void read_concave(const btCollisionShape& shape, Collector* collector) {
     static_cast<const btConcaveShape&>(shape).processAllTriangles(collector, box_min, box_max);
 }
 
-PointMesh read_sphere(const btSphereShape& shape, double tolerance) {
-  const auto radius = static_cast<double>(shape.getRadius());
-  return circumscribed_sphere(radius, sphere_levels(radius, tolerance));
-}
-
 Status read_convex(const btCollisionShape& shape, double tolerance, Collector* collector) {
   PointMesh part;
   switch (shape.getShapeType()) {
     case SPHERE_SHAPE_PROXYTYPE:
-      part = read_sphere(static_cast<const btSphereShape&>(shape), tolerance);
+      part = circumscribed_sphere(static_cast<double>(static_cast<const btSphereShape&>(shape).getRadius()),
+                                  tolerance);
       break;
     case BOX_SHAPE_PROXYTYPE:
     case TETRAHEDRAL_SHAPE_PROXYTYPE:

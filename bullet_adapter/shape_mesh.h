@@ -24,7 +24,7 @@ struct ShapeMesh {
 /// exactly, without the collision margin that Bullet adds outside; spheres circumscribed (tessellation.h);
 /// other convex shapes (capsule, cylinder, cone, …) as the hull of some of their surface points, inscribed,
 /// with the margin; static planes; compounds of these. Spheres and such hulls have 42, 162 or 642 points,
-/// by `tolerance` and the size of the shape (sphere_levels()). Applies the shape's scaling. Refuses shapes
+/// by `tolerance` and the size of the shape (icosphere()). Applies the shape's scaling. Refuses shapes
 /// without triangles by name.
 Status read_shape(const btCollisionShape& shape, ShapeMesh* mesh, double tolerance = 0);
 

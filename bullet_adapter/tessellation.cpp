@@ -112,20 +112,15 @@ std::vector<Vec3> clip(const std::vector<Vec3>& polygon, int axis, double sign, 
 
 }  // namespace
 
-PointMesh icosphere(int levels) {
-  PointMesh mesh = icosahedron();
-  for (int i = 0; i < levels; ++i) mesh = subdivided(mesh);
+PointMesh icosphere(double radius, double tolerance) {
+  PointMesh mesh = subdivided(icosahedron());
+  for (int level = 1; level < finest_level && radius * (1 / inradius(mesh) - 1) > tolerance; ++level)
+    mesh = subdivided(mesh);
   return mesh;
 }
 
-int sphere_levels(double radius, double tolerance) {
-  int levels = 1;
-  while (levels < finest_level && radius * (1 / inradius(icosphere(levels)) - 1) > tolerance) ++levels;
-  return levels;
-}
-
-PointMesh circumscribed_sphere(double radius, int levels) {
-  PointMesh mesh = icosphere(levels);
+PointMesh circumscribed_sphere(double radius, double tolerance) {
+  PointMesh mesh = icosphere(radius, tolerance);
   const double scale = radius / inradius(mesh);
   for (Vec3& p : mesh.points) p *= scale;
   return mesh;

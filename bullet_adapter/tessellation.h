@@ -14,15 +14,13 @@ struct PointMesh {
 };
 
 /// Evenly distributed unit directions and their triangles: an icosahedron whose triangles are divided in four
-/// `levels` times (10 · 4^levels + 2 points).
-PointMesh icosphere(int levels);
+/// one to three times (42, 162 or 642 points), the fewest of which none is farther than `tolerance` from a
+/// sphere of the radius that they touch from outside. 642, less than 1 % of the radius, where none are so
+/// near.
+PointMesh icosphere(double radius, double tolerance);
 
-/// The level of an icosphere, 1 … 3, of which no triangle is farther than `tolerance` from a sphere of the
-/// radius. 3 where none is so near: 642 points, 1280 triangles, less than 1 % of the radius.
-int sphere_levels(double radius, double tolerance);
-
-/// The triangles touch the sphere from outside, so that no fluid enters the ball that is drawn.
-PointMesh circumscribed_sphere(double radius, int levels);
+/// The same around a sphere of the radius: no fluid enters the ball that is drawn.
+PointMesh circumscribed_sphere(double radius, double tolerance);
 
 /// The convex hull; its corners are points of the input bit for bit. No triangles for points in a plane.
 PointMesh convex_hull(const btAlignedObjectArray<btVector3>& points);

@@ -65,8 +65,8 @@ class btFluid {
   int removeParticles(const btVector3& aabbMin, const btVector3& aabbMax);
   /// The same for the particles in a convex shape, surface included. Spheres and capsules are round; boxes,
   /// tetrahedra and convex hulls exact, without the margin that Bullet adds outside of hulls; other shapes
-  /// the hull of 642 of their points. −1 for null, a transform that is not finite
-  /// or not invertible, and shapes that are not finite or have no volume.
+  /// the hull of 642 of their points. −1 for null, a transform that is not finite or not invertible, and
+  /// shapes that are not finite or have no volume.
   int removeParticles(const btConvexShape* shape, const btTransform& transform);
   /// Removes all particles. Emitters go on.
   void clear();

@@ -21,7 +21,7 @@ std::size_t triangles_of(const btCollisionShape& shape, double tolerance) {
 
 TEST(RoundShapes, are_as_near_as_the_tolerance_asks) {
   for (const double tolerance : {0.03, 0.01, 0.004}) {
-    const PointMesh mesh = circumscribed_sphere(0.2, sphere_levels(0.2, tolerance));
+    const PointMesh mesh = circumscribed_sphere(0.2, tolerance);
     for (const Triangle& t : mesh.triangles) {
       const Vec3 &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
       EXPECT_GE((b - a).cross(c - a).normalized().dot(a), 0.2 * (1 - 1e-12)) << "nothing inside the ball";

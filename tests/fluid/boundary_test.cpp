@@ -8,6 +8,7 @@
 #include "fluid/boundary/visible_part.h"
 #include "fluid/boundary/wall_integral.h"
 #include "fluid/lattice.h"
+#include "support/find_boundary.h"
 #include "support/random.h"
 #include "support/surface_of.h"
 
@@ -19,7 +20,6 @@ struct Layer {
   static constexpr double dx = 0.005, h = 2 * dx, mass = 1.25e-4;
   Workers workers;
   std::vector<Vec3> x;
-  Neighbours neighbours;
   SurfaceMotion surface;
   Boundary boundary{2.0};
 
@@ -32,17 +32,8 @@ struct Layer {
           x.push_back(corner + Vec3((a + 0.5) * dx, first + b * dx, (c + 0.5) * dx));
   }
   void find() {
-    const auto& order = neighbours.cell_order(x, h, workers);
-    std::vector<Vec3> sorted;
-    for (std::uint32_t i : order) sorted.push_back(x[i]);
-    x = sorted;
-    neighbours.search(x, workers);
     SurfaceMotion* surfaces[] = {&surface};
-    const MeshTopology topology(surface.triangles, surface.x_t0.size());
-    const MeshTopology* topologies[] = {&topology};
-    TriangleCells cells;
-    cells.find(x, surfaces, topologies, {}, h, neighbours, workers);
-    boundary.find({1e-3, mass, h, Vec3(0, -1, 0), x, surfaces, topologies, cells}, workers);
+    test::find_boundary(boundary, x, surfaces, {mass, h, Vec3(0, -1, 0)}, workers);
   }
 };
 
@@ -175,18 +166,9 @@ TEST(Boundary, sheets_that_lie_on_each_other_count_once) {
 
   Layer twice(plate(0.06, 7, -0.03), 0);
   twice.fill(4, 1, Layer::dx / 2, Vec3(-0.01, 0, -0.01));
-  const auto& order = twice.neighbours.cell_order(twice.x, Layer::h, twice.workers);
-  std::vector<Vec3> sorted;
-  for (std::uint32_t i : order) sorted.push_back(twice.x[i]);
-  twice.neighbours.search(sorted, twice.workers);
   SurfaceMotion other = test::surface_of(plate(0.06, 7, -0.03), 0, 2);
   SurfaceMotion* surfaces[] = {&twice.surface, &other};
-  const MeshTopology topology(other.triangles, other.x_t0.size());  // of both
-  const MeshTopology* topologies[] = {&topology, &topology};
-  TriangleCells cells;
-  cells.find(sorted, surfaces, topologies, {}, Layer::h, twice.neighbours, twice.workers);
-  twice.boundary.find({1e-3, Layer::mass, Layer::h, Vec3::Zero(), sorted, surfaces, topologies, cells},
-                      twice.workers);
+  test::find_boundary(twice.boundary, twice.x, surfaces, {Layer::mass, Layer::h}, twice.workers);
   ASSERT_EQ(twice.boundary.points().size(), 16u);
   for (const WallPoint& p : twice.boundary.points())
     EXPECT_NEAR(p.lambda, lattice_mass_beyond<CubicSpline>(2), 5e-3);

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "fluid/boundary/boundary.h"
 #include "fluid/boundary/visible_part.h"
 #include "fluid/kernels.h"
+#include "support/find_boundary.h"
 #include "support/random.h"
 #include "support/surface_of.h"
 
@@ -54,20 +54,12 @@ test::StaticMesh block(const Vec3& size) {
 /// Per particle; a point without walls where there are none.
 std::vector<WallPoint> points_of(const test::StaticMesh& mesh, double inverse_mass,
                                  const std::vector<Vec3>& places, std::size_t* walls) {
-  const Workers workers(1);
-  Neighbours neighbours;
-  std::vector<Vec3> x;
-  const std::vector<std::uint32_t> order = neighbours.cell_order(places, support, workers);
-  for (const std::uint32_t i : order) x.push_back(places[i]);
-  neighbours.search(x, workers);
+  std::vector<Vec3> x = places;
   SurfaceMotion surface = test::surface_of(mesh, inverse_mass);
   SurfaceMotion* surfaces[] = {&surface};
-  const MeshTopology topology(surface.triangles, surface.x_t0.size());
-  const MeshTopology* topologies[] = {&topology};
-  TriangleCells cells;
-  cells.find(x, surfaces, topologies, {}, support, neighbours, workers);
   Boundary boundary{2.0};
-  boundary.find({1e-3, 1.25e-4, support, Vec3::Zero(), x, surfaces, topologies, cells}, workers);
+  const std::vector<std::uint32_t> order =
+      test::find_boundary(boundary, x, surfaces, {1.25e-4, support}, Workers(1));
   std::vector<WallPoint> points(x.size());
   for (const WallPoint& p : boundary.points()) points[order[p.particle]] = p;
   for (const WallPoint& p : points) *walls += p.end - p.begin;

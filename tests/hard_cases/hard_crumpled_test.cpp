@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "core/closest_point.h"
-#include "fluid/boundary/boundary.h"
 #include "hard_cases/cloth_scene.h"
 #include "hard_cases/hard_case.h"
+#include "support/find_boundary.h"
 #include "support/random.h"
 #include "support/static_mesh.h"
 #include "support/surface_of.h"
@@ -118,20 +118,12 @@ float max_lambda() {
   crumple(mesh.nodes, 61, 9, 12, 0.01, 0.05, 0.0008);
   SurfaceMotion surface = surface_of(mesh);
   SurfaceMotion* surfaces[] = {&surface};
-  const MeshTopology topology(surface.triangles, surface.x_t0.size());
-  const MeshTopology* topologies[] = {&topology};
-  std::vector<Vec3> lattice, x;
+  std::vector<Vec3> lattice;
   for (int i = 0; i < 24; ++i)
     for (int j = 0; j < 16; ++j)
       for (int k = 0; k < 24; ++k) lattice.push_back(0.0021 * Vec3(i - 11.5, j - 3.5, k - 11.5));
-  const Workers workers(1);
-  fluid::Neighbours neighbours;
-  for (std::uint32_t i : neighbours.cell_order(lattice, 0.01, workers)) x.push_back(lattice[i]);
-  neighbours.search(x, workers);
-  fluid::TriangleCells cells;
-  cells.find(x, surfaces, topologies, {}, 0.01, neighbours, workers);
   fluid::Boundary boundary{2.0};
-  boundary.find({1e-3, particle_mass, 0.01, Vec3::Zero(), x, surfaces, topologies, cells}, workers);
+  find_boundary(boundary, lattice, surfaces, {particle_mass, 0.01}, Workers(1));
   float largest = 0;
   for (const fluid::WallPoint& p : boundary.points()) largest = std::max(largest, p.lambda);
   return largest;

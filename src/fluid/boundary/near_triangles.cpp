@@ -77,7 +77,6 @@ void NearTriangles::find(const CellTriangles& cell, const Vec3& x, double plane_
     if (blocks_[k / 4].distance[k % 4] < radius && blocks_[k / 4].height2[k % 4] < reach2) at_.push_back(k);
 }
 
-/// Its sign says on which side of a triangle the particle is.
 double NearTriangles::side(std::size_t k, const Vec3& x) const {
   return triangle(k).cross.dot(x - Eigen::Map<const Vec3>(corners(k).x));
 }

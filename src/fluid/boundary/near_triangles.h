@@ -67,6 +67,8 @@ class NearTriangles {
   }
   /// Barycentric, of a corner at the closest point.
   double weight(std::size_t k, std::size_t corner) const { return block(k).weight[corner][at_[k] % 4]; }
+  /// Its sign says on which side of the triangle x is.
+  double side(std::size_t k, const Vec3& x) const;
   /// Is the closest point off the edges?
   bool is_on_face(std::size_t k) const { return weight(k, 0) != 0 && weight(k, 1) != 0 && weight(k, 2) != 0; }
 
@@ -79,7 +81,6 @@ class NearTriangles {
   };
   ClosedPart* closed_part(std::size_t k);
   void find_closed_parts(const Vec3& x);
-  double side(std::size_t k, const Vec3& x) const;
 
   const ClosestBlock& block(std::size_t k) const { return blocks_[at_[k] / 4]; }
 

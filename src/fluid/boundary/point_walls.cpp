@@ -105,7 +105,7 @@ bool PointWalls::may_be_hidden(std::size_t k) const {
   const NearbyTriangle& t = near_.triangle(k);
   const MeshTopology& topology = *input_.topologies[t.surface];
   const SurfaceMotion& surface = *input_.surfaces[t.surface];
-  const double own = side(surface, t.triangle);
+  const double own = near_.side(k, x_);
   for (std::size_t edge = 0; edge < 3; ++edge) {
     const std::uint32_t other = topology.neighbour(t.triangle, edge);
     if (other == MeshTopology::none) {
@@ -118,7 +118,7 @@ bool PointWalls::may_be_hidden(std::size_t k) const {
   return false;
 }
 
-/// Its sign says on which side of a triangle the particle is.
+/// NearTriangles::side() of a triangle that may not be near.
 double PointWalls::side(const SurfaceMotion& surface, std::uint32_t triangle) const {
   const Triangle& t = surface.triangles[triangle];
   const Vec3& a = surface.x_t0[t[0]];

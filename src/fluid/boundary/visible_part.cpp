@@ -45,12 +45,12 @@ void VisibleParts::add(const std::array<Eigen::Vector3f, 3>& x) {
   triangles_.push_back(o);
 }
 
-/// Sorts `keys`, and writes which triangles they belong to.
+/// Sorts keys_, and writes which triangles they belong to.
 void VisibleParts::sort_by_key(std::vector<std::size_t>& sorted) {
   for (std::size_t k = 0; k < keys_.size(); ++k) keys_[k] = keys_[k] << 32 | k;
   std::sort(keys_.begin(), keys_.end());
   sorted.resize(keys_.size());
-  for (std::size_t n = 0; n < keys_.size(); ++n) sorted[n] = keys_[n] & UINT32_MAX;
+  for (std::size_t n = 0; n < keys_.size(); ++n) sorted[n] = static_cast<std::uint32_t>(keys_[n]);
 }
 
 /// Near triangles hide most: after them little is left to cut.

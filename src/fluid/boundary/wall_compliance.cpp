@@ -15,6 +15,35 @@ constexpr std::size_t point_chunk = 256;
 /// Error that solve() leaves, and the largest condition number C that it iterates for (B.24).
 constexpr double solve_tolerance = 0.3, max_condition = 50;
 
+/// Where the nodes of one point are in a list: a hash table, as long as the point has walls, whatever the
+/// number of nodes.
+class NodePlaces {
+ public:
+  /// For up to `most` nodes, none of which has a place.
+  void start(std::size_t most) {
+    std::size_t size = 8;
+    while (size < 2 * most) size *= 2;
+    slots_.assign(size, {none, 0});
+  }
+  /// The place of the node, which is `next` if it has none yet.
+  std::size_t of(std::uint32_t node, std::size_t next) {
+    std::size_t slot = node;
+    while (at(slot).node != none && at(slot).node != node) ++slot;
+    if (at(slot).node == none) at(slot) = {node, next};
+    return at(slot).place;
+  }
+
+ private:
+  static constexpr std::uint32_t none = UINT32_MAX;
+  struct Slot {
+    std::uint32_t node;
+    std::size_t place;
+  };
+  Slot& at(std::size_t slot) { return slots_[slot & (slots_.size() - 1)]; }
+
+  std::vector<Slot> slots_;
+};
+
 }  // namespace
 
 void WallCompliance::build(const WallGeometry& geometry, const WallNodes& nodes,
@@ -41,22 +70,21 @@ void WallCompliance::couple_points(const WallGeometry& geometry, const WallNodes
   of_point_.begin.assign(points.size() + 1, 0);
   workers.for_chunks(points.size(), point_chunk, [&](std::size_t begin, std::size_t end, std::size_t chunk) {
     std::vector<Coupling>& list = found[chunk];
-    std::vector<std::size_t> place(motion_.size(), 0);  // per node, in the list; may be of an earlier point
+    NodePlaces places;
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t first = list.size();
+      places.start(3 * (points[k].end - points[k].begin));
       for (std::uint32_t w = points[k].begin; w < points[k].end; ++w)
         for (int c = 0; c < 3; ++c) {
           const Wall& wall = geometry.walls()[w];
           const std::uint32_t node = nodes.of_wall(w)[static_cast<std::size_t>(c)];
           if (motion_[node].is_still()) continue;
           const Eigen::Vector3f gamma = static_cast<float>(wall.share(c)) * wall.gamma;
-          std::size_t& at = place[node];
-          if (at >= first && at < list.size() && list[at].other == node) {
-            list[at].gamma += gamma;
-          } else {
-            at = list.size();
+          const std::size_t place = places.of(node, list.size());
+          if (place < list.size())
+            list[place].gamma += gamma;
+          else
             list.push_back({node, gamma});
-          }
         }
       of_point_.begin[k + 1] = static_cast<std::uint32_t>(list.size() - first);
     }

@@ -34,6 +34,7 @@ struct TriangleLoops {
     return touch & ~greater_mask(F8(edge_on), distance) & 0xff;
   }
 
+  /// Bit k: one of three heights is above in_plane.
   template <class F>
   static std::uint32_t reach_inwards(const F& height_of) {
     return greater_mask(larger(larger(height_of(0), height_of(1)), height_of(2)), F8(in_plane));
