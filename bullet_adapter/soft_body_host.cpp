@@ -14,8 +14,13 @@ namespace oilskin::bullet {
 
 namespace {
 
-bool finite(const btVector3& v) {
-  return to_vec3(v).allFinite();
+/// 0 if all three are finite, else not a number.
+btScalar zero_if_finite(const btVector3& v) {
+  return 0 * v.x() + 0 * v.y() + 0 * v.z();
+}
+
+bool is_valid(const btSoftBody::Node& n) {
+  return zero_if_finite(n.m_x) + zero_if_finite(n.m_v) + 0 * n.m_im == 0 && n.m_im >= 0;
 }
 
 /// The owner moves a body whose simulation is disabled, whatever its masses are.
@@ -40,33 +45,36 @@ Status SoftBodyHost::check() const {
         "(btSoftBodyHelpers::CreatePatch, "
         "CreateFromTriMesh) or call appendFace()");
   const std::ptrdiff_t nodes = body_->m_nodes.size();
+  const btSoftBody::Node* first = nodes > 0 ? &body_->m_nodes[0] : nullptr;
   for (int f = 0; f < body_->m_faces.size(); ++f)
     for (const btSoftBody::Node* n : body_->m_faces[f].m_n)
-      if (n < &body_->m_nodes[0] || n >= &body_->m_nodes[0] + nodes)
+      if (n < first || n >= first + nodes)
         return Status::refused("face " + std::to_string(f) +
                                " of the soft body refers to a node of another body");
-  for (int i = 0; i < body_->m_nodes.size(); ++i) {
-    const btSoftBody::Node& n = body_->m_nodes[i];
-    if (!finite(n.m_x) || !finite(n.m_v) || !std::isfinite(n.m_im) || n.m_im < 0)
+  for (int i = 0; i < body_->m_nodes.size(); ++i)
+    if (!is_valid(body_->m_nodes[i]))
       return Status::refused(
           "node " + std::to_string(i) +
           " of the soft body has a position, velocity or inverse mass that is not finite (or a "
           "negative mass): lower Bullet's time step or stiffness");
-  }
   return Status::accepted();
 }
 
 /// True if faces or nodes differ from those of the last call.
 bool SoftBodyHost::read_faces() {
-  std::vector<Triangle> faces(static_cast<std::size_t>(body_->m_faces.size()));
+  const auto count = static_cast<std::size_t>(body_->m_faces.size());
+  bool differs =
+      faces_.size() != count || contact_node_.size() != static_cast<std::size_t>(body_->m_nodes.size());
+  faces_.resize(count);
   const btSoftBody::Node* first = &body_->m_nodes[0];
   for (int f = 0; f < body_->m_faces.size(); ++f)
-    for (std::size_t k = 0; k < 3; ++k)
-      faces[static_cast<std::size_t>(f)][k] = static_cast<std::uint32_t>(body_->m_faces[f].m_n[k] - first);
-  const bool same =
-      faces == faces_ && contact_node_.size() == static_cast<std::size_t>(body_->m_nodes.size());
-  faces_ = std::move(faces);
-  return !same;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto node = static_cast<std::uint32_t>(body_->m_faces[f].m_n[k] - first);
+      std::uint32_t& kept = faces_[static_cast<std::size_t>(f)][k];
+      differs |= kept != node;
+      kept = node;
+    }
+  return differs;
 }
 
 bool SoftBodyHost::is_prescribed(std::size_t i) const {
@@ -250,7 +258,10 @@ Gathered SoftBodyHost::gather(double dt, SurfaceMotion& motion) {
   const auto contact_triangle = [&](const Triangle& face) {
     return Triangle{contact_node_[face[0]], contact_node_[face[1]], contact_node_[face[2]]};
   };
-  const auto is_given = [&](const Triangle& t, const Triangle& face) { return t == contact_triangle(face); };
+  const auto is_given = [&](const Triangle& t, const Triangle& face) {
+    const Triangle given = contact_triangle(face);
+    return t[0] == given[0] && t[1] == given[1] && t[2] == given[2];
+  };
   if (result.new_surface ||
       !std::equal(motion.triangles.begin(), motion.triangles.end(), faces_.begin(), faces_.end(), is_given)) {
     if (!result.new_surface) teleported = true;  // another motion was given the change, or it is the first

@@ -10,7 +10,8 @@ namespace oilskin::contact {
 
 namespace {
 
-constexpr std::size_t chunk = 512;  // a multiple of the size of groups
+constexpr std::size_t chunk = 512;      // a multiple of the size of groups
+constexpr std::size_t query_chunk = 8;  // groups
 
 Box swept_box(const ParticleMotion& particles, std::uint32_t p) {
   Box box;
@@ -76,7 +77,7 @@ void CandidateSet::collect(Context& context) {
     set.count.clear();
     set.pool.clear();
     context.geometry[s]->use(context.settings->hierarchy);
-    context.geometry[s]->fit(*context.surfaces[s]);
+    context.geometry[s]->fit(*context.surfaces[s], *context.workers);
     set.tree_epoch = context.epoch;
     if (find_near_groups(context, s, 0)) query(context, s, find_stale(context, set, true, 0));
   }
@@ -103,7 +104,7 @@ bool CandidateSet::find_near_groups(const Context& context, std::uint32_t surfac
   if (is_clear_of_all(context, surface, reach)) return false;
   set.clear_of_group.resize(swept_.size());
   std::vector<std::uint8_t> is_near(swept_.size(), 0);
-  context.workers->for_each(swept_.size(), chunk / group_size, [&](std::size_t g) {
+  context.workers->for_each(swept_.size(), query_chunk, [&](std::size_t g) {
     Box& clear = set.clear_of_group[g];
     if (set.slot[g] != none || clear.contains(swept_[g].inflated(reach))) return;
     clear = swept_[g].inflated(largest(set.reach));
@@ -190,7 +191,7 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
     const bool nodes_moved = context.surface_stamp[s] >= set.tree_epoch && context.surface_stamp[s] > 0;
     if (nodes_moved) {
       OILSKIN_ASSERT(motion.still == 0);
-      context.geometry[s]->fit(motion);
+      context.geometry[s]->fit(motion, *context.workers);
       set.tree_epoch = context.epoch + 1;
       set.pool.clear();
       set.forget_clear();
@@ -212,12 +213,19 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
 }
 
 double CandidateSet::min_end_distance(const Context& context) const {
-  double minimum = std::numeric_limits<double>::infinity();
-  for (std::uint32_t p = 0; p < context.particle_count(); ++p)
-    if (!context.out_of_play[p])
-      for (const std::uint32_t s : surfaces_near(p))
-        for (const CandidatePair& pair : of(s, p)) minimum = std::min(minimum, pair.end_distance);
-  return minimum;
+  struct Smallest {
+    double distance = std::numeric_limits<double>::infinity();
+    void operator+=(const Smallest& o) { distance = std::min(distance, o.distance); }
+  };
+  const auto smallest_of = [&](std::size_t begin, std::size_t end) {
+    Smallest smallest;
+    for (auto p = static_cast<std::uint32_t>(begin); p < end; ++p)
+      if (!context.out_of_play[p])
+        for (const std::uint32_t s : surfaces_near(p))
+          for (const CandidatePair& pair : of(s, p)) smallest += {pair.end_distance};
+    return smallest;
+  };
+  return context.workers->ordered_sum(context.particle_count(), chunk, Smallest(), smallest_of).distance;
 }
 
 std::uint64_t CandidateSet::size() const {

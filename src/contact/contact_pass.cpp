@@ -160,17 +160,24 @@ void ContactPass::solve_impacts_of_round(const std::vector<Violation>& violation
 
 double ContactPass::kinetic_energy() const {
   const ParticleMotion& particles = *context_.particles;
+  constexpr std::size_t chunk = 1024;
   double energy =
-      context_.workers->ordered_sum(particles.id.size(), 4096, 0.0, [&](std::size_t begin, std::size_t end) {
+      context_.workers->ordered_sum(particles.id.size(), chunk, 0.0, [&](std::size_t begin, std::size_t end) {
         double sum = 0;
         for (std::size_t p = begin; p < end; ++p)
           if (particles.inverse_mass[p] > 0)
             sum += 0.5 * particles.velocity[p].squaredNorm() / particles.inverse_mass[p];
         return sum;
       });
-  for (const SurfaceMotion* s : context_.surfaces)
-    for (std::size_t i = 0; s->still == 0 && i < s->velocity.size(); ++i)
-      if (s->inverse_mass[i] > 0) energy += 0.5 * s->velocity[i].squaredNorm() / s->inverse_mass[i];
+  for (const SurfaceMotion* s : context_.surfaces) {
+    const std::size_t moved = s->still == 0 ? s->velocity.size() : 0;
+    energy += context_.workers->ordered_sum(moved, chunk, 0.0, [&](std::size_t begin, std::size_t end) {
+      double sum = 0;
+      for (std::size_t i = begin; i < end; ++i)
+        if (s->inverse_mass[i] > 0) sum += 0.5 * s->velocity[i].squaredNorm() / s->inverse_mass[i];
+      return sum;
+    });
+  }
   return energy;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "contact/contact_pass.h"
+#include "contact/verify.h"
 #include "core/assert.h"
 #include "core/body_motion.h"
 #include "core/inverse_mass.h"
@@ -145,7 +146,8 @@ Status ContactSolver::resolve(double dt, ParticleMotion& particles, Span<Surface
                      std::count(particles.removed.begin(), particles.removed.end(), 1)) == report.removed);
   if (impl_->settings.verify) {
     StageTimer timer(seconds.verify);
-    report.crossings_found_by_verify = count_crossings(particles, surfaces, &report.verified_pairs);
+    report.crossings_found_by_verify =
+        contact::count_crossings(particles, surfaces, impl_->workers, &report.verified_pairs);
   }
   return {};
 }

@@ -12,7 +12,7 @@ namespace oilskin::contact {
 
 namespace {
 
-constexpr std::size_t chunk = 256;
+constexpr std::size_t chunk = 256, node_chunk = 1024;
 
 Contact make_contact(const Context& context, std::uint32_t p, std::uint32_t surface, std::uint32_t triangle,
                      const PointTriangle& q, const ClosestPoint& c) {
@@ -39,12 +39,20 @@ Contact make_contact(const Context& context, std::uint32_t p, std::uint32_t surf
 
 // The largest displacement of a node, per surface [m].
 std::vector<double> max_displacements(const Context& context) {
+  struct Largest {
+    double square = 0;
+    void operator+=(const Largest& o) { square = std::max(square, o.square); }
+  };
   std::vector<double> result;
   for (const SurfaceMotion* s : context.surfaces) {
-    double max_squared = 0;
-    for (std::size_t i = 0; s->still == 0 && i < s->x_t0.size(); ++i)
-      max_squared = std::max(max_squared, (s->x_t1[i] - s->x_t0[i]).squaredNorm());
-    result.push_back(std::sqrt(max_squared));
+    const auto largest_of = [&](std::size_t begin, std::size_t end) {
+      Largest largest;
+      for (std::size_t i = begin; i < end; ++i) largest += {(s->x_t1[i] - s->x_t0[i]).squaredNorm()};
+      return largest;
+    };
+    const std::size_t moved = s->still == 0 ? s->x_t0.size() : 0;
+    result.push_back(
+        std::sqrt(context.workers->ordered_sum(moved, node_chunk, Largest(), largest_of).square));
   }
   return result;
 }
@@ -104,17 +112,29 @@ Vec3 geometric_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
   return Vec3::UnitX();  // not reached: some axis is at 45° or more to any direction
 }
 
-void ContactSet::find(const Context& context, const CandidateSet& candidates) {
-  const std::size_t n = context.particle_count();
+namespace {
+
+/// Of particle(0) … particle(n − 1), in this order.
+template <class Particles>
+std::vector<Contact> find_for_particles(const Context& context, const CandidateSet& candidates, std::size_t n,
+                                        const Particles& particle) {
   const std::vector<double> max_displacement = max_displacements(context);
   std::vector<std::vector<Contact>> part((n + chunk - 1) / chunk);
   context.workers->for_chunks(n, chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
-    for (std::size_t p = begin; p < end; ++p)
-      if (!context.out_of_play[p])
-        find_for_particle(context, candidates, max_displacement, static_cast<std::uint32_t>(p), part[c]);
+    for (std::size_t k = begin; k < end; ++k)
+      if (const std::uint32_t p = particle(k); !context.out_of_play[p])
+        find_for_particle(context, candidates, max_displacement, p, part[c]);
   });
-  contacts_.clear();
-  for (const auto& found : part) contacts_.insert(contacts_.end(), found.begin(), found.end());
+  std::vector<Contact> contacts;
+  for (const auto& found : part) contacts.insert(contacts.end(), found.begin(), found.end());
+  return contacts;
+}
+
+}  // namespace
+
+void ContactSet::find(const Context& context, const CandidateSet& candidates) {
+  contacts_ = find_for_particles(context, candidates, context.particle_count(),
+                                 [](std::size_t k) { return static_cast<std::uint32_t>(k); });
   OILSKIN_ASSERT(std::is_sorted(contacts_.begin(), contacts_.end(),
                                 [](const Contact& a, const Contact& b) { return a.particle < b.particle; }));
 }
@@ -122,10 +142,8 @@ void ContactSet::find(const Context& context, const CandidateSet& candidates) {
 void ContactSet::update(const Context& context, const CandidateSet& candidates,
                         const std::vector<std::uint32_t>& particles) {
   if (particles.empty()) return;
-  const std::vector<double> max_displacement = max_displacements(context);
-  std::vector<Contact> updated;
-  for (std::uint32_t p : particles)
-    if (!context.out_of_play[p]) find_for_particle(context, candidates, max_displacement, p, updated);
+  const std::vector<Contact> updated =
+      find_for_particles(context, candidates, particles.size(), [&](std::size_t k) { return particles[k]; });
   OILSKIN_ASSERT(std::is_sorted(particles.begin(), particles.end()));
   std::vector<Contact> merged;
   merged.reserve(contacts_.size() + updated.size());

@@ -14,14 +14,22 @@ Span<const std::vector<std::uint32_t>> NearTriangleLists::find(Span<SurfaceGeome
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     std::vector<std::uint32_t>& list = lists_[s];
     list.clear();
-    is_listed_.assign(std::max(is_listed_.size(), surfaces[s]->topology.triangle_count()), 0);
+    const std::size_t triangles = surfaces[s]->topology.triangle_count();
+    is_listed_.assign(std::max(is_listed_.size(), triangles), 0);
     surfaces[s]->tree.query(inflated_, workers, found_);
     for (const std::uint32_t t : found_.triangle) {
       if (is_listed_[t]) continue;
       is_listed_[t] = 1;
       list.push_back(t);
     }
-    std::sort(list.begin(), list.end());
+    // Of a large level a few triangles are near, of cloth in water a large part.
+    if (list.size() < triangles / 64) {
+      std::sort(list.begin(), list.end());
+    } else {
+      list.clear();
+      for (std::uint32_t t = 0; t < triangles; ++t)
+        if (is_listed_[t]) list.push_back(t);
+    }
   }
   return lists_;
 }

@@ -24,14 +24,16 @@ struct SurfaceGeometry {
   }
 
   /// Fits the tree to the swept triangles; a still surface of one number, once.
-  void fit(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1,
-           std::uint64_t still) {
+  void fit(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1, std::uint64_t still,
+           const Workers& workers) {
     if (still != 0 && fitted_still == still) return;
     fitted_still = 0;
-    tree.update(triangles, x_t0, x_t1, hierarchy);
+    tree.update(triangles, x_t0, x_t1, workers, hierarchy);
     fitted_still = still;
   }
-  void fit(const SurfaceMotion& s) { fit(s.triangles, s.x_t0, s.x_t1, s.still); }
+  void fit(const SurfaceMotion& s, const Workers& workers) {
+    fit(s.triangles, s.x_t0, s.x_t1, s.still, workers);
+  }
 
   /// What refits and searches the tree from now on.
   void use(Hierarchy h) {

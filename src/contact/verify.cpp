@@ -1,13 +1,14 @@
 /// Checks the promise by other algorithms than contact: all pairs by sweep and prune, paths by additive
 /// continuous collision detection [Li2021] and bisection, distances by another formula. Shares no code with
 /// detection.
+#include "contact/verify.h"
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/assert.h"
-
-#include "oilskin/contact.h"
 
 namespace oilskin {
 
@@ -192,24 +193,25 @@ struct SweptBoxes {
   Box all_triangles;
 };
 
-SweptBoxes swept_boxes(const ParticleMotion& particles, const SurfaceMotion& s) {
+SweptBoxes swept_boxes(const ParticleMotion& particles, const SurfaceMotion& s, const Workers& workers) {
+  constexpr std::size_t chunk = 1024;
   SweptBoxes boxes;
   boxes.particle.resize(particles.id.size());
   boxes.triangle.resize(s.triangles.size());
-  for (std::size_t p = 0; p < boxes.particle.size(); ++p) {
-    if (particles.removed[p]) continue;
+  workers.for_each(boxes.particle.size(), chunk, [&](std::size_t p) {
+    if (particles.removed[p]) return;
     boxes.particle[p].add(particles.x_t0[p]);
     boxes.particle[p].add(particles.x_t1[p]);
-  }
-  for (std::size_t t = 0; t < boxes.triangle.size(); ++t) {
+  });
+  workers.for_each(boxes.triangle.size(), chunk, [&](std::size_t t) {
     Box& box = boxes.triangle[t];
     for (std::uint32_t v : s.triangles[t]) {
       box.add(s.x_t0[v]);
       box.add(s.x_t1[v]);
     }
     box = box.inflated(1.001 * s.delta);
-    boxes.all_triangles.add(box);
-  }
+  });
+  for (const Box& box : boxes.triangle) boxes.all_triangles.add(box);
   return boxes;
 }
 
@@ -219,13 +221,14 @@ struct Projection {
   std::uint32_t index;
 };
 
-// Calls visit(index in a, index in b) for all pairs of overlapping projections: merges both lists by their
-// lower ends and pairs each entry with the active entries of the other list.
+void sort_by_low(std::vector<Projection>& list) {
+  std::sort(list.begin(), list.end(), [](const Projection& x, const Projection& y) { return x.low < y.low; });
+}
+
+// Calls visit(index in a, index in b) for all pairs of overlapping projections, both sorted by their lower
+// ends: merges the lists and pairs each entry with the active entries of the other one.
 template <class Visit>
-void sweep(std::vector<Projection> a, std::vector<Projection> b, const Visit& visit) {
-  const auto by_low = [](const Projection& x, const Projection& y) { return x.low < y.low; };
-  std::sort(a.begin(), a.end(), by_low);
-  std::sort(b.begin(), b.end(), by_low);
+void sweep(Span<const Projection> a, Span<const Projection> b, const Visit& visit) {
   const auto visit_active = [](std::vector<Projection>& active, double low, const auto& f) {
     std::size_t kept = 0;
     for (std::size_t k = 0; k < active.size(); ++k) {
@@ -263,10 +266,21 @@ bool violates_promise(const ParticleMotion& particles, const SurfaceMotion& s, s
   return too_close || path_touches(paths);
 }
 
-void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s,
+// The triangles that overlap the projections of some particles.
+std::vector<Projection> triangles_beside(Span<const Projection> particles,
+                                         const std::vector<Projection>& triangles) {
+  double high = -std::numeric_limits<double>::infinity();
+  for (const Projection& p : particles) high = std::max(high, p.high);
+  std::vector<Projection> beside;
+  for (const Projection& t : triangles)
+    if (t.high >= particles[0].low && t.low <= high) beside.push_back(t);
+  return beside;
+}
+
+void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s, const Workers& workers,
                        std::vector<std::uint8_t>& violates, std::uint64_t& pairs) {
   OILSKIN_ASSERT(s.delta >= 0 && s.x_t0.size() == s.x_t1.size());
-  const SweptBoxes boxes = swept_boxes(particles, s);
+  const SweptBoxes boxes = swept_boxes(particles, s, workers);
   int axis = 0;
   (boxes.all_triangles.max - boxes.all_triangles.min).maxCoeff(&axis);
   const auto project = [axis](const Box& box, std::uint32_t index) {
@@ -278,25 +292,43 @@ void count_for_surface(const ParticleMotion& particles, const SurfaceMotion& s,
       on_axis_p.push_back(project(boxes.particle[p], p));
   for (std::uint32_t t = 0; t < boxes.triangle.size(); ++t)
     on_axis_t.push_back(project(boxes.triangle[t], t));
-  sweep(std::move(on_axis_p), std::move(on_axis_t), [&](std::uint32_t p, std::uint32_t t) {
-    if (!boxes.particle[p].overlaps(boxes.triangle[t])) return;
-    ++pairs;
-    if (!violates[p] && violates_promise(particles, s, p, t)) violates[p] = 1;
-  });
+  sort_by_low(on_axis_p);
+  sort_by_low(on_axis_t);
+  constexpr std::size_t chunk = 512;
+  pairs +=
+      workers.ordered_sum(on_axis_p.size(), chunk, std::uint64_t{0}, [&](std::size_t begin, std::size_t end) {
+        const Span<const Projection> part(on_axis_p.data() + begin, end - begin);
+        std::uint64_t tested = 0;
+        sweep(part, triangles_beside(part, on_axis_t), [&](std::uint32_t p, std::uint32_t t) {
+          if (!boxes.particle[p].overlaps(boxes.triangle[t])) return;
+          ++tested;
+          if (!violates[p] && violates_promise(particles, s, p, t)) violates[p] = 1;
+        });
+        return tested;
+      });
 }
 
 }  // namespace
 
-std::uint64_t ContactSolver::count_crossings(const ParticleMotion& particles,
-                                             Span<SurfaceMotion* const> surfaces,
-                                             std::uint64_t* pairs_tested) {
+namespace contact {
+
+std::uint64_t count_crossings(const ParticleMotion& particles, Span<SurfaceMotion* const> surfaces,
+                              const Workers& workers, std::uint64_t* pairs_tested) {
   OILSKIN_ASSERT(particles.x_t0.size() == particles.id.size() &&
                  particles.x_t1.size() == particles.id.size());
   std::vector<std::uint8_t> violates(particles.id.size(), 0);
   std::uint64_t pairs = 0;
-  for (const SurfaceMotion* s : surfaces) count_for_surface(particles, *s, violates, pairs);
+  for (const SurfaceMotion* s : surfaces) count_for_surface(particles, *s, workers, violates, pairs);
   if (pairs_tested) *pairs_tested = pairs;
   return static_cast<std::uint64_t>(std::count(violates.begin(), violates.end(), std::uint8_t{1}));
+}
+
+}  // namespace contact
+
+std::uint64_t ContactSolver::count_crossings(const ParticleMotion& particles,
+                                             Span<SurfaceMotion* const> surfaces,
+                                             std::uint64_t* pairs_tested) {
+  return contact::count_crossings(particles, surfaces, Workers(1), pairs_tested);
 }
 
 }  // namespace oilskin

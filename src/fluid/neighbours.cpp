@@ -29,7 +29,7 @@ constexpr std::size_t usual_list = 40;
 constexpr std::size_t read_ahead = 8, write_ahead = 16;
 
 /// Width of the blocks whose particles boxes() puts into one box.
-constexpr std::uint64_t block_cells = 4;
+constexpr std::uint64_t block_cells = 4;  // a power of two
 
 /// Bits of a cell coordinate plus 2²⁰.
 constexpr int coordinate_bits = 21;
@@ -235,7 +235,7 @@ void Neighbours::find_cells() {
 
 void Neighbours::find_runs(const Workers& workers) {
   runs_.resize(cell_key_.size());
-  workers.for_each(row_key_.size(), 64, [&](std::size_t row) { runs_of_row(row); });
+  workers.for_each(row_key_.size(), 16, [&](std::size_t row) { runs_of_row(row); });
 }
 
 void Neighbours::runs_of_row(std::size_t row) {
@@ -267,24 +267,24 @@ std::size_t Neighbours::first_row(std::uint64_t row_key) const {
 
 std::vector<Box> Neighbours::boxes(Span<const Vec3> positions) const {
   OILSKIN_ASSERT(positions.size() == keys_.size());
+  std::uint64_t place_in_block = 0;  // the bits of a key that differ between the cells of a block
+  for (std::size_t k = 0, shift = 0; k < 3; shift += bits_[k], ++k)
+    place_in_block |= (std::min(block_cells, std::uint64_t{1} << bits_[k]) - 1) << shift;
   struct Part {
-    std::array<std::uint64_t, 3> place;  // in blocks of cells
+    std::uint64_t block;
     Box box;
   };
   std::vector<Part> parts;
   for (std::size_t cell = 0; cell < cell_key_.size(); ++cell) {
-    std::uint64_t key = cell_key_[cell];
-    Part part;
-    for (std::size_t k = 0; k < 3; key >>= bits_[k], ++k)
-      part.place[k] = (key & ((std::uint64_t{1} << bits_[k]) - 1)) / block_cells;
-    if (parts.empty() || parts.back().place != part.place) parts.push_back(part);
+    const std::uint64_t block = cell_key_[cell] & ~place_in_block;
+    if (parts.empty() || parts.back().block != block) parts.push_back({block, Box()});
     for (std::uint32_t i = cell_begin_[cell]; i < cell_begin_[cell + 1]; ++i)
       parts.back().box.add(positions[i]);
   }
-  std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.place < b.place; });
+  std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.block < b.block; });
   std::vector<Box> boxes;
   for (std::size_t k = 0; k < parts.size(); ++k)
-    if (k > 0 && parts[k].place == parts[k - 1].place)
+    if (k > 0 && parts[k].block == parts[k - 1].block)
       boxes.back().add(parts[k].box);
     else
       boxes.push_back(parts[k].box);

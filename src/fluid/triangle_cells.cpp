@@ -42,7 +42,6 @@ NearbyTriangle triangle_of(const SurfaceMotion& motion, const MeshTopology& topo
 
 void TriangleCells::clear() {
   is_found_ = false;
-  triangles_.clear();
   cells_.clear();
 }
 
@@ -62,19 +61,22 @@ void TriangleCells::find(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces
     for (std::size_t t = b; t < e; ++t)
       touch(x, static_cast<std::uint32_t>(t), support_radius, neighbours, found_[c]);
   });
-  sort_by_cell(chunks);
+  sort_by_cell(chunks, workers);
 }
 
 void TriangleCells::read_triangles(Span<SurfaceMotion* const> surfaces,
                                    Span<const MeshTopology* const> topologies, Span<const TriangleList> near,
                                    const Workers& workers) {
+  std::size_t first = 0;
+  for (std::uint32_t s = 0; s < surfaces.size(); ++s)
+    first += TriangleChoice(near, s, surfaces[s]->triangles.size()).size();
+  triangles_.resize(first);  // not cleared before: what is overwritten need not be initialised
+  corners_.resize(first);
+  first = 0;
   for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
     const SurfaceMotion& motion = *surfaces[s];
     OILSKIN_ASSERT(topologies[s]->triangle_count() == motion.triangles.size());
     const TriangleChoice chosen(near, s, motion.triangles.size());
-    const std::size_t first = triangles_.size();
-    triangles_.resize(first + chosen.size());
-    corners_.resize(triangles_.size());
     workers.for_each(chosen.size(), triangle_chunk, [&](std::size_t k) {
       triangles_[first + k] = triangle_of(motion, *topologies[s], s, chosen[k]);
       const Triangle& node = motion.triangles[chosen[k]];
@@ -83,6 +85,7 @@ void TriangleCells::read_triangles(Span<SurfaceMotion* const> surfaces,
           corners_[first + k].x[3 * corner + static_cast<std::size_t>(axis)] =
               motion.x_t0[node[corner]][axis];
     });
+    first += chosen.size();
   }
 }
 
@@ -142,21 +145,18 @@ void TriangleCells::touch(Span<const Vec3> x, std::uint32_t triangle, double sup
   });
 }
 
-/// Counting sort, stable.
-void TriangleCells::sort_by_cell(std::size_t chunks) {
-  begin_.assign(groups_.size() + 1, 0);
-  for (std::size_t c = 0; c < chunks; ++c)
-    for (const Touch& touch : found_[c]) ++begin_[touch.group + 1];
+void TriangleCells::sort_by_cell(std::size_t chunks, const Workers& workers) {
+  const auto for_touches = [&](std::size_t begin, std::size_t end, const auto& f) {
+    for (std::size_t c = begin; c < end; ++c)
+      for (const Touch& touch : found_[c]) f(touch.group, touch.triangle);
+  };
+  sort_by_key(chunks, 4, groups_.size(), for_touches, workers, of_group_);
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    begin_[g + 1] += begin_[g];
-    if (begin_[g + 1] == begin_[g]) continue;
+    if (of_group_.of(g).empty()) continue;
     cells_.push_back(groups_[g]);
-    cells_.back().first = begin_[g];
-    cells_.back().last = begin_[g + 1];
+    cells_.back().first = of_group_.begin[g];
+    cells_.back().last = of_group_.begin[g + 1];
   }
-  list_.resize(begin_.back());
-  for (std::size_t c = 0; c < chunks; ++c)
-    for (const Touch& touch : found_[c]) list_[begin_[touch.group]++] = touch.triangle;
 }
 
 }  // namespace oilskin::fluid

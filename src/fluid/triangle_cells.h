@@ -6,6 +6,7 @@
 
 #include "core/mesh_topology.h"
 #include "core/parallel.h"
+#include "core/sort_by_key.h"
 #include "fluid/neighbours.h"
 #include "fluid/triangle_list.h"
 #include "oilskin/surface_motion.h"
@@ -47,9 +48,9 @@ class TriangleCells {
   const std::vector<Cell>& cells() const { return cells_; }
   /// Indices into triangles(), ascending: at least those within H of a particle of the cell.
   Span<const std::uint32_t> triangles_of(const Cell& cell) const {
-    return {list_.data() + cell.first, cell.last - cell.first};
+    return {of_group_.list.data() + cell.first, cell.last - cell.first};
   }
-  /// In the order of surfaces and triangles; more than those that any cell has.
+  /// In the order of surfaces and triangles; more than those that any cell has. After find().
   const std::vector<NearbyTriangle>& triangles() const { return triangles_; }
   /// Of triangles().
   const Corners* corners() const { return corners_.data(); }
@@ -64,16 +65,15 @@ class TriangleCells {
   void find_groups(Span<const Vec3> x, const Neighbours& neighbours, const Workers& workers);
   void touch(Span<const Vec3> x, std::uint32_t triangle, double support_radius, const Neighbours& neighbours,
              std::vector<Touch>& found);
-  void sort_by_cell(std::size_t chunks);
+  void sort_by_cell(std::size_t chunks, const Workers& workers);
 
   bool is_found_ = false;
   std::vector<NearbyTriangle> triangles_;
   std::vector<Corners> corners_;
   std::vector<Cell> cells_;
-  std::vector<std::uint32_t> list_;
   std::vector<Cell> groups_;               // with and without triangles
   std::vector<std::uint32_t> group_of_;    // per cell of the neighbours
-  std::vector<std::uint32_t> begin_;       // per group
+  KeyedLists<std::uint32_t> of_group_;     // triangles
   std::vector<std::vector<Touch>> found_;  // per chunk of triangles
 };
 

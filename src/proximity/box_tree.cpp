@@ -1,10 +1,18 @@
 #include "proximity/box_tree.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "core/assert.h"
 
 namespace oilskin::proximity {
+
+namespace {
+
+/// Of refit(): the number of branches that threads take one by one, and the nodes that are worth a task.
+constexpr std::size_t parts_wanted = 32, smallest_part = 256;
+
+}  // namespace
 
 void BoxTree::assign(const std::vector<Link>& links) {
   nodes_.resize(links.size());
@@ -13,29 +21,64 @@ void BoxTree::assign(const std::vector<Link>& links) {
     OILSKIN_ASSERT(links[i].child < 0 || (static_cast<std::size_t>(links[i].child) > i &&
                                           static_cast<std::size_t>(links[i].child) + 1 < links.size()));
   }
+  list_parts();
 }
 
-void BoxTree::refit(const std::vector<Box>& boxes) {
-  for (std::size_t i = nodes_.size(); i-- > 0;) {
-    Node& n = nodes_[i];
+/// Branches of about equal numbers of nodes, and what is above them.
+void BoxTree::list_parts() {
+  const std::size_t n = nodes_.size(), largest = std::max<std::size_t>(n / parts_wanted, smallest_part);
+  std::vector<std::uint32_t> size(n, 1);  // of the branch below each node, with it
+  for (std::size_t i = n; i-- > 0;)
+    if (nodes_[i].child >= 0) {
+      const auto child = static_cast<std::size_t>(nodes_[i].child);
+      size[i] += size[child] + size[child + 1];
+    }
+  constexpr std::uint32_t above = 0;
+  std::vector<std::uint32_t> part(n, above);  // numbers from 1
+  std::uint32_t parts = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (part[i] == above && size[i] <= largest) part[i] = ++parts;
+    if (nodes_[i].child < 0) continue;
+    const auto child = static_cast<std::size_t>(nodes_[i].child);
+    part[child] = part[child + 1] = part[i];
+  }
+  for (std::uint32_t& p : part) p = p == above ? parts : p - 1;
+  part_begin_.assign(parts + 2, 0);
+  for (const std::uint32_t p : part) ++part_begin_[p + 1];
+  std::partial_sum(part_begin_.begin(), part_begin_.end(), part_begin_.begin());
+  order_.resize(n);
+  std::vector<std::size_t> at(part_begin_.begin(), part_begin_.end() - 1);
+  for (std::size_t i = n; i-- > 0;) order_[at[part[i]]++] = static_cast<std::uint32_t>(i);
+}
+
+void BoxTree::refit(const std::vector<Box>& boxes, const Workers& workers) {
+  const std::size_t branches = part_begin_.size() - 2;
+  sizes_ = workers.ordered_sum(branches, 1, Sizes(), [&](std::size_t branch, std::size_t) {
+    return refit_nodes(boxes, part_begin_[branch], part_begin_[branch + 1]);
+  });
+  sizes_ += refit_nodes(boxes, part_begin_[branches], part_begin_[branches + 1]);
+}
+
+BoxTree::Sizes BoxTree::refit_nodes(const std::vector<Box>& boxes, std::size_t begin, std::size_t end) {
+  Sizes sizes;
+  for (std::size_t k = begin; k < end; ++k) {
+    Node& n = nodes_[order_[k]];
     if (n.child < 0) {
       const Box& box = boxes[static_cast<std::size_t>(-1 - n.child)];
-      for (int k = 0; k < 3; ++k) {
-        n.bound[k] = -box.min[k];
-        n.bound[3 + k] = box.max[k];
+      for (int a = 0; a < 3; ++a) {
+        n.bound[a] = -box.min[a];
+        n.bound[3 + a] = box.max[a];
       }
     } else {
       const Node *left = &nodes_[static_cast<std::size_t>(n.child)], *right = left + 1;
-      for (int k = 0; k < 6; ++k) n.bound[k] = std::max(left->bound[k], right->bound[k]);
+      for (int a = 0; a < 6; ++a) n.bound[a] = std::max(left->bound[a], right->bound[a]);
     }
-  }
-  size_of_leaves_ = size_of_nodes_ = 0;
-  for (const Node& n : nodes_) {
     double size = 0;
-    for (int k = 0; k < 3; ++k) size += n.bound[3 + k] + n.bound[k];
-    size_of_nodes_ += size;
-    if (n.child < 0) size_of_leaves_ += size;
+    for (int a = 0; a < 3; ++a) size += n.bound[3 + a] + n.bound[a];
+    sizes.nodes += size;
+    if (n.child < 0) sizes.leaves += size;
   }
+  return sizes;
 }
 
 bool BoxTree::collect(const Box& box, std::size_t limit, std::vector<std::int32_t>& stack,

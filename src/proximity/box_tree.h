@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/parallel.h"
 #include "oilskin/types.h"
 
 namespace oilskin::proximity {
@@ -19,13 +20,11 @@ class BoxTree {
   /// The structure, node 0 being the root. Boxes follow by refit().
   void assign(const std::vector<Link>& links);
   /// Leaves get their boxes, other nodes the union of their children, without rounding.
-  void refit(const std::vector<Box>& boxes);
+  void refit(const std::vector<Box>& boxes, const Workers& workers);
 
   Box bounds() const { return box_of(nodes_.front()); }
-  double size_of_leaves() const {
-    return size_of_leaves_;
-  }                                                        ///< sum over leaves of the sums of their sides [m]
-  double size_of_nodes() const { return size_of_nodes_; }  ///< the same over all nodes
+  double size_of_leaves() const { return sizes_.leaves; }  ///< sum over leaves of the sums of their sides [m]
+  double size_of_nodes() const { return sizes_.nodes; }    ///< the same over all nodes
 
   /// Appends the boxes that overlap the closed `box`, unordered, to `found`. False if it stopped because
   /// there are more than `limit`. `stack` is memory for it.
@@ -41,6 +40,13 @@ class BoxTree {
   struct Limits {
     double limit[6];  // −max, min
   };
+  struct Sizes {
+    double leaves = 0, nodes = 0;
+    void operator+=(const Sizes& o) {
+      leaves += o.leaves;
+      nodes += o.nodes;
+    }
+  };
 
   static Box box_of(const Node& n) {
     return {Vec3(-n.bound[0], -n.bound[1], -n.bound[2]), Vec3(n.bound[3], n.bound[4], n.bound[5])};
@@ -51,8 +57,15 @@ class BoxTree {
     return all;
   }
 
+  void list_parts();
+  Sizes refit_nodes(const std::vector<Box>& boxes, std::size_t begin, std::size_t end);
+
   std::vector<Node> nodes_;
-  double size_of_leaves_ = 0, size_of_nodes_ = 0;
+  // Nodes in the order in which they are refitted, children first. Parts but the last are separate branches;
+  // the last has the nodes above all of them.
+  std::vector<std::uint32_t> order_;
+  std::vector<std::size_t> part_begin_;
+  Sizes sizes_;
 };
 
 }  // namespace oilskin::proximity

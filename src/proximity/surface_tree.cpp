@@ -7,6 +7,7 @@
 #include <fcl/geometry/bvh/BVH_model.h>
 
 #include <algorithm>
+#include <cstring>
 #include <stdexcept>
 
 #include "core/assert.h"
@@ -22,7 +23,9 @@ using Model = fcl::BVHModel<Aabb>;
 /// Boxes that share a traversal. Consecutive particles of a sorted fluid lie in a few cells.
 constexpr std::size_t block_size = 16;
 /// Boxes per chunk of a thread; a multiple of block_size, so that blocks do not depend on chunks.
-constexpr std::size_t chunk_size = 64 * block_size;
+constexpr std::size_t chunk_size = 2 * block_size;
+/// Triangles per chunk.
+constexpr std::size_t triangle_chunk = 512;
 /// A block that overlaps more triangles is far larger than its members (long sweeps, or particles that are
 /// not neighbours). Then a traversal per member is faster than testing all triangles for each.
 constexpr std::size_t block_limit = 48;
@@ -46,7 +49,8 @@ bool is_empty(const Box& b) {
 }
 
 bool same_triangles(Span<const Triangle> a, const std::vector<Triangle>& b) {
-  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin());
+  // One call for all: comparing arrays of three is a call for each.
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Triangle)) == 0;
 }
 
 bool all_finite(Span<const Vec3> x) {
@@ -76,11 +80,12 @@ struct SurfaceTree::Impl {
   std::size_t builds = 0;
   double leaf_size_built = 0, tree_size_built = 0;
 
-  void update(Span<const Triangle> tris, Span<const Vec3> x_t0, Span<const Vec3> x_t1, Hierarchy by);
+  void update(Span<const Triangle> tris, Span<const Vec3> x_t0, Span<const Vec3> x_t1, Hierarchy by,
+              const Workers& workers);
   void clear();
   void build(Span<const Triangle> tris, Span<const Vec3> x_t1);
   void copy_structure();
-  void refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1);
+  void refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1, const Workers& workers);
   void refit_model();
   bool is_fitted_to(Span<const Vec3> x_t0, Span<const Vec3> x_t1) const;
   bool collect(const Box& box, std::size_t limit, Scratch& scratch) const;
@@ -117,18 +122,18 @@ void SurfaceTree::Impl::copy_structure() {
   flat.assign(links);
 }
 
-void SurfaceTree::Impl::refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1) {
+void SurfaceTree::Impl::refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1, const Workers& workers) {
   fitted_x_t0.assign(x_t0.begin(), x_t0.end());
   fitted_x_t1.assign(x_t1.begin(), x_t1.end());
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
+  workers.for_each(triangles.size(), triangle_chunk, [&](std::size_t t) {
     Box box;
     for (const std::uint32_t node : triangles[t]) {
       box.add(x_t0[node]);
       box.add(x_t1[node]);
     }
     boxes[t] = box;
-  }
-  flat.refit(boxes);
+  });
+  flat.refit(boxes, workers);
   if (hierarchy == Hierarchy::fcl) refit_model();
 }
 
@@ -212,31 +217,31 @@ void SurfaceTree::Impl::clear() {
 }
 
 void SurfaceTree::Impl::update(Span<const Triangle> tris, Span<const Vec3> x_t0, Span<const Vec3> x_t1,
-                               Hierarchy by) {
+                               Hierarchy by, const Workers& workers) {
   const bool is_other = by != hierarchy;
   hierarchy = by;
   if (fitted_x_t1.size() == x_t1.size() && same_triangles(tris, triangles)) {
     if (!is_other && is_fitted_to(x_t0, x_t1)) return;
-    refit(x_t0, x_t1);
+    refit(x_t0, x_t1, workers);
     // Leaves grow with stretch and speed; inner nodes also if parts that were close have moved apart.
     if (flat.size_of_leaves() <= rebuild_growth * leaf_size_built &&
         flat.size_of_nodes() <= rebuild_growth * tree_size_built)
       return;
   }
   build(tris, x_t1);
-  refit(x_t0, x_t1);
+  refit(x_t0, x_t1, workers);
   leaf_size_built = flat.size_of_leaves();
   tree_size_built = flat.size_of_nodes();
 }
 
 void SurfaceTree::update(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1,
-                         Hierarchy hierarchy) {
+                         const Workers& workers, Hierarchy hierarchy) {
   OILSKIN_ASSERT(x_t0.size() == x_t1.size());
   OILSKIN_ASSERT(all_in_range(triangles, x_t1.size()));
   OILSKIN_ASSERT(all_finite(x_t0) && all_finite(x_t1));
   if (triangles.empty()) return impl_->clear();
   try {
-    impl_->update(triangles, x_t0, x_t1, hierarchy);
+    impl_->update(triangles, x_t0, x_t1, hierarchy, workers);
   } catch (...) {
     impl_->clear();  // FCL's model may be inconsistent
     throw;

@@ -35,7 +35,7 @@ class SurfaceTree {
   /// must be finite and indices in range (asserted). Throws std::runtime_error if FCL fails (out of memory);
   /// after any exception the tree has no triangles, and the next call builds it.
   void update(Span<const Triangle> triangles, Span<const Vec3> x_t0, Span<const Vec3> x_t1,
-              Hierarchy hierarchy = Hierarchy::flat);
+              const Workers& workers, Hierarchy hierarchy = Hierarchy::flat);
 
   std::size_t builds() const;  ///< number of builds, for tests and reports
   Box bounds() const;          ///< of all triangles; empty without triangles

@@ -124,7 +124,7 @@ MeshCheck check_mesh(const WaterMesh& mesh, Span<const ObstacleMesh> obstacle_me
 
   Obstacles obstacles(obstacle_meshes);
   if (obstacles.empty() || mesh.triangles.empty()) return check;
-  obstacles.prepare_queries();
+  obstacles.prepare_queries(workers);
   count_pairs(mesh, obstacles, gap, workers, check);
   Box box;
   for (const auto& p : mesh.positions) box.add(Vec3(p[0], p[1], p[2]));

@@ -47,8 +47,8 @@ class Obstacles {
   /// ‖float(c) − c‖ of its corners, at most (R.18) [m].
   double rounding(std::uint32_t t) const { return rounding_[t]; }
   /// Builds the tree for query() and bounds(), if it is not there.
-  void prepare_queries() {
-    if (!is_prepared_) tree_.update(triangles_, vertices_, vertices_);
+  void prepare_queries(const Workers& workers) {
+    if (!is_prepared_) tree_.update(triangles_, vertices_, vertices_, workers);
     is_prepared_ = true;
   }
   Box bounds() const { return tree_.bounds(); }

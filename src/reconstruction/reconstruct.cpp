@@ -134,7 +134,7 @@ void Reconstruction::release_field() {
 }
 
 void Reconstruction::finish(RawMesh& raw, WaterMesh& mesh) {
-  if (keeps_gap() && options.smoothing_iterations > 0) obstacles.prepare_queries();
+  if (keeps_gap() && options.smoothing_iterations > 0) obstacles.prepare_queries(workers);
   const bool keeps = water.is_kept();
   const bool moves = keeps && (options.smoothing_iterations > 0 || !film.empty());
   const std::vector<std::array<float, 3>> polygonised =

@@ -65,7 +65,7 @@ void Reconstruction::find_films() {
   if (!keeps_volume(options)) return;
   water = Water(input, options, particles);
   if (!keeps_gap()) return;
-  obstacles.prepare_queries();
+  obstacles.prepare_queries(workers);
   film = Film(film_rule(options, contact.clearance), particles, water, obstacles, cell, workers);
 }
 

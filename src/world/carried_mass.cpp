@@ -24,14 +24,18 @@ constexpr double largest_share = 0.5;
 /// hardly touches, or has left, must not strike it as if they were heavy.
 constexpr double smallest_load = 64;
 
+constexpr std::size_t chunk_size = 512;
+
 /// A third of the areas of the triangles at each node [m²].
-std::vector<double> node_areas(const SurfaceMotion& m) {
-  std::vector<double> area(m.x_t1.size(), 0);
-  for (const Triangle& t : m.triangles) {
+std::vector<double> node_areas(const SurfaceMotion& m, const Workers& workers) {
+  std::vector<double> third(m.triangles.size()), area(m.x_t1.size(), 0);
+  workers.for_each(m.triangles.size(), chunk_size, [&](std::size_t k) {
+    const Triangle& t = m.triangles[k];
     const Vec3 &a = m.x_t1[t[0]], &b = m.x_t1[t[1]], &c = m.x_t1[t[2]];
-    const double third = (b - a).cross(c - a).norm() / 6;
-    for (std::uint32_t node : t) area[node] += third;
-  }
+    third[k] = (b - a).cross(c - a).norm() / 6;
+  });
+  for (std::size_t k = 0; k < m.triangles.size(); ++k)
+    for (std::uint32_t node : m.triangles[k]) area[node] += third[k];
   return area;
 }
 
@@ -44,48 +48,74 @@ Vec3 owed(const SurfaceMotion& m) {
 }
 
 /// r of (C.42): carried over own mass that the loaded nodes need on average, weighted by the loads.
-double needed_ratio(double dt, const FluidSettings& fluid, const Attachment& a) {
-  double needed = 0, loads = 0;
-  for (std::size_t i = 0; i < a.mean_load.size(); ++i) {
-    if (a.motion.inverse_mass[i] == 0) continue;
-    const double load = a.mean_load[i].norm(), motion = dt * dt * load / own_mass(a.motion, i);
-    needed += load * std::max(0.0, motion / (largest_motion * fluid.spacing) - 1);
-    loads += load;
-  }
-  return loads > 0 ? needed / loads : 0;
+double needed_ratio(double dt, const FluidSettings& fluid, const Attachment& a, const Workers& workers) {
+  struct Sums {
+    double needed = 0, loads = 0;
+    void operator+=(const Sums& o) {
+      needed += o.needed;
+      loads += o.loads;
+    }
+  };
+  const Sums all =
+      workers.ordered_sum(a.mean_load.size(), chunk_size, Sums(), [&](std::size_t begin, std::size_t end) {
+        Sums sums;
+        for (std::size_t i = begin; i < end; ++i) {
+          if (a.motion.inverse_mass[i] == 0) continue;
+          const double load = a.mean_load[i].norm(), motion = dt * dt * load / own_mass(a.motion, i);
+          sums.needed += load * std::max(0.0, motion / (largest_motion * fluid.spacing) - 1);
+          sums.loads += load;
+        }
+        return sums;
+      });
+  return all.loads > 0 ? all.needed / all.loads : 0;
 }
 
-void record_load(double dt, Attachment& a) {
+void record_load(double dt, Attachment& a, const Workers& workers) {
   const SurfaceMotion& m = a.motion;
   if (a.mean_load.size() != m.impulse.size()) a.mean_load.assign(m.impulse.size(), Vec3::Zero());
   const double fresh = -std::expm1(-dt / memory_time);
-  for (std::size_t i = 0; i < m.impulse.size(); ++i)
-    a.mean_load[i] += fresh * (m.impulse[i] / dt - a.mean_load[i]);
+  workers.for_each(m.impulse.size(), chunk_size,
+                   [&](std::size_t i) { a.mean_load[i] += fresh * (m.impulse[i] / dt - a.mean_load[i]); });
 }
 
 }  // namespace
 
 /// (C.29)
-void update_carried_mass(double dt, const FluidSettings& fluid, Attachment& a, StepReport& report) {
+void update_carried_mass(double dt, const FluidSettings& fluid, Attachment& a, const Workers& workers,
+                         StepReport& report) {
   SurfaceMotion& m = a.motion;
   OILSKIN_ASSERT(dt > 0 && m.impulse.size() == m.x_t1.size());
   if (m.still != 0) return forget_load(a);  // prescribed nodes carry nothing
   report.momentum_owed += owed(m);
-  record_load(dt, a);
-  const std::vector<double> area = node_areas(m);
+  record_load(dt, a, workers);
+  const std::vector<double> area = node_areas(m, workers);
   const double most = largest_share * fluid.rest_density * fluid.spacing;
-  const double ratio = needed_ratio(dt, fluid, a);
+  const double ratio = needed_ratio(dt, fluid, a, workers);
   m.carried_mass.assign(m.x_t1.size(), 0);
-  for (std::size_t i = 0; i < m.x_t1.size(); ++i) {
-    if (m.inverse_mass[i] == 0) continue;
-    const double own = own_mass(m, i), load = a.mean_load[i].norm();
-    report.load_speed = std::max(report.load_speed, load * dt / own);
-    const double by_load = smallest_load * dt * dt * load / (largest_motion * fluid.spacing) - own;
-    const double carried = std::min({ratio * own, most * area[i], by_load});
-    if (!(carried > 0)) continue;
-    m.carried_mass[i] = carried;
-    report.carried_ratio = std::max(report.carried_ratio, carried / own);
-  }
+  struct Largest {
+    double speed = 0, ratio = 0;
+    void operator+=(const Largest& o) {
+      speed = std::max(speed, o.speed);
+      ratio = std::max(ratio, o.ratio);
+    }
+  };
+  const Largest found =
+      workers.ordered_sum(m.x_t1.size(), chunk_size, Largest(), [&](std::size_t begin, std::size_t end) {
+        Largest largest;
+        for (std::size_t i = begin; i < end; ++i) {
+          if (m.inverse_mass[i] == 0) continue;
+          const double own = own_mass(m, i), load = a.mean_load[i].norm();
+          largest.speed = std::max(largest.speed, load * dt / own);
+          const double by_load = smallest_load * dt * dt * load / (largest_motion * fluid.spacing) - own;
+          const double carried = std::min({ratio * own, most * area[i], by_load});
+          if (!(carried > 0)) continue;
+          m.carried_mass[i] = carried;
+          largest.ratio = std::max(largest.ratio, carried / own);
+        }
+        return largest;
+      });
+  report.load_speed = std::max(report.load_speed, found.speed);
+  report.carried_ratio = std::max(report.carried_ratio, found.ratio);
 }
 
 void forget_load(Attachment& a) {

@@ -7,7 +7,8 @@ namespace oilskin::world {
 
 /// At the end of a step of dt [s], before the hosts are scattered: books what the added masses took, and sets
 /// carried_mass for the next step from the mean load.
-void update_carried_mass(double dt, const FluidSettings& fluid, Attachment& a, StepReport& report);
+void update_carried_mass(double dt, const FluidSettings& fluid, Attachment& a, const Workers& workers,
+                         StepReport& report);
 
 /// A new surface, a teleport, a surface that is left out: nothing is carried.
 void forget_load(Attachment& a);

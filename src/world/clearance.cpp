@@ -11,9 +11,9 @@ namespace oilskin::world {
 
 namespace {
 
-Box bounds_of(const StandingSurface& surface) {
+Box bounds_of(const StandingSurface& surface, const Workers& workers) {
   if (surface.still != 0) {
-    surface.geometry->fit(surface.triangles, surface.x, surface.x, surface.still);
+    surface.geometry->fit(surface.triangles, surface.x, surface.x, surface.still, workers);
     return surface.geometry->tree.bounds();
   }
   Box bounds;
@@ -27,7 +27,7 @@ template <class F>
 void for_near_triangles(const StandingSurface& surface, double reach, Span<const Vec3> points,
                         const std::vector<std::uint8_t>& skipped, const Workers& workers, const F& f) {
   OILSKIN_ASSERT(surface.delta > 0 && !surface.triangles.empty() && surface.geometry);
-  const Box bounds = bounds_of(surface).inflated(reach);
+  const Box bounds = bounds_of(surface, workers).inflated(reach);
   std::vector<Box> boxes;
   std::vector<std::uint32_t> index;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
@@ -36,7 +36,7 @@ void for_near_triangles(const StandingSurface& surface, double reach, Span<const
     index.push_back(i);
   }
   if (boxes.empty()) return;
-  surface.geometry->fit(surface.triangles, surface.x, surface.x, surface.still);
+  surface.geometry->fit(surface.triangles, surface.x, surface.x, surface.still, workers);
   proximity::Candidates candidates;
   surface.geometry->tree.query(boxes, workers, candidates);
   OILSKIN_ASSERT(candidates.begin.size() == boxes.size() + 1);

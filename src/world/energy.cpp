@@ -18,7 +18,7 @@ constexpr double window = 0.1;
 /// part of the water has more than its share.
 constexpr double focus = 4;
 
-constexpr std::size_t chunk_size = 4096;
+constexpr std::size_t chunk_size = 4096, node_chunk = 512;
 
 /// The speed of a node over a step or an interval [m/s]; 0 before the first.
 Vec3 speed(const SurfaceMotion& m, std::size_t node, double dt) {
@@ -157,23 +157,43 @@ Energy energy_of_body(const SurfaceMotion& m, double dt) {
 /// Where contact gave a free node an impulse at the end of the step before, its speed changed in between:
 /// the work is at the mean (F.60).
 void EnergyBalance::end_surface(const SurfaceMotion& now, double dt, const SurfaceMotion& before,
-                                double dt_before) {
+                                double dt_before, const Workers& workers) {
   if (before.still != 0 && now.still != 0) return;  // no node is free
   const bool is_same = before.id == now.id && before.x_t1.size() == now.x_t1.size();
   nodes_before_ += energy_of_body(before, dt_before);
   nodes_ += energy_of_body(now, dt);
-  for (std::size_t j = 0; j < before.x_t1.size(); ++j) {
-    if (before.inverse_mass[j] == 0 && !before.body) continue;
-    const Vec3 u = speed(before, j, dt_before);
-    if (!before.body) nodes_before_.add(own_mass(before, j), u, before.x_t1[j] - 0.5 * dt_before * u);
-    if (before.impulse.size() != before.x_t1.size()) continue;
-    if (is_same) late_ += 0.5 * before.impulse[j].dot(speed(now, j, dt) - u);
-  }
-  for (std::size_t j = 0; j < now.x_t1.size(); ++j) {
-    if (now.inverse_mass[j] == 0) continue;
-    const Vec3 u = speed(now, j, dt);
-    nodes_.add(own_mass(now, j), u, now.x_t1[j] - 0.5 * dt * u);
-  }
+  struct Before {
+    Energy nodes;
+    double late = 0;
+    void operator+=(const Before& o) {
+      nodes += o.nodes;
+      late += o.late;
+    }
+  };
+  const auto sums_before = [&](std::size_t begin, std::size_t end) {
+    Before sums;
+    for (std::size_t j = begin; j < end; ++j) {
+      if (before.inverse_mass[j] == 0 && !before.body) continue;
+      const Vec3 u = speed(before, j, dt_before);
+      if (!before.body) sums.nodes.add(own_mass(before, j), u, before.x_t1[j] - 0.5 * dt_before * u);
+      if (before.impulse.size() != before.x_t1.size()) continue;
+      if (is_same) sums.late += 0.5 * before.impulse[j].dot(speed(now, j, dt) - u);
+    }
+    return sums;
+  };
+  const Before all = workers.ordered_sum(before.x_t1.size(), node_chunk, Before(), sums_before);
+  nodes_before_ += all.nodes;
+  late_ += all.late;
+  nodes_ +=
+      workers.ordered_sum(now.x_t1.size(), node_chunk, Energy(), [&](std::size_t begin, std::size_t end) {
+        Energy sum;
+        for (std::size_t j = begin; j < end; ++j) {
+          if (now.inverse_mass[j] == 0) continue;
+          const Vec3 u = speed(now, j, dt);
+          sum.add(own_mass(now, j), u, now.x_t1[j] - 0.5 * dt * u);
+        }
+        return sum;
+      });
 }
 
 void EnergyBalance::include(EnergyBalance& other) {

@@ -114,7 +114,8 @@ class EnergyBalance {
   /// What makes a particle too fast, of both.
   void share_limits(EnergyBalance& other);
   /// A surface at the end of a step of dt, and as the step of dt_before left it.
-  void end_surface(const SurfaceMotion& now, double dt, const SurfaceMotion& before, double dt_before);
+  void end_surface(const SurfaceMotion& now, double dt, const SurfaceMotion& before, double dt_before,
+                   const Workers& workers);
   /// The report of a step of dt. `spacing` [m] is the resolution of heights. The mass of the particles is
   /// `relative_mass` [particle_mass]; of others with this one's, that and their own [kg].
   const EnergyReport& finish(double relative_mass, double mass_of_others, double dt, double spacing);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "contact/verify.h"
 #include "core/assert.h"
 #include "world/absorption.h"
 #include "world/carried_mass.h"
@@ -252,8 +253,8 @@ bool World::Impl::propose_end(IntervalContext& interval, std::size_t i) const {
 void World::Impl::verify(IntervalContext& interval, const ParticleMotion& motion) const {
   if (!interval.step.contact->verify) return;
   StageTimer timer(interval.step.report.seconds.verify);
-  interval.report.crossings_found_by_verify =
-      ContactSolver::count_crossings(motion, interval.step.surfaces.motion, &interval.report.verified_pairs);
+  interval.report.crossings_found_by_verify = contact::count_crossings(
+      motion, interval.step.surfaces.motion, *workers, &interval.report.verified_pairs);
 }
 
 void World::Impl::notify_observer(IntervalContext& interval) {
@@ -367,7 +368,7 @@ void World::Impl::scatter(StepContext& step) {
   release(step);
   fluid->record_load(step.dt, step.surfaces.motion);
   for (world::Attachment* a : step.surfaces.attachment)
-    world::update_carried_mass(step.dt, fluid_settings, *a, step.report);
+    world::update_carried_mass(step.dt, fluid_settings, *a, *workers, step.report);
   std::vector<std::vector<Vec3>> impulses;  // of contact and pressure alone
   for (world::Attachment* a : step.surfaces.attachment)
     impulses.push_back(world::add_momentum_of_liquid(*a, a->motion));
@@ -375,7 +376,7 @@ void World::Impl::scatter(StepContext& step) {
   for (std::size_t s = 0; s < impulses.size(); ++s)
     if (!impulses[s].empty()) step.surfaces.motion[s]->impulse.swap(impulses[s]);
   for (const world::Attachment* a : step.surfaces.attachment)
-    step.energy.end_surface(a->motion, step.dt, world::Attachments::before(*a), state.last_dt);
+    step.energy.end_surface(a->motion, step.dt, world::Attachments::before(*a), state.last_dt, *workers);
 }
 
 void World::Impl::finish(StepContext& step) {

@@ -320,7 +320,8 @@ void World::JointStep::scatter() {
   for (const auto& m : members_)
     for (const auto& a : m->impl.attachments.all()) {
       if (a->refused || index_.count(original_of(*a)) == 0) continue;
-      world::update_carried_mass(dt_, m->impl.fluid_settings, *a, a->sharing.original ? of_copies : report);
+      world::update_carried_mass(dt_, m->impl.fluid_settings, *a, *m->impl.workers,
+                                 a->sharing.original ? of_copies : report);
     }
   std::vector<std::vector<Vec3>> impulses;  // of contact and pressure alone
   for (Attachment* original : surfaces_.attachment) {
@@ -337,7 +338,7 @@ void World::JointStep::scatter() {
     world::copy_end(original);
     for (Attachment* copy : original.sharing.copies) copy->teleported |= original.teleported;
     members_[0]->step.energy.end_surface(original.motion, dt_, Attachments::before(original),
-                                         members_[0]->impl.state.last_dt);
+                                         members_[0]->impl.state.last_dt, *members_[0]->impl.workers);
   }
 }
 

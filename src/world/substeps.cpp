@@ -7,6 +7,12 @@
 
 namespace oilskin::world {
 
+namespace {
+
+constexpr std::size_t triangle_chunk = 512;
+
+}  // namespace
+
 int substep_count(const Speeds& speeds, double dt, double distance, int maximum) {
   OILSKIN_ASSERT(dt > 0 && distance > 0 && maximum >= 1);
   const double fluid = speeds.fluid + speeds.gravity * dt;
@@ -38,23 +44,40 @@ bool has_free_nodes(Span<SurfaceMotion* const> surfaces) {
   });
 }
 
-double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, double dt) {
-  OILSKIN_ASSERT(dt > 0);
-  double longest = 0;  // squared
-  for (const SurfaceMotion* s : surfaces) {
-    if (s->still != 0) continue;
-    for (const Triangle& t : s->triangles) {
-      Box swept;
-      double distance = 0;
-      for (std::uint32_t node : t) {
-        swept.add(s->x_t0[node]);
-        swept.add(s->x_t1[node]);
-        distance = std::max(distance, (s->x_t1[node] - s->x_t0[node]).squaredNorm());
-      }
-      if (distance > longest && swept.overlaps(water)) longest = distance;
+namespace {
+
+/// Squared, of a node of one of the triangles begin … end − 1 that sweep through `water`.
+double longest_path(const SurfaceMotion& s, const Box& water, std::size_t begin, std::size_t end) {
+  double longest = 0;
+  for (std::size_t t = begin; t < end; ++t) {
+    Box swept;
+    double distance = 0;
+    for (std::uint32_t node : s.triangles[t]) {
+      swept.add(s.x_t0[node]);
+      swept.add(s.x_t1[node]);
+      distance = std::max(distance, (s.x_t1[node] - s.x_t0[node]).squaredNorm());
     }
+    if (distance > longest && swept.overlaps(water)) longest = distance;
   }
-  return std::sqrt(longest) / dt;
+  return longest;
+}
+
+}  // namespace
+
+double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, double dt,
+                    const Workers& workers) {
+  OILSKIN_ASSERT(dt > 0);
+  struct Longest {
+    double square = 0;
+    void operator+=(const Longest& o) { square = std::max(square, o.square); }
+  };
+  Longest longest;
+  for (const SurfaceMotion* s : surfaces)
+    if (s->still == 0)
+      longest += workers.ordered_sum(
+          s->triangles.size(), triangle_chunk, Longest(),
+          [&](std::size_t begin, std::size_t end) { return Longest{longest_path(*s, water, begin, end)}; });
+  return std::sqrt(longest.square) / dt;
 }
 
 void SurfacePaths::begin(Span<SurfaceMotion* const> surfaces, int parts, double length) {

@@ -1,6 +1,7 @@
 /// Sub-steps: their number, and the positions of surfaces between them.
 #pragma once
 
+#include "core/parallel.h"
 #include "oilskin/surface_motion.h"
 
 namespace oilskin::world {
@@ -31,7 +32,7 @@ double longest_step(const Speeds& speeds, double distance);
 bool has_free_nodes(Span<SurfaceMotion* const> surfaces);
 
 /// The largest speed of a node whose triangle sweeps through the box `water` in a step of dt [s].
-double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, double dt);
+double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, double dt, const Workers& workers);
 
 /// Moves the surfaces through the parts of a step. In each part a node moves on the straight line from its
 /// certified position to the host's proposal for the end of the step; the last part ends exactly there. So a

@@ -48,7 +48,8 @@ world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved
   found.gravity = found.fluid > 0 || state.particles.size() > 0 ? g : 0;
   found.has_cloth = world::has_free_nodes(moved);
   const double reach = fluid->support_radius() + found.fluid * dt;
-  if (moved_for > 0) found.surfaces = world::fastest_node(moved, water.box.inflated(reach), moved_for);
+  if (moved_for > 0)
+    found.surfaces = world::fastest_node(moved, water.box.inflated(reach), moved_for, *workers);
   return found;
 }
 

@@ -38,7 +38,7 @@ struct Scene {
     surface = test::surface_of(mesh);
     for (Vec3& node : surface.x_t1) node += by;
     geometry.analyse(surface);
-    geometry.fit(surface);
+    geometry.fit(surface, Workers(1));
   }
   double distance(const Vec3& p, std::uint32_t t) const {
     const Triangle& n = surface.triangles[t];

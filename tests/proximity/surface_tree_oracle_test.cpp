@@ -35,7 +35,7 @@ struct StaticQuery {
       boxes.push_back(Box{points.back(), points.back()}.inflated(h));
     }
     SurfaceTree tree;
-    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1));
     tree.query(boxes, Workers(1), candidates);
   }
 };
@@ -110,7 +110,7 @@ bool record(fcl::CollisionObject<double>* a, fcl::CollisionObject<double>* b, vo
 
 void expect_equal_to_manager(const MovingMesh& mesh, const std::vector<Box>& boxes) {
   SurfaceTree tree;
-  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1);
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1));
   Candidates candidates;
   tree.query(boxes, Workers(1), candidates);
   Hits hits;

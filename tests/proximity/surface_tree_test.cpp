@@ -34,7 +34,7 @@ void walk(MovingMesh mesh, double distance, const std::vector<Box>& boxes, Rando
           Hierarchy hierarchy) {
   SurfaceTree tree;
   for (int step = 0; step < 3; ++step) {
-    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, hierarchy);
+    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(2), hierarchy);
     expect_exact(tree, mesh, boxes);
     mesh.x_t0 = mesh.x_t1;
     move(mesh, distance, random);
@@ -69,7 +69,7 @@ TEST_P(EveryHierarchy, finds_exactly_what_brute_force_finds_on_fans_of_ten_thous
   // At the hub every box reaches thousands of triangles; away from it few.
   const auto mesh = fan(10000, 0.001, random);
   SurfaceTree tree;
-  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
   auto boxes = particle_boxes(64, 0.02, 0.01, 0.001, random);
   const auto far = particle_boxes(64, 1, 0.01, 0.001, random);
   boxes.insert(boxes.end(), far.begin(), far.end());
@@ -80,7 +80,7 @@ TEST_P(EveryHierarchy, long_sweeps_and_blocks_of_distant_particles_are_exact) {
   Random random(5);
   const auto mesh = sheet(40, 0.01, random);
   SurfaceTree tree;
-  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
   for (double sweep : {0.0, 0.05, 2.0})
     expect_exact(tree, mesh, particle_boxes(200, 1, sweep, 0.001, random));
 }
@@ -90,7 +90,7 @@ TEST_P(EveryHierarchy, touching_boxes_overlap) {
   mesh.triangles = {{0, 1, 2}};
   mesh.x_t0 = mesh.x_t1 = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 1)};
   SurfaceTree tree;
-  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
   std::vector<std::uint32_t> found;
   tree.query({Vec3(1, 0, 1), Vec3(2, 0, 2)}, found);
   EXPECT_EQ(found.size(), 1u);
@@ -106,7 +106,7 @@ TEST_P(EveryHierarchy, no_triangles_give_no_candidates) {
   tree.query(boxes, workers, found);
   EXPECT_TRUE(found.triangle.empty());
   const std::vector<Vec3> nodes(5, Vec3::Zero());
-  tree.update({}, nodes, nodes, GetParam());
+  tree.update({}, nodes, nodes, Workers(1), GetParam());
   tree.query(boxes, workers, found);
   EXPECT_EQ(found.begin, std::vector<std::uint32_t>(21, 0));
   EXPECT_GT(tree.bounds().min.x(), tree.bounds().max.x());
@@ -125,7 +125,7 @@ TEST_P(EveryHierarchy, one_degenerate_and_many_duplicate_triangles_are_fine) {
                                 std::vector<Triangle>{{0, 1, 2}, {2, 1, 0}, {0, 0, 1}}}) {
     mesh.triangles = triangles;
     SurfaceTree tree;
-    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
     EXPECT_EQ(tree.builds(), 1u);
     expect_exact(tree, mesh, boxes);
   }
@@ -140,7 +140,7 @@ TEST_P(EveryHierarchy, deep_trees_of_crowding_centroids_are_traversed) {
   }
   mesh.x_t1 = mesh.x_t0;
   SurfaceTree tree;
-  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
   expect_exact(tree, mesh, particle_boxes(100, 0.01, 0.01, 0.001, random));
 }
 
@@ -148,13 +148,13 @@ TEST_P(EveryHierarchy, sweep_starts_at_the_corrected_positions_not_at_the_last_p
   Random random(8);
   auto mesh = sheet(12, 0.01, random);
   SurfaceTree tree;
-  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
   for (int step = 0; step < 20; ++step) {
     // Contact moved nodes after the proposal was handed to the tree: far enough to leave all old boxes.
     for (Vec3& x : mesh.x_t1) x += Vec3(0, 0.5 + 0.1 * step, 0) + random.in_cube(0.2);
     mesh.x_t0 = mesh.x_t1;
     move(mesh, 0.01, random);
-    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       for (std::uint32_t node : mesh.triangles[t]) {
         std::vector<std::uint32_t> found;
@@ -172,7 +172,7 @@ TEST_P(EveryHierarchy, first_build_already_sweeps) {
   mesh.x_t0 = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 1)};
   for (const Vec3& x : mesh.x_t0) mesh.x_t1.push_back(x + Vec3(0, 5, 0));
   SurfaceTree tree;
-  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
   EXPECT_EQ(tree.bounds().min, Vec3(0, 0, 0));
   EXPECT_EQ(tree.bounds().max, Vec3(1, 5, 1));
 }
@@ -182,17 +182,17 @@ TEST_P(EveryHierarchy, refits_while_the_mesh_keeps_its_size_and_rebuilds_when_it
   auto mesh = sheet(16, 0.0, random);
   SurfaceTree tree;
   for (int step = 0; step < 50; ++step) {
-    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
     mesh.x_t0 = mesh.x_t1;
     for (Vec3& x : mesh.x_t1) x += Vec3(0.003, 0.001, 0);
   }
   EXPECT_EQ(tree.builds(), 1u);
   for (Vec3& x : mesh.x_t1) x *= 2.5;
   mesh.x_t0 = mesh.x_t1;
-  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
   EXPECT_EQ(tree.builds(), 2u);
   expect_exact(tree, mesh, particle_boxes(100, 2, 0.1, 0.05, random));
-  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
   EXPECT_EQ(tree.builds(), 2u) << "the size after the last build counts";
 }
 
@@ -209,9 +209,9 @@ TEST_P(EveryHierarchy, rebuilds_when_neighbours_in_the_tree_drift_apart) {
   };
   SurfaceTree tree;
   place(1);
-  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
   place(4);  // leaves as large as before, the tree above them not
-  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
   EXPECT_EQ(tree.builds(), 2u);
 }
 
@@ -222,7 +222,7 @@ TEST_P(EveryHierarchy, changed_topology_is_a_new_tree) {
   std::size_t builds = 0;
   auto mesh = sheet(10, 0.01, random);
   auto update = [&] {
-    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
     EXPECT_EQ(tree.builds(), ++builds);
     expect_exact(tree, mesh, boxes);
   };
@@ -236,7 +236,7 @@ TEST_P(EveryHierarchy, changed_topology_is_a_new_tree) {
   mesh.x_t0.emplace_back(9, 9, 9);  // a node more, unused
   mesh.x_t1.emplace_back(9, 9, 9);
   update();
-  tree.update({}, mesh.x_t0, mesh.x_t1, GetParam());
+  tree.update({}, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
   update();
 }
 
@@ -244,7 +244,7 @@ TEST_P(EveryHierarchy, any_number_of_threads_gives_the_same_candidates) {
   Random random(12);
   const auto mesh = sheet(40, 0.01, random);
   SurfaceTree tree;
-  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+  tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
   const auto boxes = particle_boxes(5000, 1, 0.02, 0.01, random);
   Candidates one, many;
   tree.query(boxes, Workers(1), one);
@@ -264,7 +264,7 @@ TEST_P(EveryHierarchy, notices_that_only_one_end_of_the_motion_changed) {
     // Nothing, the end, nothing, the start, …: one node far away is enough.
     if (step % 4 == 1) mesh.x_t1[37] += Vec3(0, 0.4, 0);
     if (step % 4 == 3) mesh.x_t0[12] -= Vec3(0, 0.4, 0);
-    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
     expect_exact(tree, mesh, boxes);
   }
 }
@@ -276,7 +276,7 @@ TEST(SurfaceTree, hierarchies_may_alternate) {
   SurfaceTree tree;
   for (int step = 0; step < 6; ++step) {
     const Hierarchy hierarchy = step % 3 == 1 ? Hierarchy::fcl : Hierarchy::flat;
-    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, hierarchy);
+    tree.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), hierarchy);
     expect_exact(tree, mesh, boxes);
     if (step % 2 == 0) continue;  // the same motion for the other
     mesh.x_t0 = mesh.x_t1;
@@ -289,7 +289,7 @@ TEST_P(EveryHierarchy, can_be_moved) {
   Random random(13);
   const auto mesh = sheet(10, 0.01, random);
   SurfaceTree a;
-  a.update(mesh.triangles, mesh.x_t0, mesh.x_t1, GetParam());
+  a.update(mesh.triangles, mesh.x_t0, mesh.x_t1, Workers(1), GetParam());
   SurfaceTree b = std::move(a);
   expect_exact(b, mesh, particle_boxes(50, 1, 0.1, 0.02, random));
 }

@@ -21,7 +21,7 @@ class Surface {
  public:
   explicit Surface(const WaterMesh& mesh) : triangles_(mesh.triangles) {
     for (const auto& p : mesh.positions) vertices_.emplace_back(p[0], p[1], p[2]);
-    tree_.update(triangles_, vertices_, vertices_);
+    tree_.update(triangles_, vertices_, vertices_, Workers(1));
   }
   double distance(const Vec3& x, double limit) const {
     Box box;

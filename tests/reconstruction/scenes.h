@@ -58,7 +58,7 @@ struct WaterScene {
   /// Away from the triangle that is nearest, to `least` spacings.
   void push_off(double minimum) {
     proximity::SurfaceTree tree;
-    tree.update(triangles, vertices, vertices);
+    tree.update(triangles, vertices, vertices, Workers(1));
     std::vector<std::uint32_t> near;
     for (Vec3& p : particles)
       for (int round = 0; round < 4; ++round) {

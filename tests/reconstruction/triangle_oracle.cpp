@@ -140,7 +140,7 @@ double triangle_distance(const Corners3& t, const Corners3& c) {
 PairAudit audit_pairs(const WaterMesh& mesh, const ObstacleMesh& obstacle, double reach) {
   PairAudit audit;
   proximity::SurfaceTree tree;
-  tree.update(obstacle.triangles, obstacle.vertices, obstacle.vertices);
+  tree.update(obstacle.triangles, obstacle.vertices, obstacle.vertices, Workers(1));
   std::vector<std::uint32_t> near;
   for (const Triangle& t : mesh.triangles) {
     Corners3 own;

@@ -9,7 +9,7 @@ namespace oilskin::fluid {
 
 namespace {
 
-constexpr std::size_t point_chunk = 256;
+constexpr std::size_t point_chunk = 64;
 
 double mass_of(Span<const float> ratio, std::uint32_t particle, double mass) {
   return ratio.empty() ? mass : mass * static_cast<double>(ratio[particle]);
@@ -37,20 +37,20 @@ void Boundary::find(const BoundaryInput& input, const Workers& workers) {
   nodes_.clear();
   geometry_.find(input, workers);
   if (empty()) return;
-  nodes_.number(geometry_.walls(), input.surfaces);
+  nodes_.number(geometry_.walls(), input.surfaces, workers);
   compliance_.bodies().build(geometry_, input.surfaces, memory_, input.dt, mass_, workers);
-  compliance_.build(geometry_, nodes_, node_motion(input.dt), mass_, workers);
+  compliance_.build(geometry_, nodes_, node_motion(input.dt, workers), mass_, workers);
 }
 
-std::vector<WallNodeMotion> Boundary::node_motion(double dt) const {
+std::vector<WallNodeMotion> Boundary::node_motion(double dt, const Workers& workers) const {
   std::vector<WallNodeMotion> motion(nodes_.size());
-  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+  workers.for_each(nodes_.size(), point_chunk, [&](std::size_t n) {
     const std::uint32_t i = nodes_[n].node;
     const SurfaceMotion& s = *surfaces_[nodes_[n].surface];
     motion[n].inverse_mass = static_cast<float>(s.inverse_mass[i]);
     motion[n].velocity = ((s.x_t1[i] - s.x_t0[i]) / dt).cast<float>();
     if (motion[n].inverse_mass > 0) motion[n].carried = memory_.carried_impulse(s.id, i, dt).cast<float>();
-  }
+  });
   return motion;
 }
 

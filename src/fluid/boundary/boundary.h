@@ -49,7 +49,7 @@ class Boundary {
   LoadMemory& memory() { return memory_; }
 
  private:
-  std::vector<WallNodeMotion> node_motion(double dt) const;
+  std::vector<WallNodeMotion> node_motion(double dt, const Workers& workers) const;
   void push_bodies(const std::vector<Vec3>& impulse);
   void record_wall_impulses(const std::vector<WallLoad<double>>& load, Span<const float> mass_ratio);
 

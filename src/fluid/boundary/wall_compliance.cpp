@@ -10,7 +10,7 @@ namespace oilskin::fluid {
 
 namespace {
 
-constexpr std::size_t point_chunk = 256;
+constexpr std::size_t point_chunk = 64;
 
 /// Error that solve() leaves, and the largest condition number C that it iterates for (B.24).
 constexpr double solve_tolerance = 0.3, max_condition = 50;
@@ -54,7 +54,7 @@ void WallCompliance::build(const WallGeometry& geometry, const WallNodes& nodes,
   has_free_nodes_ =
       std::any_of(motion_.begin(), motion_.end(), [](const WallNodeMotion& n) { return n.inverse_mass > 0; });
   couple_points(geometry, nodes, workers);
-  couple_nodes();
+  couple_nodes(workers);
   sum_rows(workers);
   wall_velocity_.resize(motion_.size());
   normal_flux_.assign(geometry.points().size(), 0);
@@ -90,19 +90,19 @@ void WallCompliance::couple_points(const WallGeometry& geometry, const WallNodes
     }
   });
   std::partial_sum(of_point_.begin.begin(), of_point_.begin.end(), of_point_.begin.begin());
-  of_point_.list.clear();
-  for (const auto& list : found) of_point_.list.insert(of_point_.list.end(), list.begin(), list.end());
+  of_point_.list.resize(of_point_.begin.back());
+  workers.for_each(found.size(), 1, [&](std::size_t c) {
+    std::copy(found[c].begin(), found[c].end(), of_point_.list.begin() + of_point_.begin[c * point_chunk]);
+  });
 }
 
 /// The same couplings in the order of the nodes.
-void WallCompliance::couple_nodes() {
-  of_node_.begin.assign(motion_.size() + 1, 0);
-  for (const Coupling& c : of_point_.list) ++of_node_.begin[c.other + 1];
-  std::partial_sum(of_node_.begin.begin(), of_node_.begin.end(), of_node_.begin.begin());
-  of_node_.list.resize(of_point_.list.size());
-  std::vector<std::uint32_t> at(of_node_.begin.begin(), of_node_.begin.end() - 1);
-  for (std::uint32_t k = 0; k + 1 < of_point_.begin.size(); ++k)
-    for (const Coupling& c : of_point_.of(k)) of_node_.list[at[c.other]++] = {k, c.gamma};
+void WallCompliance::couple_nodes(const Workers& workers) {
+  const auto for_couplings = [&](std::size_t begin, std::size_t end, const auto& f) {
+    for (std::size_t k = begin; k < end; ++k)
+      for (const Coupling& c : of_point_.of(k)) f(c.other, Coupling{static_cast<std::uint32_t>(k), c.gamma});
+  };
+  sort_by_key(of_point_.begin.size() - 1, point_chunk, motion_.size(), for_couplings, workers, of_node_);
 }
 
 void WallCompliance::sum_rows(const Workers& workers) {

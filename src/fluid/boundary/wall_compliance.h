@@ -51,16 +51,11 @@ class WallCompliance {
     std::uint32_t other;
     Eigen::Vector3f gamma;
   };
-  struct Couplings {
-    std::vector<std::uint32_t> begin;
-    std::vector<Coupling> list;
-
-    Span<const Coupling> of(std::size_t k) const { return {list.data() + begin[k], begin[k + 1] - begin[k]}; }
-  };
+  using Couplings = KeyedLists<Coupling>;
   struct Chebyshev;
 
   void couple_points(const WallGeometry& geometry, const WallNodes& nodes, const Workers& workers);
-  void couple_nodes();
+  void couple_nodes(const Workers& workers);
   void sum_rows(const Workers& workers);
   void set_wall_velocity(const std::vector<float>& theta, const Workers& workers);
   bool yields() const { return has_free_nodes_ || !bodies_.empty(); }

@@ -34,8 +34,7 @@ void add_images(Span<const Wall> walls, std::vector<ImagePlane>& images) {
 }  // namespace
 
 void WallGeometry::clear() {
-  points_.clear();
-  walls_.clear();
+  points_.clear();  // the walls are those of no point; clearing them would make join() initialise them
   point_of_.clear();
 }
 

@@ -1,59 +1,73 @@
 #include "fluid/boundary/wall_nodes.h"
 
-#include <numeric>
+#include <algorithm>
 
 #include "core/assert.h"
 
 namespace oilskin::fluid {
 
-void WallNodes::clear() {
-  nodes_.clear();
-  of_wall_.clear();
-}
-
 namespace {
 
-constexpr std::uint32_t none = UINT32_MAX;
+constexpr std::size_t wall_chunk = 1024;
+
+constexpr std::uint32_t none = UINT32_MAX, found = none - 1;
 
 }  // namespace
 
-void WallNodes::number(const std::vector<Wall>& walls, Span<SurfaceMotion* const> surfaces) {
-  clear();
+void WallNodes::clear() {
+  nodes_.clear();
+}
+
+void WallNodes::Numbers::resize(std::size_t nodes) {
+  if (nodes == size_) return;
+  number_ = std::make_unique<std::atomic<std::uint32_t>[]>(nodes);
+  for (std::size_t i = 0; i < nodes; ++i) number_[i].store(none, std::memory_order_relaxed);
+  size_ = nodes;
+}
+
+void WallNodes::number(const std::vector<Wall>& walls, Span<SurfaceMotion* const> surfaces,
+                       const Workers& workers) {
+  if (has_numbers_) number_.clear();
+  has_numbers_ = true;
   number_.resize(surfaces.size());
-  for (std::size_t s = 0; s < surfaces.size(); ++s)
-    if (number_[s].size() != surfaces[s]->x_t0.size()) number_[s].assign(surfaces[s]->x_t0.size(), none);
-  of_wall_.reserve(walls.size());
-  for (const Wall& wall : walls) {
-    const Triangle& triangle = surfaces[wall.surface]->triangles[wall.triangle];
-    std::array<std::uint32_t, 3> of_wall{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      std::uint32_t& n = number_[wall.surface][triangle[k]];
-      if (n == none) {
-        n = static_cast<std::uint32_t>(nodes_.size());
-        nodes_.push_back({wall.surface, triangle[k]});
+  for (std::size_t s = 0; s < surfaces.size(); ++s) number_[s].resize(surfaces[s]->x_t0.size());
+  find_nodes(walls, surfaces, workers);
+  const auto number_of = [&](const Node& n) -> std::atomic<std::uint32_t>& {
+    return number_[n.surface][n.node];
+  };
+  for (std::size_t n = 0; n < nodes_.size(); ++n)
+    number_of(nodes_[n]).store(static_cast<std::uint32_t>(n), std::memory_order_relaxed);
+  of_wall_.resize(walls.size());
+  workers.for_each(walls.size(), wall_chunk, [&](std::size_t w) {
+    const Triangle& triangle = surfaces[walls[w].surface]->triangles[walls[w].triangle];
+    for (std::size_t k = 0; k < 3; ++k)
+      of_wall_[w][k] = number_of({walls[w].surface, triangle[k]}).load(std::memory_order_relaxed);
+  });
+  for (const Node& n : nodes_) number_of(n).store(none, std::memory_order_relaxed);
+  has_numbers_ = false;
+  const auto for_corners = [&](std::size_t begin, std::size_t end, const auto& f) {
+    for (std::size_t w = begin; w < end; ++w)
+      for (std::uint8_t k = 0; k < 3; ++k) f(of_wall_[w][k], Corner{static_cast<std::uint32_t>(w), k});
+  };
+  sort_by_key(walls.size(), wall_chunk, nodes_.size(), for_corners, workers, corners_);
+}
+
+/// Whichever thread meets a node first lists it.
+void WallNodes::find_nodes(const std::vector<Wall>& walls, Span<SurfaceMotion* const> surfaces,
+                           const Workers& workers) {
+  std::vector<std::vector<Node>> parts((walls.size() + wall_chunk - 1) / wall_chunk);
+  workers.for_chunks(walls.size(), wall_chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
+    for (std::size_t w = begin; w < end; ++w)
+      for (const std::uint32_t node : surfaces[walls[w].surface]->triangles[walls[w].triangle]) {
+        std::atomic<std::uint32_t>& number = number_[walls[w].surface][node];
+        if (number.load(std::memory_order_relaxed) == none &&
+            number.exchange(found, std::memory_order_relaxed) == none)
+          parts[c].push_back({walls[w].surface, node});
       }
-      of_wall[k] = n;
-    }
-    of_wall_.push_back(of_wall);
-  }
-  forget_numbers();
-  list_corners();
-}
-
-void WallNodes::forget_numbers() {
-  for (const Node& n : nodes_) number_[n.surface][n.node] = none;
-}
-
-void WallNodes::list_corners() {
-  corners_begin_.assign(nodes_.size() + 1, 0);
-  for (const auto& nodes : of_wall_)
-    for (std::uint32_t n : nodes) ++corners_begin_[n + 1];
-  std::partial_sum(corners_begin_.begin(), corners_begin_.end(), corners_begin_.begin());
-  OILSKIN_ASSERT(corners_begin_.back() == 3 * of_wall_.size());
-  corners_.resize(corners_begin_.back());
-  std::vector<std::uint32_t> at(corners_begin_.begin(), corners_begin_.end() - 1);
-  for (std::uint32_t w = 0; w < of_wall_.size(); ++w)
-    for (std::uint8_t k = 0; k < 3; ++k) corners_[at[of_wall_[w][k]]++] = {w, k};
+  });
+  nodes_.clear();
+  for (const std::vector<Node>& part : parts) nodes_.insert(nodes_.end(), part.begin(), part.end());
+  std::sort(nodes_.begin(), nodes_.end());
 }
 
 }  // namespace oilskin::fluid

@@ -1,6 +1,10 @@
-/// The nodes of the walls' triangles, numbered in the order in which the walls name them.
+/// The nodes of the walls' triangles, numbered in the order of surfaces and nodes.
 #pragma once
 
+#include <atomic>
+#include <memory>
+
+#include "core/sort_by_key.h"
 #include "fluid/boundary/wall_geometry.h"
 
 namespace oilskin::fluid {
@@ -9,13 +13,14 @@ class WallNodes {
  public:
   struct Node {
     std::uint32_t surface = 0, node = 0;
+    bool operator<(const Node& o) const { return surface != o.surface ? surface < o.surface : node < o.node; }
   };
   struct Corner {
     std::uint32_t wall;
     std::uint8_t corner;
   };
 
-  void number(const std::vector<Wall>& walls, Span<SurfaceMotion* const> surfaces);
+  void number(const std::vector<Wall>& walls, Span<SurfaceMotion* const> surfaces, const Workers& workers);
   void clear();
 
   std::size_t size() const { return nodes_.size(); }
@@ -23,19 +28,29 @@ class WallNodes {
   /// Numbers of the three nodes of a wall.
   const std::array<std::uint32_t, 3>& of_wall(std::size_t wall) const { return of_wall_[wall]; }
   /// Corners of walls that are node n.
-  Span<const Corner> corners_of(std::size_t n) const {
-    return {corners_.data() + corners_begin_[n], corners_begin_[n + 1] - corners_begin_[n]};
-  }
+  Span<const Corner> corners_of(std::size_t n) const { return corners_.of(n); }
 
  private:
-  void list_corners();
-  void forget_numbers();
+  /// Of the nodes of a surface, for several threads.
+  class Numbers {
+   public:
+    /// Of so many nodes, none of which has a number if that was so before.
+    void resize(std::size_t nodes);
+    std::atomic<std::uint32_t>& operator[](std::size_t node) { return number_[node]; }
+
+   private:
+    std::unique_ptr<std::atomic<std::uint32_t>[]> number_;
+    std::size_t size_ = 0;
+  };
+
+  void find_nodes(const std::vector<Wall>& walls, Span<SurfaceMotion* const> surfaces,
+                  const Workers& workers);
 
   std::vector<Node> nodes_;
   std::vector<std::array<std::uint32_t, 3>> of_wall_;
-  std::vector<std::uint32_t> corners_begin_;
-  std::vector<Corner> corners_;
-  std::vector<std::vector<std::uint32_t>> number_;  // per surface and node; kept for its memory alone
+  KeyedLists<Corner> corners_;
+  std::vector<Numbers> number_;  // per surface; kept for its memory alone
+  bool has_numbers_ = false;     // after an exception
 };
 
 }  // namespace oilskin::fluid

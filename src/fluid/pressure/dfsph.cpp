@@ -276,7 +276,8 @@ Errors Dfsph::correct(StepState& state, const RateOf& rates_of, const ErrorOf& e
   });
   const std::vector<float>& change = walls_.solve(state);
   const std::vector<WallPoint>& points = state.boundary.points();
-  for (std::size_t p = 0; p < points.size(); ++p) add(points[p].particle, change[p]);
+  state.workers.for_each(points.size(), chunk_size,
+                         [&](std::size_t p) { add(points[p].particle, change[p]); });
   return result;
 }
 

@@ -140,10 +140,10 @@ Errors Pcisph::correct(StepState& state) {
 void Pcisph::correct_at_walls(StepState& state) {
   const std::vector<float>& change = walls_.solve(state);
   const std::vector<WallPoint>& points = state.boundary.points();
-  for (std::size_t k = 0; k < points.size(); ++k) {
+  state.workers.for_each(points.size(), chunk_size, [&](std::size_t k) {
     float& phi = x_phi_[points[k].particle].w;
     phi = std::max(0.0f, phi + change[k]);
-  }
+  });
 }
 
 }  // namespace

@@ -16,6 +16,8 @@ constexpr double wall_recovery_speed = 0.1;
 /// is pushed off floors with accelerations of this order, a jet of 2.5 m/s with hundreds of g.
 constexpr double wall_acceleration = 1;
 
+constexpr std::size_t point_chunk = 256;
+
 }  // namespace
 
 void WallResponse::begin_step(const StepState& state) {
@@ -40,7 +42,8 @@ void WallResponse::predict_walls(StepState& state, Pressures phi) {
   const float per_phi = fluid_.wall_scale * static_cast<float>(fluid_.support_radius / state.dt);
   const std::vector<WallPoint>& points = state.boundary.points();
   OILSKIN_ASSERT(theta_.size() == points.size());
-  for (std::size_t k = 0; k < points.size(); ++k) theta_[k] = per_phi * phi[points[k].particle];
+  state.workers.for_each(points.size(), point_chunk,
+                         [&](std::size_t k) { theta_[k] = per_phi * phi[points[k].particle]; });
   depth_.clear();
   if (state.boundary.has_bodies()) {
     depth_.resize(points.size());
@@ -80,10 +83,10 @@ void WallResponse::apply(StepState& state, Pressures phi) {
   const double per_phi = static_cast<double>(fluid_.wall_scale) * fluid_.support_radius / state.dt;
   const std::vector<WallPoint>& points = state.boundary.points();
   load_.resize(points.size());
-  for (std::size_t k = 0; k < points.size(); ++k) {
+  state.workers.for_each(points.size(), point_chunk, [&](std::size_t k) {
     const auto load = load_on_walls(points[k], static_cast<double>(phi[points[k].particle])).times(per_phi);
     load_[k] = load.times(rebound_limit(state, k, load));
-  }
+  });
   state.boundary.apply_load(load_, state.mass_ratio, state.dv, state.workers);
 }
 
