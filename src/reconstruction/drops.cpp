@@ -16,6 +16,11 @@ namespace {
 constexpr double min_flatness = 0.4, shrink = 0.8;
 constexpr int max_tries = 8;
 
+/// Drops have 20 triangles up to this many cells per spacing. Their edges are 0.8 spacings long then.
+constexpr double largest_coarse = 1.1;
+
+constexpr std::size_t particle_chunk = 256;
+
 struct Shape {
   std::vector<Vec3> vertices;  // from the centre
   std::vector<Triangle> triangles;
@@ -63,9 +68,11 @@ Shape subdivided(const Shape& s) {
   return result;
 }
 
-/// Round, with the volume 1.
-Shape unit_drop() {
-  Shape s = subdivided(icosahedron());
+/// Round, with the volume 1. Of 20 triangles where edges of a cell are as fine as the drop needs, otherwise
+/// of 80.
+Shape unit_drop(double spacing_in_cells) {
+  Shape s = icosahedron();
+  if (spacing_in_cells > largest_coarse) s = subdivided(s);
   double volume = 0;
   for (const Triangle& t : s.triangles)
     volume += s.vertices[t[0]].dot(s.vertices[t[1]].cross(s.vertices[t[2]])) / 6;
@@ -89,18 +96,21 @@ struct Drop {
 class DropMaker {
  public:
   explicit DropMaker(const DropLimits& limits)
-      : shape_(unit_drop()), limits_(limits), obstacles_(limits.obstacles), gap_(limits.gap) {
+      : shape_(unit_drop(limits.spacing / limits.cell)),
+        limits_(limits),
+        obstacles_(limits.obstacles),
+        gap_(limits.gap) {
     for (const Vec3& v : shape_.vertices) radius_ = std::max(radius_, v.norm());
   }
 
-  /// Makes it keep off obstacles. False: it is left out. `height`: of its centre [m].
-  bool fit(Drop& drop, double height) {
+  /// Makes it keep off obstacles. False: it is left out. `height`: of its centre [m]; `near`: memory.
+  bool fit(Drop& drop, double height, std::vector<std::uint32_t>& near) const {
     if (drop.volume <= limits_.min_volume || !is_in_clip(drop)) return false;
     if (!obstacles_) return true;
     for (int n = 0; n < max_tries; ++n) {
       Drop tried = drop;
       flatten(tried, height);
-      if (is_clear(tried)) {
+      if (is_clear(tried, near)) {
         drop = tried;
         return true;
       }
@@ -131,18 +141,17 @@ class DropMaker {
     drop.flatness = std::clamp(space / radius, min_flatness, 1.0);
     drop.centre += std::max(0.0, drop.flatness * radius - space) * drop.normal;
   }
-  bool is_clear(const Drop& drop) {
+  bool is_clear(const Drop& drop, std::vector<std::uint32_t>& near) const {
     Box box;
     box.add(drop.centre);
-    near_.clear();
+    near.clear();
     obstacles_->query(
-        box.inflated(radius_ * std::cbrt(drop.volume) / std::sqrt(drop.flatness) + 1.01 * gap_ + 1e-9),
-        near_);
-    if (near_.empty()) return true;
+        box.inflated(radius_ * std::cbrt(drop.volume) / std::sqrt(drop.flatness) + 1.01 * gap_ + 1e-9), near);
+    if (near.empty()) return true;
     const auto at = positions(drop);
     for (const Triangle& t : shape_.triangles) {
       const Corners own = stored_corners(at, t);
-      for (const std::uint32_t n : near_) {
+      for (const std::uint32_t n : near) {
         const Corners other = obstacles_->corners(n);
         if (!certified_apart(own, other, gap_ + obstacles_->rounding(n))) return false;
       }
@@ -155,56 +164,113 @@ class DropMaker {
   const DropLimits& limits_;
   const Obstacles* obstacles_;
   double gap_;
-  std::vector<std::uint32_t> near_;
 };
 
-void append(const ReconstructionInput& input, std::uint32_t particle, const Drop& drop,
-            const DropMaker& maker, bool nearest, WaterMesh& mesh) {
-  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  const auto positions = maker.positions(drop);
-  mesh.positions.insert(mesh.positions.end(), positions.begin(), positions.end());
-  for (const Vec3& v : maker.shape().vertices) {
+/// A drop that is drawn.
+struct DrawnDrop {
+  std::uint32_t particle;  // of the input
+  Drop drop;
+};
+
+/// The drops in the order of their particles.
+std::vector<DrawnDrop> fit_drops(const ReconstructionInput& input, const ParticleBlocks& particles,
+                                 const Water& water, const Film& film, const DropLimits& limits,
+                                 const DropMaker& maker, const Workers& workers, DropReport& report) {
+  struct Part {
+    std::vector<DrawnDrop> drawn;
+    std::size_t left_out = 0;
+  };
+  std::vector<Part> parts((particles.size() + particle_chunk - 1) / particle_chunk);
+  workers.for_chunks(particles.size(), particle_chunk,
+                     [&](std::size_t begin, std::size_t end, std::size_t c) {
+                       std::vector<std::uint32_t> near;
+                       for (auto p = static_cast<std::uint32_t>(begin); p < end; ++p) {
+                         if (!water.is_drop(p) || !(water.of(p) > 0)) continue;
+                         Drop drop;
+                         drop.centre = input.positions[particles.source[p]];
+                         drop.normal = Vec3::UnitZ();
+                         drop.volume = water.of(p) * limits.cell * limits.cell * limits.cell;
+                         double height = std::numeric_limits<double>::infinity();
+                         if (const FilmParticle* at = film.find(p)) {
+                           drop.normal = Vec3(at->normal[0], at->normal[1], at->normal[2]);
+                           height = double(at->height) * limits.cell;
+                         }
+                         if (maker.fit(drop, height, near))
+                           parts[c].drawn.push_back({particles.source[p], drop});
+                         else
+                           ++parts[c].left_out;
+                       }
+                     });
+  std::vector<DrawnDrop> drops;
+  for (const Part& part : parts) {
+    drops.insert(drops.end(), part.drawn.begin(), part.drawn.end());
+    report.left_out += part.left_out;
+  }
+  report.drawn = drops.size();
+  return drops;
+}
+
+/// Makes space for more vertices and triangles.
+void resize(WaterMesh& mesh, const ReconstructionInput& input, std::size_t vertices, std::size_t triangles,
+            bool nearest) {
+  mesh.positions.resize(mesh.positions.size() + vertices);
+  mesh.normals.resize(mesh.normals.size() + vertices);
+  if (!input.velocities.empty()) mesh.velocities.resize(mesh.velocities.size() + vertices);
+  if (nearest) mesh.nearest.resize(mesh.nearest.size() + vertices);
+  mesh.thickness.resize(mesh.thickness.size() + vertices, 0);
+  for (std::size_t a = 0; a < input.attributes.size(); ++a)
+    mesh.attributes[a].values.resize(mesh.attributes[a].values.size() +
+                                     vertices * static_cast<std::size_t>(input.attributes[a].components));
+  mesh.triangles.resize(mesh.triangles.size() + triangles);
+}
+
+/// Writes a drop where there is space for it.
+void write(const ReconstructionInput& input, const DrawnDrop& drawn, const Shape& shape, bool nearest,
+           std::size_t first_vertex, std::size_t first_triangle, WaterMesh& mesh) {
+  const Drop& drop = drawn.drop;
+  for (std::size_t k = 0; k < shape.vertices.size(); ++k) {
+    const Vec3& v = shape.vertices[k];
+    const std::size_t at = first_vertex + k;
+    const Vec3 x = drop.place(v);
+    mesh.positions[at] = {float(x.x()), float(x.y()), float(x.z())};
     const double along = drop.normal.dot(v);
     const Vec3 n =
         (v + (1 / (drop.flatness * std::sqrt(drop.flatness)) - 1) * along * drop.normal).normalized();
-    mesh.normals.push_back({float(n.x()), float(n.y()), float(n.z())});
+    mesh.normals[at] = {float(n.x()), float(n.y()), float(n.z())};
     if (!input.velocities.empty()) {
-      const Vec3& u = input.velocities[particle];
-      mesh.velocities.push_back({float(u.x()), float(u.y()), float(u.z())});
+      const Vec3& u = input.velocities[drawn.particle];
+      mesh.velocities[at] = {float(u.x()), float(u.y()), float(u.z())};
     }
-    if (nearest) mesh.nearest.push_back(particle);
-    mesh.thickness.push_back(0);
+    if (nearest) mesh.nearest[at] = drawn.particle;
     for (std::size_t a = 0; a < input.attributes.size(); ++a) {
       const auto m = static_cast<std::size_t>(input.attributes[a].components);
-      for (std::size_t k = 0; k < m; ++k)
-        mesh.attributes[a].values.push_back(input.attributes[a].values[particle * m + k]);
+      for (std::size_t i = 0; i < m; ++i)
+        mesh.attributes[a].values[at * m + i] = input.attributes[a].values[drawn.particle * m + i];
     }
   }
-  for (const Triangle& t : maker.shape().triangles)
-    mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  const auto first = static_cast<std::uint32_t>(first_vertex);
+  for (std::size_t k = 0; k < shape.triangles.size(); ++k) {
+    const Triangle& t = shape.triangles[k];
+    mesh.triangles[first_triangle + k] = {first + t[0], first + t[1], first + t[2]};
+  }
 }
 
 }  // namespace
 
 DropReport add_drops(const ReconstructionInput& input, const ParticleBlocks& particles, const Water& water,
-                     const Film& film, const DropLimits& limits, bool nearest, WaterMesh& mesh) {
+                     const Film& film, const DropLimits& limits, bool nearest, const Workers& workers,
+                     WaterMesh& mesh) {
   DropReport report;
-  DropMaker maker(limits);
-  for (std::uint32_t p = 0; p < particles.size(); ++p) {
-    if (!water.is_drop(p) || !(water.of(p) > 0)) continue;
-    Drop drop;
-    drop.centre = input.positions[particles.source[p]];
-    drop.normal = Vec3::UnitZ();
-    drop.volume = water.of(p) * limits.cell * limits.cell * limits.cell;
-    double height = std::numeric_limits<double>::infinity();
-    if (const FilmParticle* near = film.find(p)) {
-      drop.normal = Vec3(near->normal[0], near->normal[1], near->normal[2]);
-      height = double(near->height) * limits.cell;
-    }
-    const bool fits = maker.fit(drop, height);
-    ++(fits ? report.drawn : report.left_out);
-    if (fits) append(input, particles.source[p], drop, maker, nearest, mesh);
-  }
+  const DropMaker maker(limits);
+  const std::vector<DrawnDrop> drops =
+      fit_drops(input, particles, water, film, limits, maker, workers, report);
+  const Shape& shape = maker.shape();
+  const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
+  resize(mesh, input, drops.size() * shape.vertices.size(), drops.size() * shape.triangles.size(), nearest);
+  workers.for_each(drops.size(), 64, [&](std::size_t d) {
+    write(input, drops[d], shape, nearest, vertices + d * shape.vertices.size(),
+          triangles + d * shape.triangles.size(), mesh);
+  });
   return report;
 }
 

@@ -1,4 +1,5 @@
-/// Drops of one particle, which the grid does not resolve: spheres, flattened at obstacles.
+/// Drops of one particle, which the grid does not resolve: spheres, flattened at obstacles. A sphere has 80
+/// triangles, or 20 where the cells are as large as the spacing.
 #pragma once
 
 #include "reconstruction/film.h"
@@ -13,6 +14,7 @@ struct DropReport {
 /// Where drops may be.
 struct DropLimits {
   double cell = 0;                       ///< [m]
+  double spacing = 0;                    ///< of the particles [m]
   const Obstacles* obstacles = nullptr;  ///< with prepared queries; may be null
   double gap = 0;                        ///< none comes closer to obstacles than this [m]
   std::optional<Box> clip = {};          ///< drops that are not wholly inside are left out
@@ -21,6 +23,7 @@ struct DropLimits {
 
 /// Appends a closed surface for each drop to the mesh, with the particle's velocity and attributes.
 DropReport add_drops(const ReconstructionInput& input, const ParticleBlocks& particles, const Water& water,
-                     const Film& film, const DropLimits& limits, bool nearest, WaterMesh& mesh);
+                     const Film& film, const DropLimits& limits, bool nearest, const Workers& workers,
+                     WaterMesh& mesh);
 
 }  // namespace oilskin::reconstruction

@@ -117,11 +117,12 @@ void Reconstruction::put_back_what_fails(const std::vector<std::array<float, 3>>
 void Reconstruction::append_drops(WaterMesh& mesh) {
   DropLimits limits;
   limits.cell = cell;
+  limits.spacing = options.spacing;
   limits.obstacles = keeps_gap() ? &obstacles : nullptr;
   limits.gap = options.gap;
   limits.clip = options.clip;
   limits.min_volume = options.min_blob * std::pow(options.spacing, 3);
-  const DropReport made = add_drops(input, particles, water, film, limits, options.nearest, mesh);
+  const DropReport made = add_drops(input, particles, water, film, limits, options.nearest, workers, mesh);
   report.drops = made.drawn;
   report.drops_left_out = made.left_out;
 }
