@@ -7,6 +7,7 @@
 #include "contact/friction.h"
 #include "contact/reach.h"
 #include "core/assert.h"
+#include "core/chunks.h"
 
 namespace oilskin::contact {
 
@@ -39,10 +40,6 @@ Contact make_contact(const Context& context, std::uint32_t p, std::uint32_t surf
 
 // The largest displacement of a node, per surface [m].
 std::vector<double> max_displacements(const Context& context) {
-  struct Largest {
-    double square = 0;
-    void operator+=(const Largest& o) { square = std::max(square, o.square); }
-  };
   std::vector<double> result;
   for (const SurfaceMotion* s : context.surfaces) {
     const auto largest_of = [&](std::size_t begin, std::size_t end) {
@@ -51,8 +48,7 @@ std::vector<double> max_displacements(const Context& context) {
       return largest;
     };
     const std::size_t moved = s->still == 0 ? s->x_t0.size() : 0;
-    result.push_back(
-        std::sqrt(context.workers->ordered_sum(moved, node_chunk, Largest(), largest_of).square));
+    result.push_back(std::sqrt(context.workers->ordered_sum(moved, node_chunk, Largest(), largest_of).value));
   }
   return result;
 }

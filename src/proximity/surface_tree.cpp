@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "core/assert.h"
+#include "core/chunks.h"
 #include "proximity/box_tree.h"
 
 namespace oilskin::proximity {
@@ -22,8 +23,9 @@ using Model = fcl::BVHModel<Aabb>;
 
 /// Boxes that share a traversal. Consecutive particles of a sorted fluid lie in a few cells.
 constexpr std::size_t block_size = 16;
-/// Boxes per chunk of a thread; a multiple of block_size, so that blocks do not depend on chunks.
-constexpr std::size_t chunk_size = 2 * block_size;
+/// Blocks per chunk of a thread, at least. Queries of a tree of few triangles are not worth a task.
+constexpr std::size_t smallest_chunk = 2, smallest_chunk_of_small_tree = 64;
+constexpr std::size_t small_tree = 256;
 /// Triangles per chunk.
 constexpr std::size_t triangle_chunk = 512;
 /// A block that overlaps more triangles is far larger than its members (long sweeps, or particles that are
@@ -270,6 +272,10 @@ bool SurfaceTree::overlaps(const Box& box) const {
 
 void SurfaceTree::query(Span<const Box> boxes, const Workers& workers, Candidates& candidates) const {
   const std::size_t n = boxes.size();
+  const bool is_small = impl_->triangles.size() < small_tree;
+  const std::size_t blocks = (n + block_size - 1) / block_size;  // they do not depend on chunks
+  const std::size_t chunk_size =
+      block_size * even_chunk(blocks, is_small ? smallest_chunk_of_small_tree : smallest_chunk);
   candidates.begin.assign(n + 1, 0);
   std::vector<std::vector<std::uint32_t>> found((n + chunk_size - 1) / chunk_size);
   workers.for_chunks(n, chunk_size, [&](std::size_t begin, std::size_t end, std::size_t chunk) {

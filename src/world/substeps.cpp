@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "core/chunks.h"
 
 namespace oilskin::world {
 
@@ -67,17 +68,13 @@ double longest_path(const SurfaceMotion& s, const Box& water, std::size_t begin,
 double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, double dt,
                     const Workers& workers) {
   OILSKIN_ASSERT(dt > 0);
-  struct Longest {
-    double square = 0;
-    void operator+=(const Longest& o) { square = std::max(square, o.square); }
-  };
-  Longest longest;
+  Largest longest;  // squared
   for (const SurfaceMotion* s : surfaces)
     if (s->still == 0)
       longest += workers.ordered_sum(
-          s->triangles.size(), triangle_chunk, Longest(),
-          [&](std::size_t begin, std::size_t end) { return Longest{longest_path(*s, water, begin, end)}; });
-  return std::sqrt(longest.square) / dt;
+          s->triangles.size(), triangle_chunk, Largest(),
+          [&](std::size_t begin, std::size_t end) { return Largest{longest_path(*s, water, begin, end)}; });
+  return std::sqrt(longest.value) / dt;
 }
 
 void SurfacePaths::begin(Span<SurfaceMotion* const> surfaces, int parts, double length) {

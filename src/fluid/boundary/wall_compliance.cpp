@@ -5,12 +5,13 @@
 #include <numeric>
 
 #include "core/assert.h"
+#include "core/chunks.h"
 
 namespace oilskin::fluid {
 
 namespace {
 
-constexpr std::size_t point_chunk = 64;
+constexpr std::size_t smallest_chunk = 64;
 
 /// Error that solve() leaves, and the largest condition number C that it iterates for (B.24).
 constexpr double solve_tolerance = 0.3, max_condition = 50;
@@ -66,6 +67,7 @@ void WallCompliance::build(const WallGeometry& geometry, const WallNodes& nodes,
 void WallCompliance::couple_points(const WallGeometry& geometry, const WallNodes& nodes,
                                    const Workers& workers) {
   const std::vector<WallPoint>& points = geometry.points();
+  const std::size_t point_chunk = even_chunk(points.size(), smallest_chunk);
   std::vector<std::vector<Coupling>> found((points.size() + point_chunk - 1) / point_chunk);
   of_point_.begin.assign(points.size() + 1, 0);
   workers.for_chunks(points.size(), point_chunk, [&](std::size_t begin, std::size_t end, std::size_t chunk) {
@@ -102,7 +104,7 @@ void WallCompliance::couple_nodes(const Workers& workers) {
     for (std::size_t k = begin; k < end; ++k)
       for (const Coupling& c : of_point_.of(k)) f(c.other, Coupling{static_cast<std::uint32_t>(k), c.gamma});
   };
-  sort_by_key(of_point_.begin.size() - 1, point_chunk, motion_.size(), for_couplings, workers, of_node_);
+  sort_by_key(of_point_.begin.size() - 1, smallest_chunk, motion_.size(), for_couplings, workers, of_node_);
 }
 
 void WallCompliance::sum_rows(const Workers& workers) {
@@ -110,12 +112,12 @@ void WallCompliance::sum_rows(const Workers& workers) {
   if (!bodies_.empty()) bodies_.add_row_sums(row_sums_);
   if (!has_free_nodes_) return;
   std::vector<float> of_node(motion_.size());
-  workers.for_each(motion_.size(), point_chunk, [&](std::size_t n) {
+  workers.for_each(motion_.size(), even_chunk(motion_.size(), smallest_chunk), [&](std::size_t n) {
     float sum = 0;
     for (const Coupling& c : of_node_.of(n)) sum += c.gamma.norm();
     of_node[n] = motion_[n].inverse_mass * mass_ * sum;
   });
-  workers.for_each(row_sums_.size(), point_chunk, [&](std::size_t k) {
+  workers.for_each(row_sums_.size(), even_chunk(row_sums_.size(), smallest_chunk), [&](std::size_t k) {
     for (const Coupling& c : of_point_.of(k)) row_sums_[k] += c.gamma.norm() * of_node[c.other];
   });
 }
@@ -129,13 +131,13 @@ void WallCompliance::predict_wall_velocity(const std::vector<float>& theta, cons
 
 void WallCompliance::set_wall_velocity(const std::vector<float>& theta, const Workers& workers) {
   OILSKIN_ASSERT(wall_velocity_.size() == motion_.size());
-  workers.for_each(motion_.size(), point_chunk, [&](std::size_t n) {
+  workers.for_each(motion_.size(), even_chunk(motion_.size(), smallest_chunk), [&](std::size_t n) {
     const WallNodeMotion& node = motion_[n];
     wall_velocity_[n] = node.velocity;
     if (node.inverse_mass == 0) return;
     wall_velocity_[n] -= node.inverse_mass * (node.carried + reaction_to(n, theta));
   });
-  workers.for_each(normal_flux_.size(), point_chunk, [&](std::size_t k) {
+  workers.for_each(normal_flux_.size(), even_chunk(normal_flux_.size(), smallest_chunk), [&](std::size_t k) {
     normal_flux_[k] = flux_at(k, wall_velocity_);
     if (!bodies_.empty()) normal_flux_[k] += bodies_.flux_at(k);
   });
@@ -196,18 +198,18 @@ void WallCompliance::solve(float scale, const std::vector<float>& step, std::vec
   Chebyshev chebyshev(std::min(static_cast<double>(max_row(scale, step)), max_condition));
   for (std::vector<float>* of_points : {&solve_step_, &residual_, &direction_}) of_points->resize(points);
   velocity_change_.resize(motion_.size());
-  workers.for_each(points, point_chunk, [&](std::size_t k) {
+  workers.for_each(points, even_chunk(points, smallest_chunk), [&](std::size_t k) {
     solve_step_[k] = step[k] / (1 + step[k] * scale * row_sums_[k]);
     residual_[k] = solve_step_[k] * change[k];
     change[k] = direction_[k] = residual_[k] / static_cast<float>(chebyshev.middle);
   });
   for (int i = 1; i < chebyshev.iterations; ++i) {
-    workers.for_each(motion_.size(), point_chunk, [&](std::size_t n) {
+    workers.for_each(motion_.size(), even_chunk(motion_.size(), smallest_chunk), [&](std::size_t n) {
       velocity_change_[n] = motion_[n].inverse_mass * reaction_to(n, direction_);
     });
     if (!bodies_.empty()) bodies_.respond(direction_, workers);
     chebyshev.advance();
-    workers.for_each(points, point_chunk, [&](std::size_t k) {
+    workers.for_each(points, even_chunk(points, smallest_chunk), [&](std::size_t k) {
       if (step[k] == 0) return;
       float& d = direction_[k];
       float flux = flux_at(k, velocity_change_);

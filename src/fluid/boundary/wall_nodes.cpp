@@ -3,12 +3,13 @@
 #include <algorithm>
 
 #include "core/assert.h"
+#include "core/chunks.h"
 
 namespace oilskin::fluid {
 
 namespace {
 
-constexpr std::size_t wall_chunk = 1024;
+constexpr std::size_t smallest_chunk = 1024;  // of walls
 
 constexpr std::uint32_t none = UINT32_MAX, found = none - 1;
 
@@ -38,7 +39,7 @@ void WallNodes::number(const std::vector<Wall>& walls, Span<SurfaceMotion* const
   for (std::size_t n = 0; n < nodes_.size(); ++n)
     number_of(nodes_[n]).store(static_cast<std::uint32_t>(n), std::memory_order_relaxed);
   of_wall_.resize(walls.size());
-  workers.for_each(walls.size(), wall_chunk, [&](std::size_t w) {
+  workers.for_each(walls.size(), even_chunk(walls.size(), smallest_chunk), [&](std::size_t w) {
     const Triangle& triangle = surfaces[walls[w].surface]->triangles[walls[w].triangle];
     for (std::size_t k = 0; k < 3; ++k)
       of_wall_[w][k] = number_of({walls[w].surface, triangle[k]}).load(std::memory_order_relaxed);
@@ -49,12 +50,13 @@ void WallNodes::number(const std::vector<Wall>& walls, Span<SurfaceMotion* const
     for (std::size_t w = begin; w < end; ++w)
       for (std::uint8_t k = 0; k < 3; ++k) f(of_wall_[w][k], Corner{static_cast<std::uint32_t>(w), k});
   };
-  sort_by_key(walls.size(), wall_chunk, nodes_.size(), for_corners, workers, corners_);
+  sort_by_key(walls.size(), smallest_chunk, nodes_.size(), for_corners, workers, corners_);
 }
 
-/// Whichever thread meets a node first lists it.
+/// The thread that comes first to a node lists it.
 void WallNodes::find_nodes(const std::vector<Wall>& walls, Span<SurfaceMotion* const> surfaces,
                            const Workers& workers) {
+  const std::size_t wall_chunk = even_chunk(walls.size(), smallest_chunk);
   std::vector<std::vector<Node>> parts((walls.size() + wall_chunk - 1) / wall_chunk);
   workers.for_chunks(walls.size(), wall_chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
     for (std::size_t w = begin; w < end; ++w)
