@@ -18,8 +18,8 @@ void for_divisors(std::size_t begin, std::size_t end, std::uint32_t keys, const 
 
 class SortByKey : public testing::TestWithParam<std::pair<std::size_t, std::size_t>> {};
 INSTANTIATE_TEST_SUITE_P(of, SortByKey,
-                         testing::Values(std::pair(0, 1), std::pair(1, 1), std::pair(5, 2), std::pair(1000, 7),
-                                         std::pair(1000, 400), std::pair(4096, 128)),
+                         testing::Values(std::pair(0, 1), std::pair(1, 1), std::pair(5, 2),
+                                         std::pair(1000, 7), std::pair(1000, 400), std::pair(4096, 128)),
                          [](const auto& test) {
                            return std::to_string(test.param.first) + "_items_by_" +
                                   std::to_string(test.param.second);
