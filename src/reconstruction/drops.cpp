@@ -16,9 +16,6 @@ namespace {
 constexpr double min_flatness = 0.4, shrink = 0.8;
 constexpr int max_tries = 8;
 
-/// Drops have 20 triangles up to this many cells per spacing. Their edges are 0.8 spacings long then.
-constexpr double largest_coarse = 1.1;
-
 constexpr std::size_t particle_chunk = 256;
 
 struct Shape {
@@ -68,11 +65,9 @@ Shape subdivided(const Shape& s) {
   return result;
 }
 
-/// Round, with the volume 1. Of 20 triangles where edges of a cell are as fine as the drop needs, otherwise
-/// of 80.
-Shape unit_drop(double spacing_in_cells) {
-  Shape s = icosahedron();
-  if (spacing_in_cells > largest_coarse) s = subdivided(s);
+/// Round, with the volume 1. 20 triangles would do beside cells of a spacing, but their corners show.
+Shape unit_drop() {
+  Shape s = subdivided(icosahedron());
   double volume = 0;
   for (const Triangle& t : s.triangles)
     volume += s.vertices[t[0]].dot(s.vertices[t[1]].cross(s.vertices[t[2]])) / 6;
@@ -96,10 +91,7 @@ struct Drop {
 class DropMaker {
  public:
   explicit DropMaker(const DropLimits& limits)
-      : shape_(unit_drop(limits.spacing / limits.cell)),
-        limits_(limits),
-        obstacles_(limits.obstacles),
-        gap_(limits.gap) {
+      : shape_(unit_drop()), limits_(limits), obstacles_(limits.obstacles), gap_(limits.gap) {
     for (const Vec3& v : shape_.vertices) radius_ = std::max(radius_, v.norm());
   }
 

@@ -1,5 +1,4 @@
-/// Drops of one particle, which the grid does not resolve: spheres, flattened at obstacles. A sphere has 80
-/// triangles, or 20 where the cells are as large as the spacing.
+/// Drops of one particle, which the grid does not resolve: spheres, flattened at obstacles.
 #pragma once
 
 #include "reconstruction/film.h"
@@ -14,7 +13,6 @@ struct DropReport {
 /// Where drops may be.
 struct DropLimits {
   double cell = 0;                       ///< [m]
-  double spacing = 0;                    ///< of the particles [m]
   const Obstacles* obstacles = nullptr;  ///< with prepared queries; may be null
   double gap = 0;                        ///< none comes closer to obstacles than this [m]
   std::optional<Box> clip = {};          ///< drops that are not wholly inside are left out

@@ -117,7 +117,6 @@ void Reconstruction::put_back_what_fails(const std::vector<std::array<float, 3>>
 void Reconstruction::append_drops(WaterMesh& mesh) {
   DropLimits limits;
   limits.cell = cell;
-  limits.spacing = options.spacing;
   limits.obstacles = keeps_gap() ? &obstacles : nullptr;
   limits.gap = options.gap;
   limits.clip = options.clip;

@@ -71,17 +71,6 @@ TEST_P(Volume, of_a_drop_is_that_of_its_particle) {
   EXPECT_EQ(report.drops, 2u) << "a particle without water is no drop";
 }
 
-TEST(VolumeDrops, have_fewer_triangles_where_cells_are_as_large_as_the_spacing) {
-  WaterScene s;
-  s.particles = {Vec3::Zero()};
-  for (const auto& [cell, triangles] : {std::pair(0.5, 80u), std::pair(0.8, 80u), std::pair(1.0, 20u)}) {
-    ReconstructionReport report;
-    const WaterMesh mesh = test::reconstruct(s.input(), options_for(s, cell), &report);
-    EXPECT_EQ(mesh.triangles.size(), triangles) << "cell " << cell;
-    EXPECT_NEAR(report.volume / std::pow(s.spacing, 3), 1, 1e-3);
-  }
-}
-
 TEST_P(Volume, of_small_pieces_is_kept) {
   double worst = 0;
   for (int n = 2; n <= 19; ++n)
