@@ -10,8 +10,7 @@ namespace oilskin::contact {
 
 namespace {
 
-constexpr std::size_t chunk = 512;      // a multiple of the size of groups
-constexpr std::size_t query_chunk = 8;  // groups
+constexpr std::size_t chunk = 512;  // a multiple of the size of groups
 
 Box swept_box(const ParticleMotion& particles, std::uint32_t p) {
   Box box;
@@ -104,7 +103,7 @@ bool CandidateSet::find_near_groups(const Context& context, std::uint32_t surfac
   if (is_clear_of_all(context, surface, reach)) return false;
   set.clear_of_group.resize(swept_.size());
   std::vector<std::uint8_t> is_near(swept_.size(), 0);
-  context.workers->for_each(swept_.size(), query_chunk, [&](std::size_t g) {
+  context.workers->for_each(swept_.size(), chunk / group_size, [&](std::size_t g) {
     Box& clear = set.clear_of_group[g];
     if (set.slot[g] != none || clear.contains(swept_[g].inflated(reach))) return;
     clear = swept_[g].inflated(largest(set.reach));

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/parallel.h"
+#include "core/chunks.h"
 #include "oilskin/types.h"
 
 namespace oilskin {
@@ -25,7 +25,7 @@ void sort_by_key(std::size_t items, std::size_t smallest_chunk, std::size_t keys
                  const Workers& workers, KeyedLists<T>& lists) {
   // Each chunk counts its values of each key: more chunks would count more than they sort.
   constexpr std::size_t most_chunks = 8;
-  const std::size_t chunk = std::max(smallest_chunk, (items + most_chunks - 1) / most_chunks);
+  const std::size_t chunk = even_chunk(items, smallest_chunk, most_chunks);
   const std::size_t chunks = (items + chunk - 1) / chunk;
   std::vector<std::vector<std::uint32_t>> place(chunks);
   workers.for_chunks(items, chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {

@@ -1,7 +1,6 @@
 #include "proximity/box_tree.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/assert.h"
 
@@ -9,72 +8,67 @@ namespace oilskin::proximity {
 
 namespace {
 
-/// Of refit(): the number of branches that threads take one by one, and the nodes that are worth a task.
-constexpr std::size_t parts_wanted = 32, smallest_part = 256;
+/// Nodes of a branch that are worth a task.
+constexpr std::size_t smallest_branch = 256;
 
 }  // namespace
 
-void BoxTree::assign(const std::vector<Link>& links) {
+void BoxTree::assign(const std::vector<Link>& links, const Workers& workers) {
   nodes_.resize(links.size());
   for (std::size_t i = 0; i < links.size(); ++i) {
     nodes_[i].child = links[i].child;
     OILSKIN_ASSERT(links[i].child < 0 || (static_cast<std::size_t>(links[i].child) > i &&
                                           static_cast<std::size_t>(links[i].child) + 1 < links.size()));
   }
-  list_parts();
+  list_branches(workers);
 }
 
 /// Branches of about equal numbers of nodes, and what is above them.
-void BoxTree::list_parts() {
-  const std::size_t n = nodes_.size(), largest = std::max<std::size_t>(n / parts_wanted, smallest_part);
+void BoxTree::list_branches(const Workers& workers) {
+  const std::size_t n = nodes_.size(), largest = even_chunk(n, smallest_branch);
   std::vector<std::uint32_t> size(n, 1);  // of the branch below each node, with it
   for (std::size_t i = n; i-- > 0;)
     if (nodes_[i].child >= 0) {
       const auto child = static_cast<std::size_t>(nodes_[i].child);
       size[i] += size[child] + size[child + 1];
     }
-  constexpr std::uint32_t above = 0;
-  std::vector<std::uint32_t> part(n, above);  // numbers from 1
-  std::uint32_t parts = 0;
+  std::vector<std::uint32_t> branch(n, 0);  // numbers from 1; 0 = above all
+  branches_ = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    if (part[i] == above && size[i] <= largest) part[i] = ++parts;
+    if (branch[i] == 0 && size[i] <= largest) branch[i] = static_cast<std::uint32_t>(++branches_);
     if (nodes_[i].child < 0) continue;
     const auto child = static_cast<std::size_t>(nodes_[i].child);
-    part[child] = part[child + 1] = part[i];
+    branch[child] = branch[child + 1] = branch[i];
   }
-  for (std::uint32_t& p : part) p = p == above ? parts : p - 1;
-  part_begin_.assign(parts + 2, 0);
-  for (const std::uint32_t p : part) ++part_begin_[p + 1];
-  std::partial_sum(part_begin_.begin(), part_begin_.end(), part_begin_.begin());
-  order_.resize(n);
-  std::vector<std::size_t> at(part_begin_.begin(), part_begin_.end() - 1);
-  for (std::size_t i = n; i-- > 0;) order_[at[part[i]]++] = static_cast<std::uint32_t>(i);
+  const auto from_last = [&](std::size_t begin, std::size_t end, const auto& f) {
+    for (std::size_t k = begin; k < end; ++k) f(branch[n - 1 - k], static_cast<std::uint32_t>(n - 1 - k));
+  };
+  sort_by_key(n, smallest_branch, branches_ + 1, from_last, workers, order_);
 }
 
 void BoxTree::refit(const std::vector<Box>& boxes, const Workers& workers) {
-  const std::size_t branches = part_begin_.size() - 2;
-  sizes_ = workers.ordered_sum(branches, 1, Sizes(), [&](std::size_t branch, std::size_t) {
-    return refit_nodes(boxes, part_begin_[branch], part_begin_[branch + 1]);
+  sizes_ = workers.ordered_sum(branches_, 1, Sizes(), [&](std::size_t branch, std::size_t) {
+    return refit_nodes(boxes, order_.of(branch + 1));
   });
-  sizes_ += refit_nodes(boxes, part_begin_[branches], part_begin_[branches + 1]);
+  sizes_ += refit_nodes(boxes, order_.of(0));
 }
 
-BoxTree::Sizes BoxTree::refit_nodes(const std::vector<Box>& boxes, std::size_t begin, std::size_t end) {
+BoxTree::Sizes BoxTree::refit_nodes(const std::vector<Box>& boxes, Span<const std::uint32_t> order) {
   Sizes sizes;
-  for (std::size_t k = begin; k < end; ++k) {
-    Node& n = nodes_[order_[k]];
+  for (const std::uint32_t node : order) {
+    Node& n = nodes_[node];
     if (n.child < 0) {
       const Box& box = boxes[static_cast<std::size_t>(-1 - n.child)];
-      for (int a = 0; a < 3; ++a) {
-        n.bound[a] = -box.min[a];
-        n.bound[3 + a] = box.max[a];
+      for (int k = 0; k < 3; ++k) {
+        n.bound[k] = -box.min[k];
+        n.bound[3 + k] = box.max[k];
       }
     } else {
       const Node *left = &nodes_[static_cast<std::size_t>(n.child)], *right = left + 1;
-      for (int a = 0; a < 6; ++a) n.bound[a] = std::max(left->bound[a], right->bound[a]);
+      for (int k = 0; k < 6; ++k) n.bound[k] = std::max(left->bound[k], right->bound[k]);
     }
     double size = 0;
-    for (int a = 0; a < 3; ++a) size += n.bound[3 + a] + n.bound[a];
+    for (int k = 0; k < 3; ++k) size += n.bound[3 + k] + n.bound[k];
     sizes.nodes += size;
     if (n.child < 0) sizes.leaves += size;
   }

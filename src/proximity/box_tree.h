@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/parallel.h"
+#include "core/sort_by_key.h"
 #include "oilskin/types.h"
 
 namespace oilskin::proximity {
@@ -18,7 +18,7 @@ class BoxTree {
   void clear() { *this = BoxTree(); }
   bool empty() const { return nodes_.empty(); }
   /// The structure, node 0 being the root. Boxes follow by refit().
-  void assign(const std::vector<Link>& links);
+  void assign(const std::vector<Link>& links, const Workers& workers);
   /// Leaves get their boxes, other nodes the union of their children, without rounding.
   void refit(const std::vector<Box>& boxes, const Workers& workers);
 
@@ -57,14 +57,14 @@ class BoxTree {
     return all;
   }
 
-  void list_parts();
-  Sizes refit_nodes(const std::vector<Box>& boxes, std::size_t begin, std::size_t end);
+  void list_branches(const Workers& workers);
+  Sizes refit_nodes(const std::vector<Box>& boxes, Span<const std::uint32_t> order);
 
   std::vector<Node> nodes_;
-  // Nodes in the order in which they are refitted, children first. Parts but the last are separate branches;
-  // the last has the nodes above all of them.
-  std::vector<std::uint32_t> order_;
-  std::vector<std::size_t> part_begin_;
+  // In the order in which they are refitted, children first: those above all branches, and those of each
+  // branch.
+  KeyedLists<std::uint32_t> order_;
+  std::size_t branches_ = 0;
   Sizes sizes_;
 };
 

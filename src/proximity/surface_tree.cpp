@@ -85,8 +85,8 @@ struct SurfaceTree::Impl {
   void update(Span<const Triangle> tris, Span<const Vec3> x_t0, Span<const Vec3> x_t1, Hierarchy by,
               const Workers& workers);
   void clear();
-  void build(Span<const Triangle> tris, Span<const Vec3> x_t1);
-  void copy_structure();
+  void build(Span<const Triangle> tris, Span<const Vec3> x_t1, const Workers& workers);
+  void copy_structure(const Workers& workers);
   void refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1, const Workers& workers);
   void refit_model();
   bool is_fitted_to(Span<const Vec3> x_t0, Span<const Vec3> x_t1) const;
@@ -98,7 +98,7 @@ struct SurfaceTree::Impl {
 
 /// Always makes a new model, since FCL cannot rebuild one (it clears it and reports a wrong sequence of
 /// calls). Uses one set of positions only, so a refit must follow for swept boxes.
-void SurfaceTree::Impl::build(Span<const Triangle> tris, Span<const Vec3> x_t1) {
+void SurfaceTree::Impl::build(Span<const Triangle> tris, Span<const Vec3> x_t1, const Workers& workers) {
   triangles.assign(tris.begin(), tris.end());
   model = std::make_unique<Model>();
   boxes.assign(tris.size(), Box());
@@ -110,10 +110,10 @@ void SurfaceTree::Impl::build(Span<const Triangle> tris, Span<const Vec3> x_t1) 
   check(model->beginModel(static_cast<int>(faces.size()), static_cast<int>(points.size())), "begin");
   check(model->addSubModel(points, faces), "fill");
   check(model->endModel(), "build");
-  copy_structure();
+  copy_structure(workers);
 }
 
-void SurfaceTree::Impl::copy_structure() {
+void SurfaceTree::Impl::copy_structure(const Workers& workers) {
   std::vector<BoxTree::Link> links(static_cast<std::size_t>(model->getNumBVs()));
   for (std::size_t i = 0; i < links.size(); ++i) {
     const auto& node = static_cast<const Model&>(*model).getBV(static_cast<int>(i));
@@ -121,7 +121,7 @@ void SurfaceTree::Impl::copy_structure() {
     OILSKIN_ASSERT(!node.isLeaf() || static_cast<std::size_t>(node.primitiveId()) < boxes.size());
     links[i].child = node.isLeaf() ? -1 - node.primitiveId() : node.leftChild();
   }
-  flat.assign(links);
+  flat.assign(links, workers);
 }
 
 void SurfaceTree::Impl::refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1, const Workers& workers) {
@@ -230,7 +230,7 @@ void SurfaceTree::Impl::update(Span<const Triangle> tris, Span<const Vec3> x_t0,
         flat.size_of_nodes() <= rebuild_growth * tree_size_built)
       return;
   }
-  build(tris, x_t1);
+  build(tris, x_t1, workers);
   refit(x_t0, x_t1, workers);
   leaf_size_built = flat.size_of_leaves();
   tree_size_built = flat.size_of_nodes();

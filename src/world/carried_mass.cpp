@@ -92,27 +92,27 @@ void update_carried_mass(double dt, const FluidSettings& fluid, Attachment& a, c
   const double most = largest_share * fluid.rest_density * fluid.spacing;
   const double ratio = needed_ratio(dt, fluid, a, workers);
   m.carried_mass.assign(m.x_t1.size(), 0);
-  struct Largest {
+  struct Most {
     double speed = 0, ratio = 0;
-    void operator+=(const Largest& o) {
+    void operator+=(const Most& o) {
       speed = std::max(speed, o.speed);
       ratio = std::max(ratio, o.ratio);
     }
   };
-  const Largest found =
-      workers.ordered_sum(m.x_t1.size(), chunk_size, Largest(), [&](std::size_t begin, std::size_t end) {
-        Largest largest;
+  const Most found =
+      workers.ordered_sum(m.x_t1.size(), chunk_size, Most(), [&](std::size_t begin, std::size_t end) {
+        Most most_of_chunk;
         for (std::size_t i = begin; i < end; ++i) {
           if (m.inverse_mass[i] == 0) continue;
           const double own = own_mass(m, i), load = a.mean_load[i].norm();
-          largest.speed = std::max(largest.speed, load * dt / own);
+          most_of_chunk.speed = std::max(most_of_chunk.speed, load * dt / own);
           const double by_load = smallest_load * dt * dt * load / (largest_motion * fluid.spacing) - own;
           const double carried = std::min({ratio * own, most * area[i], by_load});
           if (!(carried > 0)) continue;
           m.carried_mass[i] = carried;
-          largest.ratio = std::max(largest.ratio, carried / own);
+          most_of_chunk.ratio = std::max(most_of_chunk.ratio, carried / own);
         }
-        return largest;
+        return most_of_chunk;
       });
   report.load_speed = std::max(report.load_speed, found.speed);
   report.carried_ratio = std::max(report.carried_ratio, found.ratio);

@@ -8,12 +8,6 @@
 
 namespace oilskin::world {
 
-namespace {
-
-constexpr std::size_t triangle_chunk = 512;
-
-}  // namespace
-
 int substep_count(const Speeds& speeds, double dt, double distance, int maximum) {
   OILSKIN_ASSERT(dt > 0 && distance > 0 && maximum >= 1);
   const double fluid = speeds.fluid + speeds.gravity * dt;
@@ -46,6 +40,8 @@ bool has_free_nodes(Span<SurfaceMotion* const> surfaces) {
 }
 
 namespace {
+
+constexpr std::size_t triangle_chunk = 512;
 
 /// Squared, of a node of one of the triangles begin … end − 1 that sweep through `water`.
 double longest_path(const SurfaceMotion& s, const Box& water, std::size_t begin, std::size_t end) {

@@ -45,7 +45,7 @@ void Boundary::find(const BoundaryInput& input, const Workers& workers) {
 
 std::vector<WallNodeMotion> Boundary::node_motion(double dt, const Workers& workers) const {
   std::vector<WallNodeMotion> motion(nodes_.size());
-  workers.for_each(nodes_.size(), even_chunk(nodes_.size(), smallest_chunk), [&](std::size_t n) {
+  for_each_evenly(workers, nodes_.size(), smallest_chunk, [&](std::size_t n) {
     const std::uint32_t i = nodes_[n].node;
     const SurfaceMotion& s = *surfaces_[nodes_[n].surface];
     motion[n].inverse_mass = static_cast<float>(s.inverse_mass[i]);
@@ -59,7 +59,7 @@ void Boundary::apply_load(const std::vector<WallLoad<double>>& load, Span<const 
                           std::vector<Vec3>& dv, const Workers& workers) {
   OILSKIN_ASSERT(load.size() == points().size() && geometry_.point_of().size() == dv.size());
   const std::vector<Wall>& walls = geometry_.walls();
-  workers.for_each(points().size(), even_chunk(points().size(), smallest_chunk), [&](std::size_t k) {
+  for_each_evenly(workers, points().size(), smallest_chunk, [&](std::size_t k) {
     const WallPoint& point = points()[k];
     Vec3 sum = Vec3::Zero();
     for (std::uint32_t w = point.begin; w < point.end; ++w)
@@ -67,7 +67,7 @@ void Boundary::apply_load(const std::vector<WallLoad<double>>& load, Span<const 
     dv[point.particle] += sum;
   });
   std::vector<Vec3> of_body(compliance_.bodies().empty() ? 0 : nodes_.size(), Vec3::Zero());
-  workers.for_each(nodes_.size(), even_chunk(nodes_.size(), smallest_chunk), [&](std::size_t n) {
+  for_each_evenly(workers, nodes_.size(), smallest_chunk, [&](std::size_t n) {
     Vec3 impulse = Vec3::Zero();
     for (const WallNodes::Corner& c : nodes_.corners_of(n)) {
       const Wall& wall = walls[c.wall];

@@ -112,12 +112,12 @@ void WallCompliance::sum_rows(const Workers& workers) {
   if (!bodies_.empty()) bodies_.add_row_sums(row_sums_);
   if (!has_free_nodes_) return;
   std::vector<float> of_node(motion_.size());
-  workers.for_each(motion_.size(), even_chunk(motion_.size(), smallest_chunk), [&](std::size_t n) {
+  for_each_evenly(workers, motion_.size(), smallest_chunk, [&](std::size_t n) {
     float sum = 0;
     for (const Coupling& c : of_node_.of(n)) sum += c.gamma.norm();
     of_node[n] = motion_[n].inverse_mass * mass_ * sum;
   });
-  workers.for_each(row_sums_.size(), even_chunk(row_sums_.size(), smallest_chunk), [&](std::size_t k) {
+  for_each_evenly(workers, row_sums_.size(), smallest_chunk, [&](std::size_t k) {
     for (const Coupling& c : of_point_.of(k)) row_sums_[k] += c.gamma.norm() * of_node[c.other];
   });
 }
@@ -131,13 +131,13 @@ void WallCompliance::predict_wall_velocity(const std::vector<float>& theta, cons
 
 void WallCompliance::set_wall_velocity(const std::vector<float>& theta, const Workers& workers) {
   OILSKIN_ASSERT(wall_velocity_.size() == motion_.size());
-  workers.for_each(motion_.size(), even_chunk(motion_.size(), smallest_chunk), [&](std::size_t n) {
+  for_each_evenly(workers, motion_.size(), smallest_chunk, [&](std::size_t n) {
     const WallNodeMotion& node = motion_[n];
     wall_velocity_[n] = node.velocity;
     if (node.inverse_mass == 0) return;
     wall_velocity_[n] -= node.inverse_mass * (node.carried + reaction_to(n, theta));
   });
-  workers.for_each(normal_flux_.size(), even_chunk(normal_flux_.size(), smallest_chunk), [&](std::size_t k) {
+  for_each_evenly(workers, normal_flux_.size(), smallest_chunk, [&](std::size_t k) {
     normal_flux_[k] = flux_at(k, wall_velocity_);
     if (!bodies_.empty()) normal_flux_[k] += bodies_.flux_at(k);
   });
@@ -198,18 +198,18 @@ void WallCompliance::solve(float scale, const std::vector<float>& step, std::vec
   Chebyshev chebyshev(std::min(static_cast<double>(max_row(scale, step)), max_condition));
   for (std::vector<float>* of_points : {&solve_step_, &residual_, &direction_}) of_points->resize(points);
   velocity_change_.resize(motion_.size());
-  workers.for_each(points, even_chunk(points, smallest_chunk), [&](std::size_t k) {
+  for_each_evenly(workers, points, smallest_chunk, [&](std::size_t k) {
     solve_step_[k] = step[k] / (1 + step[k] * scale * row_sums_[k]);
     residual_[k] = solve_step_[k] * change[k];
     change[k] = direction_[k] = residual_[k] / static_cast<float>(chebyshev.middle);
   });
   for (int i = 1; i < chebyshev.iterations; ++i) {
-    workers.for_each(motion_.size(), even_chunk(motion_.size(), smallest_chunk), [&](std::size_t n) {
+    for_each_evenly(workers, motion_.size(), smallest_chunk, [&](std::size_t n) {
       velocity_change_[n] = motion_[n].inverse_mass * reaction_to(n, direction_);
     });
     if (!bodies_.empty()) bodies_.respond(direction_, workers);
     chebyshev.advance();
-    workers.for_each(points, even_chunk(points, smallest_chunk), [&](std::size_t k) {
+    for_each_evenly(workers, points, smallest_chunk, [&](std::size_t k) {
       if (step[k] == 0) return;
       float& d = direction_[k];
       float flux = flux_at(k, velocity_change_);

@@ -39,7 +39,7 @@ void WallNodes::number(const std::vector<Wall>& walls, Span<SurfaceMotion* const
   for (std::size_t n = 0; n < nodes_.size(); ++n)
     number_of(nodes_[n]).store(static_cast<std::uint32_t>(n), std::memory_order_relaxed);
   of_wall_.resize(walls.size());
-  workers.for_each(walls.size(), even_chunk(walls.size(), smallest_chunk), [&](std::size_t w) {
+  for_each_evenly(workers, walls.size(), smallest_chunk, [&](std::size_t w) {
     const Triangle& triangle = surfaces[walls[w].surface]->triangles[walls[w].triangle];
     for (std::size_t k = 0; k < 3; ++k)
       of_wall_[w][k] = number_of({walls[w].surface, triangle[k]}).load(std::memory_order_relaxed);
