@@ -126,6 +126,29 @@ TEST(Boundary, the_top_of_a_box_ends_as_a_sheet_does_and_its_sides_do_not_count)
   EXPECT_EQ(point_at(box, Vec3(0.0007, 0.0062, 0.052)).lambda, 0) << "the top is out of reach, and hides";
 }
 
+// Triangles beyond triangle_reach are left out: a sheet of tiny ones misses none of its effect, and nothing
+// jumps where its border comes within reach.
+TEST(Boundary, what_is_far_away_does_not_count) {
+  for (const double z : {0.1, 0.25, 0.4}) {
+    const float whole = MirrorImage(2.0).lambda(static_cast<float>(z), 1);
+    float last = whole;
+    for (double border = 1.02; border > 0.3; border -= 0.02) {
+      test::StaticMesh sheet;  // triangles of 0.08 H, and a hidden one, so that it is not taken for one plane
+      sheet.add_rectangle(Layer::h * Vec3(-border, 0, -1.2), Layer::h * Vec3(2, 0, 0),
+                          Layer::h * Vec3(0, 0, 2.4), 25, 30);
+      sheet.add_rectangle(Layer::h * Vec3(0, -0.05, 0), Layer::h * Vec3(0.05, 0, 0),
+                          Layer::h * Vec3(0, 0, 0.05));
+      const float lambda = point_at(sheet, Layer::h * Vec3(0, z, 0)).lambda;
+      EXPECT_NEAR(lambda, last, 0.02f * whole) << "z " << z << ", border " << border;
+      if (border > 0.84) {
+        EXPECT_NEAR(lambda, whole, 1e-3f * whole) << "z " << z << ", border " << border;
+      }
+      last = lambda;
+    }
+    EXPECT_LT(last, 0.99f * whole) << "the border is seen";
+  }
+}
+
 TEST(Boundary, walls_change_without_a_jump_around_an_edge) {
   test::StaticMesh step;
   step.add_rectangle(Vec3(0, 0, -0.05), Vec3(0.05, 0, 0), Vec3(0, 0, 0.1));

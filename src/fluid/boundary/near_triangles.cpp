@@ -44,7 +44,7 @@ void CellTriangles::read(const TriangleCells& cells, const TriangleCells::Cell& 
 void CellTriangles::write(std::size_t k, const NearbyTriangle& triangle, const Vec3& corner) {
   const Vec3 middle = (triangle.middle - origin_) / support_radius_;
   const Vec3 normal = triangle.cross_norm > 0 ? Vec3(triangle.cross / triangle.cross_norm) : Vec3::Zero();
-  const double radius = (1 + triangle.size / support_radius_) * (1 + rounding) + slack_;
+  const double radius = (triangle_reach + triangle.size / support_radius_) * (1 + rounding) + slack_;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     column_[axis][k] = static_cast<float>(middle[static_cast<int>(axis)]);
     column_[4 + axis][k] = static_cast<float>(normal[static_cast<int>(axis)]);
@@ -72,7 +72,7 @@ void NearTriangles::find(const CellTriangles& cell, const Vec3& x, double plane_
   for (std::size_t k = count; k < 4 * blocks; ++k) index_[k] = index_[0];
   if (blocks_.size() < blocks) blocks_.resize(blocks);
   pair_kernels().closest(corners_, index_.data(), count, x.data(), blocks_.data());
-  const double radius = cell.support_radius(), reach2 = plane_reach * plane_reach;
+  const double radius = triangle_reach * cell.support_radius(), reach2 = plane_reach * plane_reach;
   for (std::uint32_t k = 0; k < count; ++k)
     if (blocks_[k / 4].distance[k % 4] < radius && blocks_[k / 4].height2[k % 4] < reach2) at_.push_back(k);
 }

@@ -16,7 +16,8 @@ constexpr float max_plane_ratio = 1.05f;
 }  // namespace
 
 /// Most points see the whole of each triangle near them, which a test of the neighbours in the mesh shows.
-/// For the others all triangles within H are searched, as those whose plane is out of reach hide, too.
+/// For the others all triangles within triangle_reach are searched, as those whose plane is out of reach
+/// hide, too.
 bool PointWalls::find() {
   point_.begin = static_cast<std::uint32_t>(walls_.size());
   near_.find(cell_, x_, image_.reach(input_.support_radius));
@@ -58,7 +59,7 @@ bool PointWalls::find_unhidden() {
   return true;
 }
 
-/// Of all triangles within H.
+/// Of all triangles within triangle_reach.
 void PointWalls::find_visible() {
   add_to_parts();
   const std::vector<WallView>& views =

@@ -179,9 +179,14 @@ void VisibleParts::subtract(const Occluder& occluder) {
       remaining_.push_back(piece);
       continue;
     }
+    const std::size_t kept = remaining_.size();
     Piece hidden = split(piece, away * occluder.plane.normal, away * occluder.plane.offset - in_plane);
     for (const Eigen::Vector3f& side : occluder.side)
       if (hidden.end - hidden.begin > 2) hidden = split(hidden, side, 0);
+    if (hidden.end - hidden.begin > 2) continue;
+    // Nothing is hidden: one piece costs less than its parts.
+    remaining_.resize(kept);
+    remaining_.push_back(piece);
   }
   pieces_.swap(remaining_);
 }
