@@ -13,6 +13,10 @@ constexpr double plane_cosine = 0.996, plane_distance = 0.06;
 /// λ_i above this multiple of the nearest plane's means that walls may be hidden behind others.
 constexpr float max_plane_ratio = 1.05f;
 
+/// Walls whose λ and |γ| are less than this part of the largest ones are left out, and the others are scaled.
+/// In folds they are half of all walls, and have 3·10⁻³ of λ together.
+constexpr float faint = 3e-3f;
+
 }  // namespace
 
 /// Most points see the whole of each triangle near them, which a test of the neighbours in the mesh shows.
@@ -31,8 +35,32 @@ bool PointWalls::find() {
     near_.drop_turned_away(x_);
     find_visible();
   }
+  leave_out_faint_walls();
+  limit_density();
   point_.end = static_cast<std::uint32_t>(walls_.size());
   return true;
+}
+
+void PointWalls::leave_out_faint_walls() {
+  const auto begin = walls_.begin() + point_.begin;
+  float lambda = 0, push = 0, kept = 0;  // the largest, the largest, the sum of λ
+  for (auto wall = begin; wall != walls_.end(); ++wall) {
+    lambda = std::max(lambda, wall->lambda);
+    push = std::max(push, wall->gamma.norm());
+  }
+  const auto is_faint = [&](const Wall& w) {
+    return w.lambda < faint * lambda && w.gamma.norm() < faint * push;
+  };
+  walls_.erase(std::remove_if(begin, walls_.end(), is_faint), walls_.end());
+  for (auto wall = begin; wall != walls_.end(); ++wall) kept += wall->lambda;
+  if (!(kept > 0)) return;
+  const float scale = point_.lambda / kept;
+  point_.reset_sums();
+  for (auto wall = begin; wall != walls_.end(); ++wall) {
+    wall->gamma *= scale;
+    wall->lambda *= scale;
+    point_.add(wall->lambda, wall->gamma, wall->depth);
+  }
 }
 
 std::size_t PointWalls::nearest() const {
@@ -55,7 +83,6 @@ bool PointWalls::find_unhidden() {
     add_to_parts();  // a roll of cloth hides its outer layers
     if (parts_.any_may_hide()) return false;
   }
-  limit_density();
   return true;
 }
 
@@ -65,7 +92,6 @@ void PointWalls::find_visible() {
   const std::vector<WallView>& views =
       parts_.views([&](std::size_t k) { return image_.reaches(parts_.distance(k)); });
   for (std::size_t k = 0; k < near_.size(); ++k) add(k, views[k]);
-  limit_density();
 }
 
 void PointWalls::add_to_parts() {

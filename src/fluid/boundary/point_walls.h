@@ -45,6 +45,7 @@ class PointWalls {
   void add_plane();
   void add_triangles();
   void limit_density();
+  void leave_out_faint_walls();
   void add(std::size_t k, const WallView& view);
   std::array<Eigen::Vector3f, 3> corners(std::size_t k) const;
   float nearest_distance() const {
