@@ -295,13 +295,13 @@ const StepReport& World::step(double dt) {
   return w.report;
 }
 
-void World::Impl::start_report(StepReport& report, double dt) const {
-  report.step = state.step_count;
-  report.time = state.time;
-  report.dt = dt;
-  report.alive = state.particles.size();
-  report.energy = state.energy.report;
-  report.status = status;
+void World::Impl::start_report(StepReport& of_step, double dt) const {
+  of_step.step = state.step_count;
+  of_step.time = state.time;
+  of_step.dt = dt;
+  of_step.alive = state.particles.size();
+  of_step.energy = state.energy.report;
+  of_step.status = status;
 }
 
 /// Refuses what takes too long.
