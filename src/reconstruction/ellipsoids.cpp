@@ -74,7 +74,9 @@ class EllipsoidMaker {
         reach_(options.reach * options.spacing),
         obstacles_(input.obstacles) {
     sort_into_blocks(input.positions, cell_, workers_, particles_);
-    if (!obstacles_.empty()) obstacles_.prepare_queries(workers_);
+    if (obstacles_.empty()) return;
+    obstacles_.prepare_queries(workers_);
+    obstacles_.prepare_normals(workers_);
   }
 
   std::vector<WaterEllipsoid> make() {

@@ -32,13 +32,10 @@ void NearestTriangle::set_planes() {
   for (std::vector<float>& n : normal_) n.assign(low_[0].size(), 0.0f);
   offset_.assign(low_[0].size(), 0.0f);
   for (std::size_t k = 0; k < triangles_.size(); ++k) {
-    const Corners c = obstacles_->corners(triangles_[k]);
-    const Vec3 across = (c[1] - c[0]).cross(c[2] - c[0]);
-    const double length = across.norm();
-    if (!(length > 0)) continue;
-    const Vec3 n = across / length;
+    const Vec3& n = obstacles_->normal(triangles_[k]);
     for (std::size_t a = 0; a < 3; ++a) normal_[a][k] = static_cast<float>(n[int(a)]);
-    offset_[k] = static_cast<float>(n.dot(c[0] - origin_));
+    offset_[k] =
+        static_cast<float>(n.dot(obstacles_->vertex(obstacles_->indices(triangles_[k])[0]) - origin_));
   }
 }
 

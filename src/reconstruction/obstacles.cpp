@@ -78,6 +78,7 @@ void Obstacles::clear() {
   saturation_.clear();
   triangles_.clear();
   rounding_.clear();
+  normals_.clear();
   counts_.clear();
   given_.clear();
   region_ = Box();
@@ -135,6 +136,17 @@ void Obstacles::add_saturation(const ObstacleMesh& mesh) {
   saturation_.insert(saturation_.end(), mesh.saturation.begin(), mesh.saturation.end());
 }
 
+void Obstacles::prepare_normals(const Workers& workers) {
+  if (normals_.size() == triangles_.size()) return;
+  normals_.resize(triangles_.size());
+  workers.for_each(triangles_.size(), 512, [&](std::size_t t) {
+    const Corners c = corners(static_cast<std::uint32_t>(t));
+    const Vec3 across = (c[1] - c[0]).cross(c[2] - c[0]);
+    const double length = across.norm();
+    normals_[t] = length > 0 ? Vec3(across / length) : Vec3::Zero();
+  });
+}
+
 const std::vector<std::vector<std::uint32_t>>& Obstacles::pieces() const {
   if (!has_pieces_) pieces_ = find_pieces();
   has_pieces_ = true;
@@ -143,7 +155,7 @@ const std::vector<std::vector<std::uint32_t>>& Obstacles::pieces() const {
 
 std::size_t Obstacles::bytes() const {
   std::size_t bytes = vertices_.capacity() * sizeof(Vec3) + 4 * saturation_.capacity() +
-                      8 * rounding_.capacity() +
+                      8 * rounding_.capacity() + normals_.capacity() * sizeof(Vec3) +
                       (triangles_.capacity() + given_.capacity()) * sizeof(Triangle);
   for (const auto& piece : pieces_) bytes += sizeof(std::vector<std::uint32_t>) + 4 * piece.capacity();
   return bytes;

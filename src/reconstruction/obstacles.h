@@ -51,6 +51,10 @@ class Obstacles {
     if (!is_prepared_) tree_.update(triangles_, vertices_, vertices_, workers);
     is_prepared_ = true;
   }
+  /// Computes the normals for normal(), if they are not there.
+  void prepare_normals(const Workers& workers);
+  /// Unit normal, or 0 of a triangle without area.
+  const Vec3& normal(std::uint32_t t) const { return normals_[t]; }
   Box bounds() const { return tree_.bounds(); }
   /// Triangles whose boxes overlap the box, ascending.
   void query(const Box& box, std::vector<std::uint32_t>& triangles) const { tree_.query(box, triangles); }
@@ -72,6 +76,7 @@ class Obstacles {
   std::vector<float> saturation_;  // empty if no mesh has one
   std::vector<Triangle> triangles_;
   std::vector<double> rounding_;
+  std::vector<Vec3> normals_;  // empty if not prepared
   // As given: vertices and triangles of each mesh, all triangles, and where they were taken from.
   std::vector<std::array<std::size_t, 3>> counts_;
   std::vector<Triangle> given_;
