@@ -87,7 +87,7 @@ struct World::Impl {
   Impl(const WorldSettings& world, const FluidSettings& fluid, const ContactSettings& contact);
 
   /// A report with nothing done yet.
-  void start_report(StepReport& report, double dt) const;
+  void start_report(StepReport& of_step, double dt) const;
   // The step, in order (step.cpp)
   void try_step(world::StepContext& step);
   void run_step(world::StepContext& step);
