@@ -50,7 +50,6 @@ struct FluidSolver::Impl {
   TriangleCells cells;  // of the interval, where they were asked for
   WallGeometry visible_walls{MirrorImage::of_full_reach()};
   std::unique_ptr<PressureModel> model;
-  Particles::Scratch scratch;
 
   // Of checkpoint()
   double saved_previous_dt = 0;
@@ -77,7 +76,10 @@ void FluidSolver::prepare(Particles& particles, StageSeconds& seconds) {
   const StageTimer timer(seconds.neighbours);
   Neighbours& neighbours = impl_->state.neighbours;
   const auto& order = neighbours.cell_order(particles.position, support_radius(), *impl_->workers);
-  if (!is_identity(order)) particles.permute(order, *impl_->workers, impl_->scratch);
+  if (!is_identity(order)) {
+    // Changes of velocity are of the last step: their memory is free.
+    particles.permute(order, *impl_->workers, impl_->state.dv);
+  }
   neighbours.search(particles.position, *impl_->workers);
   impl_->state.boundary.clear();
   impl_->cells.clear();
@@ -86,7 +88,7 @@ void FluidSolver::prepare(Particles& particles, StageSeconds& seconds) {
 
 std::vector<Box> FluidSolver::boxes(const Particles& particles) const {
   const Neighbours& neighbours = impl_->state.neighbours;
-  return neighbours.boxes({particles.position.data(), neighbours.size()});
+  return neighbours.boxes({particles.position.data(), neighbours.size()}, *impl_->workers);
 }
 
 void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles& particles,
@@ -181,6 +183,10 @@ Span<const std::uint32_t> FluidSolver::neighbours(std::size_t particle) const {
 
 void FluidSolver::limit_iterations(int most) {
   impl_->model->limit_iterations(most);
+}
+
+void FluidSolver::store_slopes_of(std::size_t particles) {
+  impl_->state.most_with_slopes = particles;
 }
 
 Span<const WallImpulse> FluidSolver::wall_impulses() const {

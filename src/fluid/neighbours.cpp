@@ -9,7 +9,7 @@ namespace oilskin::fluid {
 
 namespace {
 
-constexpr std::size_t sort_chunk = 8192;
+constexpr std::size_t sort_chunk = 8192, cell_chunk = 1024;
 constexpr int digit_bits = 8;
 constexpr std::size_t digits = std::size_t{1} << digit_bits;
 
@@ -23,7 +23,7 @@ constexpr Record far_away = {1e18f, 1e18f, 1e18f, 0};
 constexpr std::size_t list_padding = 8;
 
 /// Length of a padded list in water at rest, H from 2 to 2.2 dx.
-constexpr std::size_t usual_list = 40;
+constexpr std::size_t usual_list = 42;
 
 /// Records beyond the last one that the search may read, and places beyond a list that it may write.
 constexpr std::size_t read_ahead = 8, write_ahead = 16;
@@ -79,8 +79,6 @@ const std::vector<std::uint32_t>& Neighbours::cell_order(Span<const Vec3> positi
   inverse_radius_ = 1 / support_radius;
   make_keys(positions, workers);
   sort_keys(workers);
-  order_.resize(keys_.size());
-  for (std::size_t i = 0; i < keys_.size(); ++i) order_[i] = keys_[i].particle;
   return order_;
 }
 
@@ -97,6 +95,7 @@ Neighbours::Cell Neighbours::cell_of(const Vec3& x) const {
 void Neighbours::make_keys(Span<const Vec3> positions, const Workers& workers) {
   // The cells of all particles, packed, then their box, then keys relative to it.
   keys_.resize(positions.size());
+  order_.resize(positions.size());
   const CellBox box =
       workers.ordered_sum(positions.size(), sort_chunk, CellBox{}, [&](std::size_t b, std::size_t e) {
         CellBox part;
@@ -104,7 +103,8 @@ void Neighbours::make_keys(Span<const Vec3> positions, const Workers& workers) {
           OILSKIN_ASSERT(positions[i].allFinite());  // the world removes particles that are not
           const Cell c = cell_of(positions[i]);
           part += CellBox{c, c};
-          keys_[i] = {packed(c), static_cast<std::uint32_t>(i)};
+          keys_[i] = packed(c);
+          order_[i] = static_cast<std::uint32_t>(i);
         }
         return part;
       });
@@ -114,10 +114,10 @@ void Neighbours::make_keys(Span<const Vec3> positions, const Workers& workers) {
   for (int k = 0; k < 3; ++k)
     bits_[k] = bits_for(positions.empty() ? 1 : static_cast<std::uint64_t>(box.max[k] - box.min[k]) + 3);
   workers.for_each(positions.size(), sort_chunk, [&](std::size_t i) {
-    const Cell c = unpacked(keys_[i].cell);
+    const Cell c = unpacked(keys_[i]);
     std::uint64_t key = 0;
     for (int k = 2; k >= 0; --k) key = (key << bits_[k]) | static_cast<std::uint64_t>(c[k] - box.min[k] + 1);
-    keys_[i].cell = key;
+    keys_[i] = key;
   });
 }
 
@@ -125,10 +125,11 @@ void Neighbours::make_keys(Span<const Vec3> positions, const Workers& workers) {
 void Neighbours::sort_keys(const Workers& workers) {
   const std::size_t n = keys_.size(), chunks = (n + sort_chunk - 1) / sort_chunk;
   keys_scratch_.resize(n);
+  order_scratch_.resize(n);
   const int key_bits = bits_[0] + bits_[1] + bits_[2];
   OILSKIN_ASSERT(key_bits <= 64);
   for (int shift = 0; shift < key_bits; shift += digit_bits) {
-    auto digit = [&](const Key& k) { return (k.cell >> shift) & (digits - 1); };
+    auto digit = [&](std::uint64_t key) { return (key >> shift) & (digits - 1); };
     histogram_.assign(chunks * digits, 0);
     workers.for_chunks(n, sort_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
       std::uint32_t* h = &histogram_[c * digits];
@@ -143,9 +144,14 @@ void Neighbours::sort_keys(const Workers& workers) {
       }
     workers.for_chunks(n, sort_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
       std::uint32_t* h = &histogram_[c * digits];
-      for (std::size_t i = b; i < e; ++i) keys_scratch_[h[digit(keys_[i])]++] = keys_[i];
+      for (std::size_t i = b; i < e; ++i) {
+        const std::uint32_t place = h[digit(keys_[i])]++;
+        keys_scratch_[place] = keys_[i];
+        order_scratch_[place] = order_[i];
+      }
     });
     keys_.swap(keys_scratch_);
+    order_.swap(order_scratch_);
   }
 }
 
@@ -153,7 +159,7 @@ void Neighbours::search(Span<const Vec3> positions, const Workers& workers) {
   OILSKIN_ASSERT(positions.size() == keys_.size());
   const std::size_t n = positions.size();
   make_records(positions, workers);
-  find_cells();
+  find_cells(workers);
   find_runs(workers);
   check_crowds(workers);
   begin_.resize(n);
@@ -212,25 +218,48 @@ void Neighbours::make_records(Span<const Vec3> positions, const Workers& workers
   });
 }
 
-void Neighbours::find_cells() {
-  cell_key_.clear();
-  cell_begin_.clear();
-  row_key_.clear();
-  row_begin_.clear();
-  for (std::size_t i = 0; i < keys_.size(); ++i) {
-    const std::uint64_t key = keys_[i].cell;
-    if (!cell_key_.empty() && cell_key_.back() == key) continue;
-    if (row_key_.empty() || row_key_.back() != key >> bits_[0]) {
-      row_key_.push_back(key >> bits_[0]);
-      row_begin_.push_back(static_cast<std::uint32_t>(cell_key_.size()));
+void Neighbours::find_cells(const Workers& workers) {
+  const std::size_t n = keys_.size();
+  const auto begins_cell = [&](std::size_t i) { return i == 0 || keys_[i] != keys_[i - 1]; };
+  const auto row_of = [&](std::size_t i) { return keys_[i] >> bits_[0]; };
+  const auto begins_row = [&](std::size_t i) { return i == 0 || row_of(i) != row_of(i - 1); };
+  // Counted by chunks of particles, then written to the places that follow from the counts.
+  struct Count {
+    std::uint32_t cells = 0, rows = 0;
+  };
+  std::vector<Count> place((n + sort_chunk - 1) / sort_chunk);
+  workers.for_chunks(n, sort_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
+    for (std::size_t i = b; i < e; ++i) {
+      place[c].cells += begins_cell(i);
+      place[c].rows += begins_row(i);
     }
-    cell_key_.push_back(key);
-    cell_begin_.push_back(static_cast<std::uint32_t>(i));
+  });
+  Count all;
+  for (Count& of_chunk : place) {
+    const Count here = of_chunk;
+    of_chunk = all;
+    all.cells += here.cells;
+    all.rows += here.rows;
   }
-  cell_begin_.push_back(static_cast<std::uint32_t>(keys_.size()));
-  row_begin_.push_back(static_cast<std::uint32_t>(cell_key_.size()));
+  cell_key_.resize(all.cells);
+  cell_begin_.resize(all.cells + 1);
+  row_key_.resize(all.rows);
+  row_begin_.resize(all.rows + 1);
+  workers.for_chunks(n, sort_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
+    Count at = place[c];
+    for (std::size_t i = b; i < e; ++i) {
+      if (!begins_cell(i)) continue;
+      if (begins_row(i)) {
+        row_key_[at.rows] = row_of(i);
+        row_begin_[at.rows++] = at.cells;
+      }
+      cell_key_[at.cells] = keys_[i];
+      cell_begin_[at.cells++] = static_cast<std::uint32_t>(i);
+    }
+  });
+  cell_begin_.back() = static_cast<std::uint32_t>(n);
+  row_begin_.back() = all.cells;
   OILSKIN_ASSERT(std::is_sorted(cell_key_.begin(), cell_key_.end()));
-  OILSKIN_ASSERT(cell_begin_.size() == cell_key_.size() + 1 && row_begin_.size() == row_key_.size() + 1);
 }
 
 void Neighbours::find_runs(const Workers& workers) {
@@ -265,22 +294,28 @@ std::size_t Neighbours::first_row(std::uint64_t row_key) const {
                                   row_key_.begin());
 }
 
-std::vector<Box> Neighbours::boxes(Span<const Vec3> positions) const {
+std::vector<Box> Neighbours::boxes(Span<const Vec3> positions, const Workers& workers) const {
   OILSKIN_ASSERT(positions.size() == keys_.size());
   std::uint64_t place_in_block = 0;  // the bits of a key that differ between the cells of a block
   for (std::size_t k = 0, shift = 0; k < 3; shift += bits_[k], ++k)
     place_in_block |= (std::min(block_cells, std::uint64_t{1} << bits_[k]) - 1) << shift;
+  // Runs of cells along x that lie in one block. Chunks of cells may part a run: its pieces are joined below.
   struct Part {
     std::uint64_t block;
     Box box;
   };
+  std::vector<std::vector<Part>> of_chunk((cell_count() + cell_chunk - 1) / cell_chunk);
+  workers.for_chunks(cell_count(), cell_chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
+    std::vector<Part>& parts = of_chunk[c];
+    for (std::size_t cell = begin; cell < end; ++cell) {
+      const std::uint64_t block = cell_key_[cell] & ~place_in_block;
+      if (parts.empty() || parts.back().block != block) parts.push_back({block, Box()});
+      for (std::uint32_t i = cell_begin_[cell]; i < cell_begin_[cell + 1]; ++i)
+        parts.back().box.add(positions[i]);
+    }
+  });
   std::vector<Part> parts;
-  for (std::size_t cell = 0; cell < cell_key_.size(); ++cell) {
-    const std::uint64_t block = cell_key_[cell] & ~place_in_block;
-    if (parts.empty() || parts.back().block != block) parts.push_back({block, Box()});
-    for (std::uint32_t i = cell_begin_[cell]; i < cell_begin_[cell + 1]; ++i)
-      parts.back().box.add(positions[i]);
-  }
+  for (const std::vector<Part>& some : of_chunk) parts.insert(parts.end(), some.begin(), some.end());
   std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.block < b.block; });
   std::vector<Box> boxes;
   for (std::size_t k = 0; k < parts.size(); ++k)
@@ -353,13 +388,16 @@ void Neighbours::list_neighbours(const PairKernels& kernels, std::size_t i, std:
   OILSKIN_ASSERT(own < c.count && c.particle[own] == i);
   const std::size_t n = c.count, begin = used_[chunk];
   std::vector<std::uint32_t>& list = lists_[chunk];
-  if (list.size() < begin + n + write_ahead) list.resize(begin + n + write_ahead + list.size() / 8);
+  if (list.size() < begin + n + write_ahead) {
+    list.reserve(begin + n + write_ahead + list.size() / 32);  // resize() alone would reserve twice as much
+    list.resize(list.capacity());
+  }
   std::uint32_t* out = list.data() + begin;
   c.x[own] = far_away.x;  // no neighbour of itself
   std::size_t found =
       kernels.near({c.x.data(), c.y.data(), c.z.data(), c.particle.data(), n}, records_[i], out);
   c.x[own] = records_[i].x;
-  begin_[i] = begin;
+  begin_[i] = static_cast<std::uint32_t>(begin);
   count_[i] = static_cast<std::uint32_t>(found);
   while (found % list_padding != 0) out[found++] = static_cast<std::uint32_t>(count_.size());
   used_[chunk] = begin + found;

@@ -65,7 +65,7 @@ class Neighbours {
   std::uint64_t cell_group(std::size_t cell, int width_bits) const { return cell_key_[cell] >> width_bits; }
 
   /// Boxes of parts of the fluid, a few cells wide, that contain all particles [m].
-  std::vector<Box> boxes(Span<const Vec3> positions) const;
+  std::vector<Box> boxes(Span<const Vec3> positions, const Workers& workers) const;
 
   /// Removes `second` from the list of `first`. Pairs are sorted and unique, and with (i, j) there is (j, i):
   /// else forces would not be antisymmetric.
@@ -76,10 +76,6 @@ class Neighbours {
   const Vec3& origin() const { return origin_; }
 
  private:
-  struct Key {
-    std::uint64_t cell;
-    std::uint32_t particle;
-  };
   struct Run {
     std::uint32_t begin, end;  // particles, contiguous in cell order
   };
@@ -96,7 +92,7 @@ class Neighbours {
   void make_keys(Span<const Vec3> positions, const Workers& workers);
   void sort_keys(const Workers& workers);
   void make_records(Span<const Vec3> positions, const Workers& workers);
-  void find_cells();
+  void find_cells(const Workers& workers);
   void find_runs(const Workers& workers);
   void runs_of_row(std::size_t row);
   void check_crowds(const Workers& workers) const;
@@ -109,9 +105,9 @@ class Neighbours {
   Cell first_cell_{}, last_cell_{};  // of all particles
   // Of the cell coordinates in a key: x lowest, so that cells along x are contiguous
   std::array<int, 3> bits_{};
-  std::vector<Key> keys_, keys_scratch_;
+  std::vector<std::uint64_t> keys_, keys_scratch_;  // cell of each particle, sorted
+  std::vector<std::uint32_t> order_, order_scratch_;
   std::vector<std::uint32_t> histogram_;
-  std::vector<std::uint32_t> order_;
   std::vector<std::uint64_t> cell_key_, row_key_;
   std::vector<std::uint32_t> cell_begin_;  // first particle of a cell
   std::vector<std::uint32_t> row_begin_;   // first cell of a row (same y and z)
@@ -120,7 +116,7 @@ class Neighbours {
   Vec3 origin_ = Vec3::Zero();
   std::vector<std::vector<std::uint32_t>> lists_;  // per chunk
   std::vector<std::size_t> used_;
-  std::vector<std::size_t> begin_;
+  std::vector<std::uint32_t> begin_;
   std::vector<std::uint32_t> count_;
 };
 

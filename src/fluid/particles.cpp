@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
+#include <type_traits>
 
 #include "core/assert.h"
 
@@ -21,12 +23,25 @@ void compress_array(std::vector<T>& values, Span<const std::uint8_t> keep, std::
   values.resize(kept);
 }
 
-template <class T>
-void permute_array(std::vector<T>& values, Span<const std::uint32_t> order, const Workers& workers,
-                   std::vector<T>& scratch) {
-  scratch.resize(values.size());
+void permute_array(std::vector<Vec3>& values, Span<const std::uint32_t> order, const Workers& workers,
+                   std::vector<Vec3>& scratch) {
   workers.for_each(order.size(), chunk_size, [&](std::size_t i) { scratch[i] = values[order[i]]; });
   values.swap(scratch);
+}
+
+/// Numbers, in the memory of `scratch`.
+template <class T>
+void permute_array(std::vector<T>& values, Span<const std::uint32_t> order, const Workers& workers,
+                   std::vector<Vec3>& scratch) {
+  static_assert(std::is_arithmetic_v<T> && sizeof(T) <= sizeof(Vec3));
+  const auto at = [&](std::size_t i) {
+    return reinterpret_cast<unsigned char*>(scratch.data()) + i * sizeof(T);
+  };
+  workers.for_each(order.size(), chunk_size,
+                   [&](std::size_t i) { std::memcpy(at(i), &values[order[i]], sizeof(T)); });
+  workers.for_chunks(order.size(), chunk_size, [&](std::size_t begin, std::size_t end, std::size_t) {
+    std::memcpy(&values[begin], at(begin), (end - begin) * sizeof(T));
+  });
 }
 
 template <class T>
@@ -53,7 +68,7 @@ void Particles::reserve_more(std::size_t count) {
   reserve_array(motion, count);
   reserve_array(density, count);
   reserve_array(pressure, count);
-  reserve_array(spare_load, count);
+  if (spares_load) reserve_array(spare_load, count);
   if (mass_varies) reserve_array(mass_ratio, count);
   if (ends) reserve_array(end_time, count);
   for (std::vector<double>& v : values) reserve_array(v, count);
@@ -70,6 +85,12 @@ Vec3 Particles::sum_of_velocities(const Workers& workers) const {
     for (std::size_t i = begin; i < end; ++i) sum += relative_mass(i) * velocity[i];
     return sum;
   });
+}
+
+void Particles::let_load_be_spared() {
+  if (spares_load) return;
+  spare_load.assign(size(), Vec3::Zero());
+  spares_load = true;
 }
 
 void Particles::let_mass_vary() {
@@ -92,7 +113,7 @@ void Particles::push_back(std::uint64_t new_id, const Vec3& x, const Vec3& v, do
   motion.push_back(v);  // it has not moved yet
   density.push_back(rest_density);
   pressure.push_back(0);
-  spare_load.push_back(Vec3::Zero());
+  if (spares_load) spare_load.push_back(Vec3::Zero());
   if (mass_varies) mass_ratio.push_back(1);
   if (ends) end_time.push_back(new_end);
   for (std::size_t k = 0; k < values.size(); ++k) values[k].push_back(value_start[k]);
@@ -107,7 +128,7 @@ void Particles::compress(Span<const std::uint8_t> keep) {
   compress_array(motion, keep, first);
   compress_array(density, keep, first);
   compress_array(pressure, keep, first);
-  compress_array(spare_load, keep, first);
+  if (spares_load) compress_array(spare_load, keep, first);
   if (mass_varies) compress_array(mass_ratio, keep, first);
   if (ends) compress_array(end_time, keep, first);
   for (std::vector<double>& v : values) compress_array(v, keep, first);
@@ -118,28 +139,30 @@ void Particles::compress(Span<const std::uint8_t> keep) {
 
 void Particles::permute(Span<const std::uint32_t> order, const Workers& workers, Scratch& scratch) {
   OILSKIN_ASSERT(order.size() == size());
-  permute_array(position, order, workers, scratch.vectors);
-  permute_array(velocity, order, workers, scratch.vectors);
-  permute_array(motion, order, workers, scratch.vectors);
-  permute_array(density, order, workers, scratch.scalars);
-  permute_array(pressure, order, workers, scratch.scalars);
-  permute_array(spare_load, order, workers, scratch.vectors);
-  if (mass_varies) permute_array(mass_ratio, order, workers, scratch.ratios);
-  if (ends) permute_array(end_time, order, workers, scratch.scalars);
-  for (std::vector<double>& v : values) permute_array(v, order, workers, scratch.scalars);
-  permute_array(id, order, workers, scratch.ids);
+  scratch.resize(size());
+  permute_array(position, order, workers, scratch);
+  permute_array(velocity, order, workers, scratch);
+  permute_array(motion, order, workers, scratch);
+  permute_array(density, order, workers, scratch);
+  permute_array(pressure, order, workers, scratch);
+  if (spares_load) permute_array(spare_load, order, workers, scratch);
+  if (mass_varies) permute_array(mass_ratio, order, workers, scratch);
+  if (ends) permute_array(end_time, order, workers, scratch);
+  for (std::vector<double>& v : values) permute_array(v, order, workers, scratch);
+  permute_array(id, order, workers, scratch);
 }
 
 void Particles::copy_to(Particles& to, const Workers& workers) const {
   // Names every field, so that a new one does not compile until it is copied.
-  auto& [id_, position_, velocity_, motion_, density_, pressure_, spare_load_, mass_varies_, mass_ratio_,
-         ends_, end_time_, new_end_, values_, value_start_] = to;
+  auto& [id_, position_, velocity_, motion_, density_, pressure_, spares_load_, spare_load_, mass_varies_,
+         mass_ratio_, ends_, end_time_, new_end_, values_, value_start_] = to;
   copy_array(id, workers, id_);
   copy_array(position, workers, position_);
   copy_array(velocity, workers, velocity_);
   copy_array(motion, workers, motion_);
   copy_array(density, workers, density_);
   copy_array(pressure, workers, pressure_);
+  spares_load_ = spares_load;
   copy_array(spare_load, workers, spare_load_);
   mass_varies_ = mass_varies;
   copy_array(mass_ratio, workers, mass_ratio_);
@@ -152,10 +175,11 @@ void Particles::copy_to(Particles& to, const Workers& workers) const {
 }
 
 void Particles::visit(Archive& archive) {
-  archive.values(id, position, velocity, motion, density, pressure, spare_load);
+  archive.values(id, position, velocity, motion, density, pressure);
+  visit_spare_load(archive);
   const std::size_t n = id.size();
   archive.require(position.size() == n && velocity.size() == n && motion.size() == n && density.size() == n &&
-                      pressure.size() == n && spare_load.size() == n,
+                      pressure.size() == n && spare_load.size() == (spares_load ? n : 0),
                   "the number of particles");
   archive.values(mass_varies, mass_ratio);
   archive.require(mass_ratio.size() == (mass_varies ? n : 0), "the number of masses");
@@ -170,6 +194,19 @@ void Particles::visit(Archive& archive) {
   }
   if (!archive.reading()) return;
   for (const Vec3& u : motion) archive.require(u.allFinite(), "the motion of a particle");
+}
+
+/// Worlds that keep none save zeros.
+void Particles::visit_spare_load(Archive& archive) {
+  if (!archive.reading()) {
+    std::vector<Vec3> zeros(spares_load ? 0 : size(), Vec3::Zero());
+    archive.value(spares_load ? spare_load : zeros);
+    return;
+  }
+  archive.value(spare_load);
+  const auto is_zero = [](const Vec3& load) { return load.isZero(0); };
+  spares_load = spare_load.size() != size() || !std::all_of(spare_load.begin(), spare_load.end(), is_zero);
+  if (!spares_load) spare_load.clear();
 }
 
 }  // namespace oilskin::fluid

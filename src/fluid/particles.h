@@ -15,7 +15,10 @@ struct Particles {
   std::vector<Vec3> motion;      ///< displacement over time of the last interval [m/s]
   std::vector<double> density;   ///< [kg/m³]
   std::vector<double> pressure;  ///< [Pa] of the last step: warm start of the next
-  std::vector<Vec3> spare_load;  ///< of the last interval's load, what friction may still use (B.35) [N s]
+
+  bool spares_load = false;
+  std::vector<Vec3>
+      spare_load;  ///< if spares_load: what friction may still use of the last load (B.35) [N s]
 
   bool mass_varies = false;
   std::vector<float> mass_ratio;  ///< if mass_varies: mass over that of a new particle, (0, 1]
@@ -34,6 +37,8 @@ struct Particles {
   double sum_of_relative_masses() const;
   /// Σ relative mass × stored velocity [m/s].
   Vec3 sum_of_velocities(const Workers& workers) const;
+  /// From now on friction at walls keeps what it has not used.
+  void let_load_be_spared();
   /// From now on masses may differ.
   void let_mass_vary();
   /// From now on particles may end by age; those that are there do not.
@@ -44,18 +49,16 @@ struct Particles {
   /// Keeps those with keep[i] != 0, in order.
   void compress(Span<const std::uint8_t> keep);
   /// What permute() keeps from call to call, so that it asks for no memory each time.
-  struct Scratch {
-    std::vector<Vec3> vectors;
-    std::vector<double> scalars;
-    std::vector<float> ratios;
-    std::vector<std::uint64_t> ids;
-  };
+  using Scratch = std::vector<Vec3>;
   /// New storage order: the i-th particle is the one that was at order[i].
   void permute(Span<const std::uint32_t> order, const Workers& workers, Scratch& scratch);
   /// A copy in `to`, whose memory is used again.
   void copy_to(Particles& to, const Workers& workers) const;
   /// All fields in storage order, on which the rounding of sums depends.
   void visit(Archive& archive);
+
+ private:
+  void visit_spare_load(Archive& archive);
 };
 
 }  // namespace oilskin::fluid

@@ -17,7 +17,6 @@ void World::Impl::emit(IntervalContext& interval) {
   StageTimer timer(step.report.seconds.other_fluid);
   fluid::Particles& particles = state.particles;
   interval.live = particles.size();
-  interval.remaining.assign(interval.live, interval.dt);
   if (interval.is_first) {
     step.ledger.present_before(particles.sum_of_velocities(*workers));
     step.energy.begin(particles, interval.dt, *workers);
@@ -41,7 +40,7 @@ void World::Impl::emit(IntervalContext& interval) {
     if (particles.ends)
       particles.end_time.back() =
           interval.begin + interval.dt - start.remaining + std::min(start.max_age, state.max_age);
-    interval.remaining.push_back(start.remaining);
+    interval.of_starts.push_back(start.remaining);
     step.ledger.emitted(start.velocity);
     step.energy.enter(start.position, start.velocity, interval.dt);
     step.ledger.gravity(1, start.remaining, settings.gravity);

@@ -35,7 +35,8 @@ void JointParticles::add(std::uint8_t world, const fluid::Particles& particles,
   append(x_t1, interval.x_t1);
   append(velocity, interval.velocity);
   append(start_velocity, particles.velocity);
-  append(spare_load, particles.spare_load);
+  append(spare_load, particles.spare_load);  // none: zeros
+  spare_load.resize(id.size(), Vec3::Zero());
   append(inverse_mass, interval.inverse_mass);
   append(removed, interval.removed);
   liquid_index.resize(id.size(), world);

@@ -80,8 +80,10 @@ void World::Impl::run_interval(IntervalContext& interval) {
   pass.find();
   propose(interval, pass);
   pass.set_start_velocity(state.particles.velocity);
-  if (fluid_settings.boundary == BoundaryModel::mirrored)
+  if (fluid_settings.boundary == BoundaryModel::mirrored) {
+    state.particles.let_load_be_spared();
     pass.set_wall_impulses(fluid->wall_impulses(), state.particles.spare_load);
+  }
   pass.solve();  // impulses, impacts, zones → certificate
   interval.removed_by_contact = interval.report.removed;
   step.contacts = pass.take_contacts();
@@ -159,14 +161,14 @@ void World::Impl::exchange(IntervalContext& interval, Span<const Contact> near) 
 void World::Impl::predict_motion(IntervalContext& interval) const {
   const fluid::Particles& particles = state.particles;
   const std::size_t n = particles.size();
-  OILSKIN_ASSERT(interval.remaining.size() == n);
+  OILSKIN_ASSERT(interval.live + interval.of_starts.size() == n);
   interval.velocity.resize(n);
   interval.inverse_mass.resize(n);
   interval.removed.assign(n, 0);
   interval.x_t1.resize(n);
   const double inverse_mass = 1 / fluid->particle_mass();
   workers->for_each(n, chunk_size, [&](std::size_t i) {
-    const double t = interval.remaining[i];
+    const double t = interval.remaining(i);
     interval.velocity[i] = particles.velocity[i];
     interval.inverse_mass[i] = inverse_mass;
     if (particles.mass_varies) interval.inverse_mass[i] /= particles.relative_mass(i);
@@ -240,9 +242,9 @@ void World::Impl::propose_motion(IntervalContext& interval) {
 bool World::Impl::propose_end(IntervalContext& interval, std::size_t i) const {
   const Vec3& x_t0 = state.particles.position[i];
   Vec3 &x_t1 = interval.x_t1[i], &velocity = interval.velocity[i];
-  const Vec3 ballistic = state.particles.velocity[i] + interval.remaining[i] * settings.gravity;
+  const Vec3 ballistic = state.particles.velocity[i] + interval.remaining(i) * settings.gravity;
   if (i >= interval.live) velocity = ballistic;
-  x_t1 = x_t0 + interval.remaining[i] * velocity;
+  x_t1 = x_t0 + interval.remaining(i) * velocity;
   if (world::is_in_range(x_t1) && world::is_in_range(velocity)) return true;
   x_t1 = x_t0;
   if (!velocity.allFinite()) velocity = ballistic;  // the momentum that the ledger counts as removed
@@ -325,7 +327,7 @@ bool World::Impl::commit_particle(IntervalContext& interval, std::size_t i, worl
     return false;
   }
   const Vec3 motion_before = particles.motion[i];
-  world::EnergyBalance::move(particles, i, start, interval.remaining[i], interval.dt);
+  world::EnergyBalance::move(particles, i, start, interval.remaining(i), interval.dt);
   if (!interval.acceleration.empty() && i < interval.live)
     energy.drive(particles.relative_mass(i), interval.driving_acceleration(i),
                  0.5 * (motion_before + particles.motion[i]), interval.dt, sums.energy);

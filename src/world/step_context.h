@@ -50,7 +50,7 @@ struct IntervalContext {
 
   // State
   std::size_t live = 0;              // particles that live at the start
-  std::vector<double> remaining;     // part of the interval that a particle takes part in [s]
+  std::vector<double> of_starts;     // of those emitted: the part of the interval that each takes part in [s]
   std::vector<Vec3> x_t1, velocity;  // at the end: predicted, proposed, then certified [m], [m/s]
   std::vector<double> inverse_mass;  // [1/kg]
   std::vector<std::uint8_t> removed;
@@ -65,6 +65,8 @@ struct IntervalContext {
   // Output
   ContactReport report;
 
+  /// The part of the interval that particle i takes part in [s].
+  double remaining(std::size_t i) const { return i < live ? dt : of_starts[i - live]; }
   /// Of particle i by effects that do work [m/s²].
   Vec3 driving_acceleration(std::size_t i) const {
     return friction.empty() ? acceleration[i] : Vec3(acceleration[i] - friction[i]);

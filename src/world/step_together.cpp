@@ -212,6 +212,9 @@ void World::JointStep::run_interval(int k) {
 void World::JointStep::solve() {
   Member& first = *members_[0];
   Impl& w = first.impl;
+  const bool has_walls = w.fluid_settings.boundary == BoundaryModel::mirrored;
+  if (has_walls)
+    for (const auto& m : members_) m->impl.state.particles.let_load_be_spared();
   world::JointParticles all = join_particles();
   ParticleMotion motion = first.motion;
   motion.id = all.id;
@@ -228,8 +231,7 @@ void World::JointStep::solve() {
   for (std::size_t k = 0; k < members_.size(); ++k) give_pushes(*members_[k], loads_[k]);
   pass.record_loads(loads_);
   pass.set_start_velocity(all.start_velocity);
-  if (w.fluid_settings.boundary == BoundaryModel::mirrored)
-    pass.set_wall_impulses(all.wall_impulses, all.spare_load);
+  if (has_walls) pass.set_wall_impulses(all.wall_impulses, all.spare_load);
   pass.solve();
   part_particles(all, pass.take_contacts());
 }

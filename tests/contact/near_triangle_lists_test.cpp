@@ -49,7 +49,7 @@ struct Scene {
 TEST(NearTriangleLists, hold_all_triangles_within_reach_and_few_others) {
   for (const Vec3& by : {Vec3(0, 0, 0), Vec3(0.02, 0.01, 0)}) {
     Scene scene(by.x() > 0 ? 1 : 2, by);
-    const std::vector<Box> boxes = scene.neighbours.boxes(scene.x);
+    const std::vector<Box> boxes = scene.neighbours.boxes(scene.x, Workers(2));
     const Workers workers(2);
     NearTriangleLists lists;
     SurfaceGeometry* geometry[] = {&scene.geometry};
@@ -73,7 +73,7 @@ TEST(NearTriangleLists, hold_all_triangles_within_reach_and_few_others) {
 
 TEST(NearTriangleLists, boxes_hold_all_particles_and_are_small) {
   const Scene scene(3, Vec3::Zero());
-  const std::vector<Box> boxes = scene.neighbours.boxes(scene.x);
+  const std::vector<Box> boxes = scene.neighbours.boxes(scene.x, Workers(2));
   for (const Vec3& x : scene.x)
     EXPECT_TRUE(std::any_of(boxes.begin(), boxes.end(), [&](const Box& b) { return b.contains(x); }));
   for (const Box& b : boxes) EXPECT_LE((b.max - b.min).maxCoeff(), 4.001 * support_radius);

@@ -17,7 +17,7 @@ struct Block {
   const IncompressibleFluid fluid;
   const Workers workers;
   StepState state;
-  std::vector<Record> sums;
+  std::vector<Record> sums, own;  // Σ_j m_j w'/q Δ, and K_i times it
   GradientCorrection correction;
 
   explicit Block(double share, bool masses_differ = false)
@@ -44,9 +44,10 @@ struct Block {
     run_explicit_sums(state, fluid.explicit_model(state.dt), true,
                       [&](const PairRates& rates, std::size_t i) {
                         sums[i] = rates.gradient;
-                        correction.moments()[i] = rates.moments;
+                        correction.moments().set(i, rates.moments);
                       });
-    correction.begin_step(state, sums, fluid.density_scale);
+    own = sums;
+    correction.begin_step(state, own, fluid.density_scale);
   }
   std::size_t size() const { return state.size(); }
   Vec3 place(std::size_t i) const { return to_vector(state.position()[i]); }
@@ -144,7 +145,7 @@ TEST(GradientCorrection, the_force_is_the_transpose_of_the_compression) {
     block.correction.apply_pressure(block.state, x_phi, 1);
     std::vector<Record> push(block.size());
     block.state.for_chunks([&](std::size_t begin, std::size_t end) {
-      block.correction.push(block.state, x_phi, {begin, end}, &push[begin]);
+      block.correction.push(block.state, x_phi, block.own, {begin, end}, &push[begin]);
     });
     double work = 0, of_force = 0, of_push = 0, size = 0;
     for (std::size_t i = 0; i < block.size(); ++i) {

@@ -162,6 +162,23 @@ TEST(Neighbours, same_lists_for_any_number_of_threads) {
   }
 }
 
+/// Also where chunks of a loop part the cells of a block.
+TEST(Neighbours, boxes_of_many_points_are_one_for_each_block) {
+  const double radius = 0.01;
+  const Searched s(random_points(30000, 0.1, 8), radius);  // 20³ cells
+  const std::vector<Box> one = s.neighbours.boxes(s.x, Workers(1)),
+                         three = s.neighbours.boxes(s.x, Workers(3));
+  ASSERT_EQ(one.size(), three.size());
+  EXPECT_LE(one.size(), 6u * 6 * 6) << "blocks of four cells";
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    EXPECT_EQ(one[k].min, three[k].min);
+    EXPECT_EQ(one[k].max, three[k].max);
+    EXPECT_LE((one[k].max - one[k].min).maxCoeff(), 4 * radius);
+  }
+  for (const Vec3& x : s.x)
+    ASSERT_EQ(std::count_if(one.begin(), one.end(), [&](const Box& b) { return b.contains(x); }), 1);
+}
+
 TEST(Particles, compress_and_permute_keep_fields_together) {
   Particles p;
   for (std::uint64_t i = 0; i < 5; ++i) {

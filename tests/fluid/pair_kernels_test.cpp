@@ -90,15 +90,15 @@ void add_corrected(Results& r, const Cloud& cloud, const PairTable& table) {
 }
 
 /// By the kernels in use.
-Results sums(const Cloud& cloud, bool weighted, bool with_rates) {
+Results sums(const Cloud& cloud, bool weighted, bool with_rates, bool slopes_stored = true) {
   const std::size_t n = cloud.size();
   const PairKernels& kernels = pair_kernels();
   std::vector<float> slopes(cloud.neighbours.pair_capacity(0)), density(n), moved_density(n), compression(n);
   std::vector<Change> rubbed(n), exact(n);
   std::vector<PairRates> rates(n);
   std::vector<Record> push(n);
-  const PairTable table =
-      cloud.neighbours.table(0, slopes.data(), weighted ? cloud.mass_ratio.data() : nullptr);
+  const PairTable table = cloud.neighbours.table(0, slopes_stored ? slopes.data() : nullptr,
+                                                 weighted ? cloud.mass_ratio.data() : nullptr);
   const PairRange all = {0, n};
   kernels.start(table, cloud.x.data(), cloud.v.data(), friction, all,
                 {density.data(), rubbed.data(), with_rates ? rates.data() : nullptr});
@@ -206,6 +206,20 @@ TEST(PairKernels, give_the_same_bits_for_all_instruction_sets) {
           for (std::size_t k = 0; k < values.size(); ++k)
             ASSERT_EQ(bits(values[k]), bits(b.at(name)[k])) << name << " " << k << " weighted " << weighted;
       }
+}
+
+TEST(PairKernels, give_the_same_bits_whether_slopes_are_stored_or_computed) {
+  const Cloud cloud;
+  for (const InstructionSet set : all_instruction_sets) {
+    if (!is_available(set)) continue;
+    const Using chosen(set);
+    for (const bool weighted : {false, true}) {
+      const Results a = sums(cloud, weighted, true, true), b = sums(cloud, weighted, true, false);
+      for (const auto& [name, values] : a)
+        for (std::size_t k = 0; k < values.size(); ++k)
+          ASSERT_EQ(bits(values[k]), bits(b.at(name)[k])) << name << " " << k << " weighted " << weighted;
+    }
+  }
 }
 
 TEST(PairKernels, columns_have_the_places_of_the_records) {

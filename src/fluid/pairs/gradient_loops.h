@@ -40,12 +40,13 @@ struct GradientLoops {
   };
 
   static void pressure(const PairTable& t, const Record* x, const Tensors& k, PairRange range, Record* out) {
-    Base::by_masses(t, [&](const auto& masses) {
+    Base::by_pairs(t, [&](const auto& masses, const auto& slopes) {
       for (std::size_t i = range.begin; i < range.end; ++i) {
         Sum3<F8> sum;
         for (List n(t, i); n; ++n) {
           const Record8 other(x, n.j);
-          const Sum3<F8> g = Tensor8(k, n.j).slope_times(F8::load(n.slope) * other.w, Pairs(x[i], other));
+          const Pairs pairs(x[i], other);
+          const Sum3<F8> g = Tensor8(k, n.j).slope_times(slopes.of(n, pairs) * other.w, pairs);
           masses.add(sum.x, g.x, n.j);
           masses.add(sum.y, g.y, n.j);
           masses.add(sum.z, g.z, n.j);
@@ -57,7 +58,7 @@ struct GradientLoops {
 
   static void pressure_exact(const PairTable& t, const Record* x, const Tensors& k, PairRange range,
                              Change* out) {
-    Base::by_masses(t, [&](const auto& masses) {
+    Base::by_pairs(t, [&](const auto& masses, const auto& slopes) {
       for (std::size_t i = range.begin; i < range.end; ++i) {
         Sum3<Sum8> sum;
         const Tensor8 tensor(k, i);
@@ -65,7 +66,7 @@ struct GradientLoops {
         for (List n(t, i); n; ++n) {
           const Record8 other(x, n.j);
           const Pairs pairs(x[i], other);
-          const F8 slope = F8::load(n.slope);
+          const F8 slope = slopes.of(n, pairs);
           const Sum3<F8> of_own = tensor.slope_times(slope, pairs);
           const Sum3<F8> of_other = Tensor8(k, n.j).slope_times(slope, pairs);
           masses.add(sum.x, own * of_own.x + other.w * of_other.x, n.j);
@@ -79,14 +80,14 @@ struct GradientLoops {
 
   static void compression(const PairTable& t, const Record* x, const Tensors& k, const Record* y,
                           PairRange range, float* out) {
-    Base::by_masses(t, [&](const auto& masses) {
+    Base::by_pairs(t, [&](const auto& masses, const auto& slopes) {
       for (std::size_t i = range.begin; i < range.end; ++i) {
         F8 sum;
         const Tensor8 tensor(k, i);
         for (List n(t, i); n; ++n) {
           const Pairs pairs(x[i], Record8(x, n.j));
           const Record8 u(y, n.j);
-          const Sum3<F8> g = tensor.slope_times(F8::load(n.slope), pairs);
+          const Sum3<F8> g = tensor.slope_times(slopes.of(n, pairs), pairs);
           masses.add(sum, (F8(y[i].x) - u.x) * g.x + (F8(y[i].y) - u.y) * g.y + (F8(y[i].z) - u.z) * g.z,
                      n.j);
         }

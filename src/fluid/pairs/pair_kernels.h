@@ -25,11 +25,11 @@ struct PairRange {
 
 /// The neighbour lists of a chunk. Plain pointers, so that no function of a library is compiled for AVX2.
 struct PairTable {
-  const std::uint32_t* lists;     ///< each padded to a multiple of eight with a record that is far away
-  const std::size_t* list_begin;  ///< per particle, where its list starts in `lists` and `slopes`
-  const std::uint32_t* count;     ///< per particle
-  float* slopes;                  ///< per pair: w'(q)/q; 0 for the padding
-  const float* mass_ratio;        ///< per particle: mass over that of a new one; null = all are 1
+  const std::uint32_t* lists;       ///< each padded to a multiple of eight with a record that is far away
+  const std::uint32_t* list_begin;  ///< per particle, where its list starts in `lists` and `slopes`
+  const std::uint32_t* count;       ///< per particle
+  float* slopes;                    ///< per pair: w'(q)/q, 0 for the padding; null = computed in each loop
+  const float* mass_ratio;          ///< per particle: mass over that of a new one; null = all are 1
 };
 
 /// The pair term of viscosity and XSPH: a Δ − b (v_i − v_j) with a = v_ij·Δ (by_slope w'/q/(q² + 0.01) −
@@ -89,7 +89,8 @@ struct GradientKernels {
 };
 
 struct PairKernels {
-  /// Writes the slopes, too. Friction and rates are both asked for, or only friction, or none.
+  /// Writes the slopes, too, if the table has them. Friction and rates are both asked for, or only friction,
+  /// or none.
   void (*start)(const PairTable&, const Record* x, const Record* v, const PairFriction&, PairRange,
                 const StartSums&);
   /// Σ_j m_j w(q_ij) without i itself.

@@ -23,15 +23,23 @@ struct PairLoops {
   /// The neighbours of one particle, eight at a time.
   struct List {
     const std::uint32_t* j;
-    float* slope;
     std::uint32_t blocks;
-    List(const PairTable& t, std::size_t i)
-        : j(t.lists + t.list_begin[i]), slope(t.slopes + t.list_begin[i]), blocks((t.count[i] + 7) / 8) {}
+    List(const PairTable& t, std::size_t i) : j(t.lists + t.list_begin[i]), blocks((t.count[i] + 7) / 8) {}
     explicit operator bool() const { return blocks > 0; }
     void operator++() {
       --blocks;
       j += 8;
-      slope += 8;
+    }
+  };
+
+  /// w'/q of the pairs: loaded where they are stored, else computed, with the same bits.
+  template <bool stored>
+  struct Slopes {
+    const std::uint32_t* lists;
+    const float* slopes;
+    F8 of(const List& n, const Pairs& pairs) const {
+      if constexpr (stored) return F8::load(slopes + (n.j - lists));
+      return CubicSpline::dw_over_q(root(pairs.q2));
     }
   };
 
@@ -87,6 +95,17 @@ struct PairLoops {
       f(Masses<false>{nullptr});
   }
 
+  /// f(masses, slopes).
+  template <class F>
+  static void by_pairs(const PairTable& t, const F& f) {
+    by_masses(t, [&](const auto& masses) {
+      if (t.slopes)
+        f(masses, Slopes<true>{t.lists, t.slopes});
+      else
+        f(masses, Slopes<false>{nullptr, nullptr});
+    });
+  }
+
   template <bool with_friction, bool with_rates, class M>
   static void start_of(const PairTable& t, const Record* x, const Record* v, const PairFriction& friction,
                        const M& masses, std::size_t i, std::size_t k, const StartSums& out) {
@@ -99,7 +118,7 @@ struct PairLoops {
     for (List n(t, i); n; ++n) {
       const Pairs pairs(x[i], Record8(x, n.j));
       const F8 q = root(pairs.q2), w = CubicSpline::w(q), g = CubicSpline::dw_over_q(q);
-      g.store(n.slope);
+      if (t.slopes) g.store(t.slopes + (n.j - t.lists));
       masses.add(density, w, n.j);
       if constexpr (with_friction) {
         const Record8 u(v, n.j);
@@ -154,14 +173,15 @@ struct PairLoops {
   struct Sum3 {
     Sum x, y, z;
   };
-  template <class Sum, class M>
-  static Sum3<Sum> pressure_of(const PairTable& t, const Record* x, const M& masses, std::size_t i) {
+  template <class Sum, class M, class S>
+  static Sum3<Sum> pressure_of(const PairTable& t, const Record* x, const M& masses, const S& slopes,
+                               std::size_t i) {
     Sum3<Sum> sum;
     const F8 own(x[i].w);
     for (List n(t, i); n; ++n) {
       const Record8 other(x, n.j);
       const Pairs pairs(x[i], other);
-      const F8 f = (own + other.w) * F8::load(n.slope);
+      const F8 f = (own + other.w) * slopes.of(n, pairs);
       masses.add(sum.x, f * pairs.dx, n.j);
       masses.add(sum.y, f * pairs.dy, n.j);
       masses.add(sum.z, f * pairs.dz, n.j);
@@ -170,25 +190,25 @@ struct PairLoops {
   }
 
   static void pressure(const PairTable& t, const Record* x, PairRange range, Record* out) {
-    by_masses(t, [&](const auto& masses) {
+    by_pairs(t, [&](const auto& masses, const auto& slopes) {
       for (std::size_t i = range.begin; i < range.end; ++i) {
-        const Sum3<F8> s = pressure_of<F8>(t, x, masses, i);
+        const Sum3<F8> s = pressure_of<F8>(t, x, masses, slopes, i);
         *out++ = {total(s.x), total(s.y), total(s.z), 0};
       }
     });
   }
 
   static void pressure_exact(const PairTable& t, const Record* x, PairRange range, Change* out) {
-    by_masses(t, [&](const auto& masses) {
+    by_pairs(t, [&](const auto& masses, const auto& slopes) {
       for (std::size_t i = range.begin; i < range.end; ++i) {
-        const Sum3<Sum8> s = pressure_of<Sum8>(t, x, masses, i);
+        const Sum3<Sum8> s = pressure_of<Sum8>(t, x, masses, slopes, i);
         *out++ = {s.x.total(), s.y.total(), s.z.total()};
       }
     });
   }
 
   static void compression(const PairTable& t, const Record* x, const Record* y, PairRange range, float* out) {
-    by_masses(t, [&](const auto& masses) {
+    by_pairs(t, [&](const auto& masses, const auto& slopes) {
       for (std::size_t i = range.begin; i < range.end; ++i) {
         F8 sum;
         for (List n(t, i); n; ++n) {
@@ -196,7 +216,7 @@ struct PairLoops {
           const Record8 u(y, n.j);
           const F8 rate =
               (F8(y[i].x) - u.x) * pairs.dx + (F8(y[i].y) - u.y) * pairs.dy + (F8(y[i].z) - u.z) * pairs.dz;
-          masses.add(sum, rate * F8::load(n.slope), n.j);
+          masses.add(sum, rate * slopes.of(n, pairs), n.j);
         }
         *out++ = total(sum);
       }

@@ -56,12 +56,14 @@ class Dfsph : public PressureModel {
   void set_steps(const StepState& state);
   bool has_neighbours(const StepState& state, std::size_t i) const;
   void solve_divergence(StepState& state, FluidReport& report);
-  void set_start_motion(const StepState& state);
+  Eigen::Vector3f start_displacement(const StepState& state, std::size_t i) const;
+  Vec3 drift(const StepState& state, std::size_t i) const;
+  void add_wall_rates(const StepState& state);
   void solve_density(StepState& state, const std::vector<double>& pressure, FluidReport& report);
   void finish(StepState& state, std::vector<double>& pressure);
 
   void restart_momentum(const StepState& state);
-  void iterate(StepState& state, Solver solver, const LoopGoal& goal);
+  void iterate(StepState& state, const LoopGoal& goal);
   float divergence_error(const StepState& state, std::size_t i, float rate, Errors& errors) const;
   float density_error(const StepState& state, std::size_t i, float compressed, Errors& errors) const;
   template <class RateOf, class ErrorOf>
@@ -76,10 +78,9 @@ class Dfsph : public PressureModel {
   IterationController controller_;  // of the density solver
 
   // Of the particles, at the start
-  std::vector<Record> gradient_;   // Σ w'/q Δ, and w: Σ |w'|²
+  std::vector<Record> gradient_;   // Σ w'/q Δ, if corrected Σ w'/q K_i Δ, and w: Σ |w'|²
   std::vector<float> start_rate_;  // relative compression of the step by the start velocities
   std::vector<float> step_;        // τ_i: change of φ per relative compression, without ω
-  std::vector<Vec3> drift_;        // displacement without pressure [H]
   std::vector<float> target_;      // ē_i
 
   // Of the loops; x_phi_ and displacement_ with one more for the padding
@@ -88,6 +89,7 @@ class Dfsph : public PressureModel {
   std::vector<float> min_phi_;        // of the divergence solver: a lower bound for the density solver
   std::vector<Record> displacement_;  // [H]
   int corrections_ = 0;               // since the momentum was restarted
+  Solver solver_ = Solver::density;
 };
 
 void Dfsph::explicit_terms(StepState& state) {
@@ -95,12 +97,12 @@ void Dfsph::explicit_terms(StepState& state) {
   start_rate_.resize(state.size());
   const ExplicitModel model = fluid_.explicit_model(state.dt);
   const float rate_scale = model.density_scale * static_cast<float>(state.dt / fluid_.support_radius);
-  std::vector<SecondMoments>& moments = correction_.moments();
+  TensorArray& moments = correction_.moments();
   if (correction_.is_on()) moments.resize(state.size());
   run_explicit_sums(state, model, true, [&](const PairRates& rates, std::size_t i) {
     gradient_[i] = rates.gradient;
     start_rate_[i] = rate_scale * rates.compression;
-    if (correction_.is_on()) moments[i] = rates.moments;
+    if (correction_.is_on()) moments.set(i, rates.moments);
   });
   add_wall_density(state);
   add_image_slopes(state, gradient_, moments);
@@ -121,7 +123,6 @@ void Dfsph::begin_step(const StepState& state) {
   loop_.begin_step();
   walls_.begin_step(state);
   set_targets(state, fluid_.settings, target_);
-  drift_.resize(n);
   step_.resize(n);
   previous_phi_.resize(n);
   min_phi_.assign(n, 0);
@@ -136,15 +137,14 @@ void Dfsph::set_steps(const StepState& state) {
   state.for_each([&](std::size_t i) {
     OILSKIN_ASSERT(std::max(1.0f, state.relative_density[i]) < std::numeric_limits<float>::infinity());
     const Record& g = gradient_[i];
-    const Eigen::Vector3f sum(g.x, g.y, g.z);
-    const Eigen::Vector3f pull = scale * (correction_.is_on() ? correction_.times(i, sum) : sum);
+    const Eigen::Vector3f pull = scale * Eigen::Vector3f(g.x, g.y, g.z);
     const float response = density_response(fluid_, state, i, pull, scale * g.w);
     step_[i] = density_step(fluid_, state.relative_density[i], response);
   });
 }
 
 bool Dfsph::has_neighbours(const StepState& state, std::size_t i) const {
-  const std::uint32_t k = WallResponse::point_of(state, i);
+  const std::uint32_t k = state.wall_point_of(i);
   const float behind_walls = k == Boundary::none ? 0 : state.boundary.points()[k].lambda;
   return static_cast<float>(state.neighbours.count(i)) >= (1 - behind_walls) * min_neighbours;
 }
@@ -152,7 +152,8 @@ bool Dfsph::has_neighbours(const StepState& state, std::size_t i) const {
 /// The start velocities compress the fluid by no more than the tolerance in the step: Dρ/Dt = Σ m (v_i −
 /// v_j)·∇W (F.31), [Bender2015] Alg. 2. In most steps they do not, as the first pass over the pairs shows.
 void Dfsph::solve_divergence(StepState& state, FluidReport& report) {
-  set_start_motion(state);
+  solver_ = Solver::divergence;
+  add_wall_rates(state);
   restart_momentum(state);
   const auto start_rates = [&](PairRange range, float* out) {
     std::copy(&start_rate_[range.begin], &start_rate_[range.begin] + (range.end - range.begin), out);
@@ -163,22 +164,33 @@ void Dfsph::solve_divergence(StepState& state, FluidReport& report) {
   const Errors at_start = correct(state, start_rates, error_of);
   const double tolerance = fluid_.settings.divergence_tolerance;
   if (!(at_start.mean(at_start.sum) > tolerance)) return;
-  iterate(state, Solver::divergence, {tolerance, 1, {}});
+  iterate(state, {tolerance, 1, {}});
   report.divergence_iterations = loop_.iterations();
   report.diverged = loop_.diverged();
   state.for_each([&](std::size_t i) { min_phi_[i] = x_phi_[i].w; });
 }
 
-/// The displacement by the start velocities, and the walls' part of their compression.
-void Dfsph::set_start_motion(const StepState& state) {
+/// By the start velocity [H].
+Eigen::Vector3f Dfsph::start_displacement(const StepState& state, std::size_t i) const {
+  const Record& v = state.velocity[i];
+  return static_cast<float>(state.dt / fluid_.support_radius) * Eigen::Vector3f(v.x, v.y, v.z);
+}
+
+/// The displacement without pressure [H]. Computed where it is needed: an array of it takes 24 bytes a
+/// particle.
+Vec3 Dfsph::drift(const StepState& state, std::size_t i) const {
+  const Vec3 d = start_displacement(state, i).cast<double>();
+  return solver_ == Solver::divergence ? d : Vec3(d + state.dt / fluid_.support_radius * state.dv[i]);
+}
+
+/// The walls' part of the compression by the start velocities.
+void Dfsph::add_wall_rates(const StepState& state) {
   const float dt_over_h = static_cast<float>(state.dt / fluid_.support_radius);
   state.for_each([&](std::size_t i) {
-    const Record& v = state.velocity[i];
-    const Eigen::Vector3f d = dt_over_h * Eigen::Vector3f(v.x, v.y, v.z);
-    drift_[i] = d.cast<double>();
-    const std::uint32_t k = WallResponse::point_of(state, i);
+    const std::uint32_t k = state.wall_point_of(i);
     if (k != Boundary::none)
-      start_rate_[i] += dt_over_h * state.boundary.normal_flux()[k] - state.boundary.points()[k].gamma.dot(d);
+      start_rate_[i] += dt_over_h * state.boundary.normal_flux()[k] -
+                        state.boundary.points()[k].gamma.dot(start_displacement(state, i));
   });
 }
 
@@ -193,14 +205,13 @@ float Dfsph::divergence_error(const StepState& state, std::size_t i, float rate,
 
 /// ρ* = ρ + dt Dρ/Dt = ρ0 where compressed (F.32), [Bender2015] Alg. 3.
 void Dfsph::solve_density(StepState& state, const std::vector<double>& pressure, FluidReport& report) {
-  const double dt_over_h = state.dt / fluid_.support_radius, warm_start = fluid_.warm_start(state);
+  solver_ = Solver::density;
+  const double warm_start = fluid_.warm_start(state);
   state.for_each([&](std::size_t i) {
-    drift_[i] += dt_over_h * state.dv[i];
     x_phi_[i].w = std::max(min_phi_[i], static_cast<float>(warm_start * pressure[i]));
   });
   restart_momentum(state);
-  iterate(state, Solver::density,
-          {fluid_.error_per_step(state), fluid_.settings.min_iterations, controller_});
+  iterate(state, {fluid_.error_per_step(state), fluid_.settings.min_iterations, controller_});
   write(loop_, report);
   controller_ = loop_.next_controller(state.dt);
   bound_energy(
@@ -230,12 +241,12 @@ void Dfsph::restart_momentum(const StepState& state) {
   state.for_each([&](std::size_t i) { previous_phi_[i] = x_phi_[i].w; });
 }
 
-void Dfsph::iterate(StepState& state, Solver solver, const LoopGoal& goal) {
+void Dfsph::iterate(StepState& state, const LoopGoal& goal) {
   loop_.start(goal);
   const auto rates_of = [&](PairRange range, float* out) { compression(state, range, out); };
   const auto error_of = [&](std::size_t i, float rate, Errors& errors) {
-    return solver == Solver::density ? density_error(state, i, rate, errors)
-                                     : divergence_error(state, i, rate, errors);
+    return solver_ == Solver::density ? density_error(state, i, rate, errors)
+                                      : divergence_error(state, i, rate, errors);
   };
   PressureLoop::Verdict verdict;
   do {
@@ -266,7 +277,7 @@ Errors Dfsph::correct(StepState& state, const RateOf& rates_of, const ErrorOf& e
     rates_of({begin, end}, rate);
     for (std::size_t i = begin; i < end; ++i) {
       const float error = error_of(i, rate[i - begin], errors);
-      const std::uint32_t point = WallResponse::point_of(state, i);
+      const std::uint32_t point = state.wall_point_of(i);
       if (point == Boundary::none)
         add(i, step_[i] * error);
       else
@@ -288,11 +299,11 @@ void Dfsph::displace(StepState& state) {
     ContactCursor contacts(state.contacts, begin);
     Record push[chunk_size];
     if (correction_.is_on())
-      correction_.push(state, x_phi_, {begin, end}, push);
+      correction_.push(state, x_phi_, gradient_, {begin, end}, push);
     else
       pair_kernels().pressure(pair_table(state, begin), x_phi_.data(), {begin, end}, push);
     for (std::size_t i = begin; i < end; ++i) {
-      Vec3 d = drift_[i] - to_vector(push[i - begin]);
+      Vec3 d = drift(state, i) - to_vector(push[i - begin]);
       walls_.constrain(state, i, x_phi_[i].w, contacts.of(i), d);
       displacement_[i] = to_record(d);
     }
@@ -309,7 +320,7 @@ void Dfsph::compression(StepState& state, PairRange range, float* out) const {
                                range, out);
   for (std::size_t i = range.begin; i < range.end; ++i, ++out) {
     *out *= fluid_.density_scale;
-    const std::uint32_t k = WallResponse::point_of(state, i);
+    const std::uint32_t k = state.wall_point_of(i);
     if (k != Boundary::none) *out += walls_.density(k) - state.boundary.points()[k].lambda;
   }
 }

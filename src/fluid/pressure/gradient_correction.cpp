@@ -40,30 +40,24 @@ Matrix3d correction_of(const Matrix3d& m) {
 
 }  // namespace
 
-void GradientCorrection::begin_step(StepState& state, const std::vector<Record>& sums, float density_scale) {
-  const std::size_t n = state.size();
-  OILSKIN_ASSERT(is_on() && sums.size() == n && moments_.size() == n);
-  for (std::vector<Record>* of_particles : {&diagonal_, &rest_}) {
-    of_particles->resize(n + 1);
-    of_particles->back() = {0, 0, 0, 0};
-  }
-  own_.resize(n);
-  state.for_each([&](std::size_t i) { set_tensor(state, i, sums, density_scale); });
+void GradientCorrection::begin_step(StepState& state, std::vector<Record>& sums, float density_scale) {
+  OILSKIN_ASSERT(is_on() && sums.size() == state.size() && !tensors_.empty());
+  state.for_each([&](std::size_t i) { set_tensor(state, i, sums[i], density_scale); });
 }
 
-/// K_i (F.77), and what K_i makes of the sums.
-void GradientCorrection::set_tensor(const StepState& state, std::size_t i, const std::vector<Record>& sums,
+/// K_i (F.77), and what K_i makes of the sum.
+void GradientCorrection::set_tensor(const StepState& state, std::size_t i, Record& sum_and_squares,
                                     float density_scale) {
-  const SecondMoments& s = moments_[i];
+  const SecondMoments s = tensors_[i];
   const double d = static_cast<double>(density_scale);
-  const Eigen::Vector3f sum(sums[i].x, sums[i].y, sums[i].z);
+  const Eigen::Vector3f sum(sum_and_squares.x, sum_and_squares.y, sum_and_squares.z);
   Matrix3d m;
   m << static_cast<double>(s.xx), static_cast<double>(s.xy), static_cast<double>(s.xz),
       static_cast<double>(s.xy), static_cast<double>(s.yy), static_cast<double>(s.yz),
       static_cast<double>(s.xz), static_cast<double>(s.yz), static_cast<double>(s.zz);
   m *= -d;
   Eigen::Vector3f pull = density_scale * sum;
-  const std::uint32_t k = WallResponse::point_of(state, i);
+  const std::uint32_t k = state.wall_point_of(i);
   if (k != Boundary::none) {
     const WallPoint& point = state.boundary.points()[k];
     pull -= point.gamma;
@@ -77,40 +71,36 @@ void GradientCorrection::set_tensor(const StepState& state, std::size_t i, const
                           k != Boundary::none ? largest_pull_at_walls : largest_pull_inside);
   const Matrix3d tensor =
       c > 0 ? Matrix3d(Matrix3d::Identity() + share_ * c * correction_of(m)) : Matrix3d(Matrix3d::Identity());
-  diagonal_[i] = to_record({tensor(0, 0), tensor(1, 1), tensor(2, 2)});
-  rest_[i] = to_record({tensor(0, 1), tensor(0, 2), tensor(1, 2)});
-  const Eigen::Vector3f own = times(i, sum);
-  own_[i] = {own.x(), own.y(), own.z(), 0};
+  const Eigen::Matrix3f k_i = tensor.cast<float>();
+  tensors_.set(i, {k_i(0, 0), k_i(1, 1), k_i(2, 2), k_i(0, 1), k_i(0, 2), k_i(1, 2)});
+  sum_and_squares.x = k_i(0, 0) * sum.x() + k_i(0, 1) * sum.y() + k_i(0, 2) * sum.z();
+  sum_and_squares.y = k_i(0, 1) * sum.x() + k_i(1, 1) * sum.y() + k_i(1, 2) * sum.z();
+  sum_and_squares.z = k_i(0, 2) * sum.x() + k_i(1, 2) * sum.y() + k_i(2, 2) * sum.z();
 }
 
-Eigen::Vector3f GradientCorrection::times(std::size_t i, const Eigen::Vector3f& g) const {
-  const Record &d = diagonal_[i], &r = rest_[i];
-  return {d.x * g.x() + r.x * g.y() + r.y * g.z(), r.x * g.x() + d.y * g.y() + r.z * g.z(),
-          r.y * g.x() + r.z * g.y() + d.z * g.z()};
-}
-
-void GradientCorrection::push(StepState& state, const std::vector<Record>& x_phi, PairRange range,
-                              Record* out) const {
-  pair_kernels().corrected.pressure(pair_table(state, range.begin), x_phi.data(), tensors(), range, out);
+void GradientCorrection::push(StepState& state, const std::vector<Record>& x_phi,
+                              const std::vector<Record>& own, PairRange range, Record* out) const {
+  pair_kernels().corrected.pressure(pair_table(state, range.begin), x_phi.data(), tensors_.view(), range,
+                                    out);
   for (std::size_t i = range.begin; i < range.end; ++i, ++out) {
-    out->x += x_phi[i].w * own_[i].x;
-    out->y += x_phi[i].w * own_[i].y;
-    out->z += x_phi[i].w * own_[i].z;
+    out->x += x_phi[i].w * own[i].x;
+    out->y += x_phi[i].w * own[i].y;
+    out->z += x_phi[i].w * own[i].z;
   }
 }
 
 void GradientCorrection::compression(StepState& state, const std::vector<Record>& y, PairRange range,
                                      float* out) const {
-  pair_kernels().corrected.compression(pair_table(state, range.begin), state.position().data(), tensors(),
-                                       y.data(), range, out);
+  pair_kernels().corrected.compression(pair_table(state, range.begin), state.position().data(),
+                                       tensors_.view(), y.data(), range, out);
 }
 
 void GradientCorrection::apply_pressure(StepState& state, const std::vector<Record>& x_phi,
                                         double scale) const {
   state.for_chunks([&](std::size_t begin, std::size_t end) {
     Change sum[chunk_size];
-    pair_kernels().corrected.pressure_exact(pair_table(state, begin), x_phi.data(), tensors(), {begin, end},
-                                            sum);
+    pair_kernels().corrected.pressure_exact(pair_table(state, begin), x_phi.data(), tensors_.view(),
+                                            {begin, end}, sum);
     for (std::size_t i = begin; i < end; ++i) state.dv[i] -= scale * to_vector(sum[i - begin]);
   });
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "fluid/pressure/pair_sums.h"
+#include "fluid/pressure/tensor_array.h"
 
 namespace oilskin::fluid {
 
@@ -16,32 +17,26 @@ class GradientCorrection {
 
   bool is_on() const { return share_ > 0; }
 
-  /// Σ_j m_j w'/q Δ ⊗ Δ of the particles, images included, for begin_step().
-  std::vector<SecondMoments>& moments() { return moments_; }
+  /// Σ_j m_j w'/q Δ ⊗ Δ of the particles, images included, for begin_step(), which puts K in their place.
+  TensorArray& moments() { return tensors_; }
 
-  /// Computes K_i of an interval. `sums`: Σ_j m_j w'/q Δ of the particles,
+  /// Computes K_i of an interval. `sums`: Σ_j m_j w'/q Δ of the particles → K_i times them; Record::w stays.
   /// `density_scale` D.
-  void begin_step(StepState& state, const std::vector<Record>& sums, float density_scale);
+  void begin_step(StepState& state, std::vector<Record>& sums, float density_scale);
 
-  /// K_i times a vector.
-  Eigen::Vector3f times(std::size_t i, const Eigen::Vector3f& g) const;
-
-  /// Σ_j m_j w'/q (φ_i K_i + φ_j K_j) Δ_ij for a chunk.
-  void push(StepState& state, const std::vector<Record>& x_phi, PairRange range, Record* out) const;
+  /// Σ_j m_j w'/q (φ_i K_i + φ_j K_j) Δ_ij for a chunk. `own`: the sums of begin_step().
+  void push(StepState& state, const std::vector<Record>& x_phi, const std::vector<Record>& own,
+            PairRange range, Record* out) const;
   /// Σ_j m_j w'/q (K_i Δ_ij)·(y_i − y_j) for a chunk.
   void compression(StepState& state, const std::vector<Record>& y, PairRange range, float* out) const;
   /// dv −= scale Σ_j m_j w'/q (φ_i K_i + φ_j K_j) Δ_ij (F.79) for all particles.
   void apply_pressure(StepState& state, const std::vector<Record>& x_phi, double scale) const;
 
  private:
-  void set_tensor(const StepState& state, std::size_t i, const std::vector<Record>& sums,
-                  float density_scale);
-  Tensors tensors() const { return {diagonal_.data(), rest_.data()}; }
+  void set_tensor(const StepState& state, std::size_t i, Record& sum, float density_scale);
 
   const double share_;
-  std::vector<SecondMoments> moments_;
-  std::vector<Record> diagonal_, rest_;  // K, with one more for the padding
-  std::vector<Record> own_;              // Σ_j m_j w'/q K_i Δ
+  TensorArray tensors_;  // moments, then K
 };
 
 }  // namespace oilskin::fluid

@@ -56,7 +56,7 @@ void add_image_slopes(StepState& state) {
   });
 }
 
-void add_image_slopes(StepState& state, std::vector<Record>& sums, std::vector<SecondMoments>& moments) {
+void add_image_slopes(StepState& state, std::vector<Record>& sums, TensorArray& moments) {
   const float* masses = state.mass_ratio.empty() ? nullptr : state.mass_ratio.data();
   for_image_pairs(state, [&](std::uint32_t i, std::uint32_t k, float slope, const Eigen::Vector3f& delta) {
     float& at = state.slope[i / Neighbours::chunk_size][state.neighbours.pair_begin(i) + k];
@@ -70,13 +70,14 @@ void add_image_slopes(StepState& state, std::vector<Record>& sums, std::vector<S
     sum.z += change.z();
     sum.w += own * other * (after * after - before * before) * delta.squaredNorm();
     if (moments.empty()) return;
-    SecondMoments& m = moments[i];
+    SecondMoments m = moments[i];
     m.xx += change.x() * delta.x();
     m.yy += change.y() * delta.y();
     m.zz += change.z() * delta.z();
     m.xy += change.x() * delta.y();
     m.xz += change.x() * delta.z();
     m.yz += change.y() * delta.z();
+    moments.set(i, m);
   });
 }
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "fluid/pressure/step_state.h"
+#include "fluid/pressure/tensor_array.h"
 
 namespace oilskin::fluid {
 
@@ -15,6 +16,6 @@ namespace oilskin::fluid {
 void add_image_slopes(StepState& state);
 /// The same, and adds what that changes of Σ w'/q Δ and of Σ |w'|² (Record::w) to the particles' `sums`, and
 /// of Σ w'/q Δ ⊗ Δ to `moments`; the latter may be empty.
-void add_image_slopes(StepState& state, std::vector<Record>& sums, std::vector<SecondMoments>& moments);
+void add_image_slopes(StepState& state, std::vector<Record>& sums, TensorArray& moments);
 
 }  // namespace oilskin::fluid

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/chunks.h"
 #include "fluid/kernels.h"
 #include "fluid/pressure/step_state.h"
 #include "fluid/stability.h"
@@ -25,8 +26,18 @@ inline Record to_record(const Vec3& v) {
 /// The lists of the chunk that begins at particle `begin`.
 inline PairTable pair_table(StepState& state, std::size_t begin) {
   const std::size_t chunk = begin / chunk_size;
-  return state.neighbours.table(chunk, state.slope[chunk].data(),
+  std::vector<float>& slopes = state.slope[chunk];
+  return state.neighbours.table(chunk, slopes.empty() ? nullptr : slopes.data(),
                                 state.mass_ratio.empty() ? nullptr : state.mass_ratio.data());
+}
+
+/// Memory for the slopes of a chunk, or none.
+inline void provide_slopes(StepState& state, std::size_t chunk, std::size_t begin, std::size_t end) {
+  bool stored = end <= state.most_with_slopes;
+  for (std::size_t i = begin; i < end && !stored; ++i) stored = state.wall_point_of(i) != Boundary::none;
+  const std::size_t pairs = stored ? state.neighbours.pair_capacity(chunk) : 0;
+  std::vector<float>& slopes = state.slope[chunk];
+  if (slopes.size() < pairs || !stored) std::vector<float>(pairs + pairs / 32).swap(slopes);
 }
 
 /// dv −= scale Σ_j (s_i + s_j) w'/q Δ for all particles. `x` are the positions with s in Record::w.
@@ -72,9 +83,12 @@ inline bool has_friction(const FluidSettings& s) {
 
 /// The part of the friction that is stable at the largest density (F.84).
 inline float stable_friction(const StepState& state, const ExplicitModel& model) {
-  float densest = 1;
-  for (std::size_t i = 0; i < state.size(); ++i) densest = std::max(densest, state.relative_density[i]);
-  return std::min(1.0f, 1 / (densest * model.friction_load));
+  const Largest densest = state.ordered_sum(Largest{1}, [&](std::size_t begin, std::size_t end) {
+    float part = 1;
+    for (std::size_t i = begin; i < end; ++i) part = std::max(part, state.relative_density[i]);
+    return Largest{static_cast<double>(part)};
+  });
+  return std::min(1.0f, 1 / (static_cast<float>(densest.value) * model.friction_load));
 }
 
 /// dv += scale · friction of all particles.
@@ -96,8 +110,7 @@ void run_explicit_sums(StepState& state, const ExplicitModel& model, bool with_f
   const std::size_t chunks = (state.size() + chunk_size - 1) / chunk_size;
   if (state.slope.size() < chunks) state.slope.resize(chunks);
   state.workers.for_chunks(state.size(), chunk_size, [&](std::size_t begin, std::size_t end, std::size_t c) {
-    const std::size_t pairs = state.neighbours.pair_capacity(c);
-    if (state.slope[c].size() < pairs) state.slope[c].resize(pairs + pairs / 8);
+    provide_slopes(state, c, begin, end);
     float density[chunk_size];
     Change friction[chunk_size];
     PairRates rates[with_rates ? chunk_size : 1];

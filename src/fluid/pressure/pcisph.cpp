@@ -37,7 +37,6 @@ class Pcisph : public PressureModel {
   const IncompressibleFluid fluid_;
   PressureLoop loop_;
   WallResponse walls_;
-  std::vector<Vec3> drift_;        // displacement without pressure [H]
   std::vector<float> target_;      // ē_i
   std::vector<Record> x_phi_;      // positions and φ, with one more for the padding
   std::vector<Record> predicted_;  // positions, with one more for the padding
@@ -67,16 +66,11 @@ void Pcisph::begin_step(StepState& state, const std::vector<double>& pressure) {
   loop_.begin_step();
   walls_.begin_step(state);
   set_targets(state, fluid_.settings, target_);
-  drift_.resize(state.size());
   x_phi_ = state.position();
   predicted_.resize(state.size() + 1);
   predicted_[state.size()] = x_phi_.back();  // the padding
   const double warm_start = fluid_.warm_start(state);
-  state.for_each([&](std::size_t i) {
-    const Record& v = state.velocity[i];
-    drift_[i] = (Vec3(v.x, v.y, v.z) + state.dv[i]) * (state.dt / fluid_.support_radius);
-    x_phi_[i].w = static_cast<float>(warm_start * pressure[i]);
-  });
+  state.for_each([&](std::size_t i) { x_phi_[i].w = static_cast<float>(warm_start * pressure[i]); });
 }
 
 void Pcisph::iterate(StepState& state) {
@@ -92,12 +86,13 @@ void Pcisph::iterate(StepState& state) {
 /// x* = x + dt (v + dt a) under the current pressures, in units of H.
 void Pcisph::predict_positions(StepState& state) {
   walls_.predict_walls(state, x_phi_);
+  const double dt_over_h = state.dt / fluid_.support_radius;
   state.for_chunks([&](std::size_t begin, std::size_t end) {
     ContactCursor contacts(state.contacts, begin);
     Record push[chunk_size];
     pair_kernels().pressure(pair_table(state, begin), x_phi_.data(), {begin, end}, push);
     for (std::size_t i = begin; i < end; ++i) {
-      Vec3 d = drift_[i] - to_vector(push[i - begin]);
+      Vec3 d = (to_vector(state.velocity[i]) + state.dv[i]) * dt_over_h - to_vector(push[i - begin]);
       walls_.constrain(state, i, x_phi_[i].w, contacts.of(i), d);
       const Record& x = x_phi_[i];
       predicted_[i] = {x.x + static_cast<float>(d[0]), x.y + static_cast<float>(d[1]),
@@ -116,7 +111,7 @@ Errors Pcisph::correct(StepState& state) {
     for (std::size_t i = begin; i < end; ++i) {
       const float own_mass = state.mass_ratio.empty() ? 1 : state.mass_ratio[i];
       float density = own_mass * fluid_.self_density + fluid_.density_scale * of_neighbours[i - begin];
-      const std::uint32_t k = WallResponse::point_of(state, i);
+      const std::uint32_t k = state.wall_point_of(i);
       if (k != Boundary::none) density += walls_.density(k);
       // Γ of the modes (F.21) is proportional to the square of the number density: so ω τ decreases with it.
       const float compressed = std::max(1.0f, state.relative_density[i]);

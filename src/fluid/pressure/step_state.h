@@ -25,8 +25,11 @@ struct StepState {
   std::vector<Record> velocity;  ///< with one more for the padding
   /// Mass over that of a new particle, with one more for the padding; empty = all are 1.
   std::vector<float> mass_ratio;
-  /// Per chunk and pair: w'(q)/q of the pressure's kernel at the start.
+  /// Per chunk and pair: w'(q)/q of the pressure's kernel at the start. Empty: loops compute them.
   std::vector<std::vector<float>> slope;
+  /// Slopes take 4 bytes a pair, 160 a particle. They are stored for so many particles, and at walls, where
+  /// images change them (B.32). Computed ones have the same bits, but loops take up to 1.2 times as long.
+  std::size_t most_with_slopes = 250000;
 
   // Output
   std::vector<float> relative_density;  ///< ρ/ρ0 at the start
@@ -36,6 +39,10 @@ struct StepState {
   const std::vector<Record>& position() const { return neighbours.records(); }
   double relative_mass(std::size_t i) const {
     return mass_ratio.empty() ? 1 : static_cast<double>(mass_ratio[i]);
+  }
+  /// Point of the boundary of particle i, or Boundary::none.
+  std::uint32_t wall_point_of(std::size_t i) const {
+    return boundary.empty() ? Boundary::none : boundary.point_of(i);
   }
   /// f(i) for every particle; the tasks are the chunks of the neighbour lists.
   template <class F>

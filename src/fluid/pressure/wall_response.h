@@ -28,11 +28,6 @@ class WallResponse {
 
   void begin_step(const StepState& state);
 
-  /// Point of the boundary of particle i, or Boundary::none.
-  static std::uint32_t point_of(const StepState& state, std::size_t i) {
-    return state.boundary.empty() ? Boundary::none : state.boundary.point_of(i);
-  }
-
   /// Velocities of the walls under the pressures (B.18).
   void predict_walls(StepState& state, Pressures phi);
 
@@ -40,7 +35,7 @@ class WallResponse {
   /// of the sheets that it is in contact with (F.36). Stores the density of its walls there (B.17).
   void constrain(const StepState& state, std::size_t i, float phi, Span<const PredictionContact> contacts,
                  Vec3& displacement) {
-    const std::uint32_t point = point_of(state, i);
+    const std::uint32_t point = state.wall_point_of(i);
     if (point != Boundary::none || !contacts.empty()) constrain_at(state, point, phi, contacts, displacement);
   }
   /// λ* of a point.
