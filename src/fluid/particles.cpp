@@ -192,8 +192,10 @@ void Particles::visit(Archive& archive) {
     archive.value(v);
     archive.require(v.size() == n, "the number of values of an effect");
   }
-  if (!archive.reading()) return;
-  for (const Vec3& u : motion) archive.require(u.allFinite(), "the motion of a particle");
+  if (!archive.reading() || !archive.ok()) return;
+  // The next step removes particles with velocities that are no numbers (add_velocities()).
+  for (std::size_t i = 0; i < motion.size(); ++i)
+    archive.require(motion[i].allFinite() || !velocity[i].allFinite(), "the motion of a particle");
 }
 
 /// Worlds that keep none save zeros.

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include "support/busy_scene.h"
@@ -251,6 +252,26 @@ TEST(Save, an_empty_world_too_and_none_of_wrong_settings) {
   Bytes bytes = {1, 2, 3};
   EXPECT_FALSE(refused.save(&bytes).ok());
   EXPECT_EQ(bytes.size(), 3u);
+}
+
+/// add_velocities() takes what is no number; the next step removes the particle, in the restored world, too.
+TEST(Save, particles_whose_velocities_are_no_numbers) {
+  World w(busy_world(1)), other(busy_world(1));
+  ASSERT_TRUE(
+      w.add_particles(std::vector<Vec3>{Vec3(0, 0, 0), Vec3(0, 0.02, 0)}, std::vector<Vec3>(2, Vec3(1, 0, 0)))
+          .ok());
+  ASSERT_TRUE(w.step(1e-3).status.ok());
+  ASSERT_EQ(w.particle_count(), 2u);
+  std::vector<Vec3> dv(2, Vec3::Zero());
+  dv[1].y() = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_TRUE(w.add_velocities(dv).ok());
+  const Status restored = other.restore(save(w));
+  ASSERT_TRUE(restored.ok()) << restored.message;
+  for (World* one : {&w, &other}) {
+    EXPECT_EQ(one->step(1e-3).removed_invalid, 1u);
+    EXPECT_EQ(one->particle_count(), 1u);
+  }
+  EXPECT_EQ(w.state_hash(), other.state_hash());
 }
 
 constexpr const char* folder_variable = "OILSKIN_SAVED_WORLD";
