@@ -17,8 +17,7 @@ struct Particles {
   std::vector<double> pressure;  ///< [Pa] of the last step: warm start of the next
 
   bool spares_load = false;
-  std::vector<Vec3>
-      spare_load;  ///< if spares_load: what friction may still use of the last load (B.35) [N s]
+  std::vector<Vec3> spare_load;  ///< if so: what friction may still use of the last load (B.35) [N s]
 
   bool mass_varies = false;
   std::vector<float> mass_ratio;  ///< if mass_varies: mass over that of a new particle, (0, 1]
