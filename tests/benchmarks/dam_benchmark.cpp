@@ -19,7 +19,7 @@ using namespace oilskin;
 
 namespace {
 
-/// n³ particles in a corner. The peak of memory shall contain no arrays of the caller.
+/// n³ particles in a corner. The peak of memory must contain no arrays of the caller.
 bool add_cube(int n, World& world) {
   const double s = 1.0 / n;
   std::vector<Vec3> x;
