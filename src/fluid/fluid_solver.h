@@ -77,7 +77,8 @@ class FluidSolver {
   void limit_iterations(int most);
 
   /// From now on the slopes of the kernel are stored for so many particles, and at walls. The others are
-  /// computed when they are needed: this saves 160 bytes a particle, and gives the same bits.
+  /// computed when they are needed: this saves 160 bytes a particle, and gives the same bits. For tests and
+  /// measurements.
   void store_slopes_of(std::size_t particles);
 
   /// What boundary terms gave to particles at walls with friction in the last propose(), ordered by particle.

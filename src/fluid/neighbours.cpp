@@ -220,19 +220,22 @@ void Neighbours::make_records(Span<const Vec3> positions, const Workers& workers
 
 void Neighbours::find_cells(const Workers& workers) {
   const std::size_t n = keys_.size();
-  const auto begins_cell = [&](std::size_t i) { return i == 0 || keys_[i] != keys_[i - 1]; };
   const auto row_of = [&](std::size_t i) { return keys_[i] >> bits_[0]; };
-  const auto begins_row = [&](std::size_t i) { return i == 0 || row_of(i) != row_of(i - 1); };
+  // f(i, whether a row begins, too) for the first particle of each cell.
+  const auto for_starts = [&](std::size_t begin, std::size_t end, const auto& f) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (i == 0 || keys_[i] != keys_[i - 1]) f(i, i == 0 || row_of(i) != row_of(i - 1));
+  };
   // Counted by chunks of particles, then written to the places that follow from the counts.
   struct Count {
     std::uint32_t cells = 0, rows = 0;
   };
   std::vector<Count> place((n + sort_chunk - 1) / sort_chunk);
   workers.for_chunks(n, sort_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
-    for (std::size_t i = b; i < e; ++i) {
-      place[c].cells += begins_cell(i);
-      place[c].rows += begins_row(i);
-    }
+    for_starts(b, e, [&](std::size_t, bool begins_row) {
+      ++place[c].cells;
+      place[c].rows += begins_row;
+    });
   });
   Count all;
   for (Count& of_chunk : place) {
@@ -247,15 +250,14 @@ void Neighbours::find_cells(const Workers& workers) {
   row_begin_.resize(all.rows + 1);
   workers.for_chunks(n, sort_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
     Count at = place[c];
-    for (std::size_t i = b; i < e; ++i) {
-      if (!begins_cell(i)) continue;
-      if (begins_row(i)) {
+    for_starts(b, e, [&](std::size_t i, bool begins_row) {
+      if (begins_row) {
         row_key_[at.rows] = row_of(i);
         row_begin_[at.rows++] = at.cells;
       }
       cell_key_[at.cells] = keys_[i];
       cell_begin_[at.cells++] = static_cast<std::uint32_t>(i);
-    }
+    });
   });
   cell_begin_.back() = static_cast<std::uint32_t>(n);
   row_begin_.back() = all.cells;

@@ -47,7 +47,7 @@ struct Particles {
   void reserve_more(std::size_t count);
   /// Keeps those with keep[i] != 0, in order.
   void compress(Span<const std::uint8_t> keep);
-  /// What permute() keeps from call to call, so that it asks for no memory each time.
+  /// Memory that permute() writes over: it asks for none itself once this is large enough.
   using Scratch = std::vector<Vec3>;
   /// New storage order: the i-th particle is the one that was at order[i].
   void permute(Span<const std::uint32_t> order, const Workers& workers, Scratch& scratch);

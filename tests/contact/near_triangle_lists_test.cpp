@@ -49,8 +49,8 @@ struct Scene {
 TEST(NearTriangleLists, hold_all_triangles_within_reach_and_few_others) {
   for (const Vec3& by : {Vec3(0, 0, 0), Vec3(0.02, 0.01, 0)}) {
     Scene scene(by.x() > 0 ? 1 : 2, by);
-    const std::vector<Box> boxes = scene.neighbours.boxes(scene.x, Workers(2));
     const Workers workers(2);
+    const std::vector<Box> boxes = scene.neighbours.boxes(scene.x, workers);
     NearTriangleLists lists;
     SurfaceGeometry* geometry[] = {&scene.geometry};
     const std::vector<std::uint32_t> list = lists.find(geometry, boxes, support_radius, workers)[0];

@@ -188,6 +188,12 @@ TEST(PairKernels, sum_what_they_are_defined_to) {
   }
 }
 
+void expect_the_same_bits(const Results& a, const Results& b, bool weighted) {
+  for (const auto& [name, values] : a)
+    for (std::size_t k = 0; k < values.size(); ++k)
+      ASSERT_EQ(bits(values[k]), bits(b.at(name)[k])) << name << " " << k << " weighted " << weighted;
+}
+
 /// The sets apart from the baseline that this machine has.
 TEST(PairKernels, give_the_same_bits_for_all_instruction_sets) {
   if (others().empty()) GTEST_SKIP() << "only the baseline";
@@ -202,9 +208,7 @@ TEST(PairKernels, give_the_same_bits_for_all_instruction_sets) {
       for (const bool with_rates : {false, true}) {
         const Results a = sums_with(InstructionSet::baseline, weighted, with_rates);
         const Results b = sums_with(set, weighted, with_rates);
-        for (const auto& [name, values] : a)
-          for (std::size_t k = 0; k < values.size(); ++k)
-            ASSERT_EQ(bits(values[k]), bits(b.at(name)[k])) << name << " " << k << " weighted " << weighted;
+        ASSERT_NO_FATAL_FAILURE(expect_the_same_bits(a, b, weighted));
       }
 }
 
@@ -213,12 +217,9 @@ TEST(PairKernels, give_the_same_bits_whether_slopes_are_stored_or_computed) {
   for (const InstructionSet set : all_instruction_sets) {
     if (!is_available(set)) continue;
     const Using chosen(set);
-    for (const bool weighted : {false, true}) {
-      const Results a = sums(cloud, weighted, true, true), b = sums(cloud, weighted, true, false);
-      for (const auto& [name, values] : a)
-        for (std::size_t k = 0; k < values.size(); ++k)
-          ASSERT_EQ(bits(values[k]), bits(b.at(name)[k])) << name << " " << k << " weighted " << weighted;
-    }
+    for (const bool weighted : {false, true})
+      ASSERT_NO_FATAL_FAILURE(expect_the_same_bits(sums(cloud, weighted, true, true),
+                                                   sums(cloud, weighted, true, false), weighted));
   }
 }
 

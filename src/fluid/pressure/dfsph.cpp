@@ -1,7 +1,7 @@
 /// Divergence-free SPH [Bender2015] with the cubic spline.
 ///
 /// One pass over the pairs at the start of a step gives densities, gradients, viscosity, the factors α and
-/// the rates of compression; the loops then use stored slopes. Both solvers write one set of pressures:
+/// the rates of compression; the loops then use its slopes. Both solvers write one set of pressures:
 /// the divergence solver finds those that keep the start velocities from compressing the fluid beyond ρ0, the
 /// density solver raises them until the density at the end of the step is ρ0. The pair forces are applied
 /// once, in double. Viscosity acts on the velocities before the divergence solver, which saves a pass; the
@@ -57,18 +57,18 @@ class Dfsph : public PressureModel {
   bool has_neighbours(const StepState& state, std::size_t i) const;
   void solve_divergence(StepState& state, FluidReport& report);
   Eigen::Vector3f start_displacement(const StepState& state, std::size_t i) const;
-  Vec3 drift(const StepState& state, std::size_t i) const;
+  Vec3 drift(const StepState& state, Solver solver, std::size_t i) const;
   void add_wall_rates(const StepState& state);
   void solve_density(StepState& state, const std::vector<double>& pressure, FluidReport& report);
   void finish(StepState& state, std::vector<double>& pressure);
 
   void restart_momentum(const StepState& state);
-  void iterate(StepState& state, const LoopGoal& goal);
+  void iterate(StepState& state, Solver solver, const LoopGoal& goal);
   float divergence_error(const StepState& state, std::size_t i, float rate, Errors& errors) const;
   float density_error(const StepState& state, std::size_t i, float compressed, Errors& errors) const;
   template <class RateOf, class ErrorOf>
   Errors correct(StepState& state, const RateOf& rates_of, const ErrorOf& error_of);
-  void displace(StepState& state);
+  void displace(StepState& state, Solver solver);
   void compression(StepState& state, PairRange range, float* out) const;
 
   const IncompressibleFluid fluid_;
@@ -89,7 +89,6 @@ class Dfsph : public PressureModel {
   std::vector<float> min_phi_;        // of the divergence solver: a lower bound for the density solver
   std::vector<Record> displacement_;  // [H]
   int corrections_ = 0;               // since the momentum was restarted
-  Solver solver_ = Solver::density;
 };
 
 void Dfsph::explicit_terms(StepState& state) {
@@ -152,7 +151,6 @@ bool Dfsph::has_neighbours(const StepState& state, std::size_t i) const {
 /// The start velocities compress the fluid by no more than the tolerance in the step: Dρ/Dt = Σ m (v_i −
 /// v_j)·∇W (F.31), [Bender2015] Alg. 2. In most steps they do not, as the first pass over the pairs shows.
 void Dfsph::solve_divergence(StepState& state, FluidReport& report) {
-  solver_ = Solver::divergence;
   add_wall_rates(state);
   restart_momentum(state);
   const auto start_rates = [&](PairRange range, float* out) {
@@ -164,7 +162,7 @@ void Dfsph::solve_divergence(StepState& state, FluidReport& report) {
   const Errors at_start = correct(state, start_rates, error_of);
   const double tolerance = fluid_.settings.divergence_tolerance;
   if (!(at_start.mean(at_start.sum) > tolerance)) return;
-  iterate(state, {tolerance, 1, {}});
+  iterate(state, Solver::divergence, {tolerance, 1, {}});
   report.divergence_iterations = loop_.iterations();
   report.diverged = loop_.diverged();
   state.for_each([&](std::size_t i) { min_phi_[i] = x_phi_[i].w; });
@@ -178,9 +176,9 @@ Eigen::Vector3f Dfsph::start_displacement(const StepState& state, std::size_t i)
 
 /// The displacement without pressure [H]. Computed where it is needed: an array of it takes 24 bytes a
 /// particle.
-Vec3 Dfsph::drift(const StepState& state, std::size_t i) const {
+Vec3 Dfsph::drift(const StepState& state, Solver solver, std::size_t i) const {
   const Vec3 d = start_displacement(state, i).cast<double>();
-  return solver_ == Solver::divergence ? d : Vec3(d + state.dt / fluid_.support_radius * state.dv[i]);
+  return solver == Solver::divergence ? d : Vec3(d + state.dt / fluid_.support_radius * state.dv[i]);
 }
 
 /// The walls' part of the compression by the start velocities.
@@ -205,17 +203,17 @@ float Dfsph::divergence_error(const StepState& state, std::size_t i, float rate,
 
 /// ρ* = ρ + dt Dρ/Dt = ρ0 where compressed (F.32), [Bender2015] Alg. 3.
 void Dfsph::solve_density(StepState& state, const std::vector<double>& pressure, FluidReport& report) {
-  solver_ = Solver::density;
   const double warm_start = fluid_.warm_start(state);
   state.for_each([&](std::size_t i) {
     x_phi_[i].w = std::max(min_phi_[i], static_cast<float>(warm_start * pressure[i]));
   });
   restart_momentum(state);
-  iterate(state, {fluid_.error_per_step(state), fluid_.settings.min_iterations, controller_});
+  iterate(state, Solver::density,
+          {fluid_.error_per_step(state), fluid_.settings.min_iterations, controller_});
   write(loop_, report);
   controller_ = loop_.next_controller(state.dt);
   bound_energy(
-      fluid_, loop_, state, x_phi_, [&] { displace(state); },
+      fluid_, loop_, state, x_phi_, [&] { displace(state, Solver::density); },
       [&](std::size_t i) { return to_vector(displacement_[i]); });
 }
 
@@ -241,16 +239,16 @@ void Dfsph::restart_momentum(const StepState& state) {
   state.for_each([&](std::size_t i) { previous_phi_[i] = x_phi_[i].w; });
 }
 
-void Dfsph::iterate(StepState& state, const LoopGoal& goal) {
+void Dfsph::iterate(StepState& state, Solver solver, const LoopGoal& goal) {
   loop_.start(goal);
   const auto rates_of = [&](PairRange range, float* out) { compression(state, range, out); };
   const auto error_of = [&](std::size_t i, float rate, Errors& errors) {
-    return solver_ == Solver::density ? density_error(state, i, rate, errors)
-                                      : divergence_error(state, i, rate, errors);
+    return solver == Solver::density ? density_error(state, i, rate, errors)
+                                     : divergence_error(state, i, rate, errors);
   };
   PressureLoop::Verdict verdict;
   do {
-    displace(state);
+    displace(state, solver);
     verdict = loop_.judge(correct(state, rates_of, error_of));
     if (!verdict.finite) state.for_each([&](std::size_t i) { x_phi_[i].w = min_phi_[i]; });
     if (verdict.restart) restart_momentum(state);
@@ -293,7 +291,7 @@ Errors Dfsph::correct(StepState& state, const RateOf& rates_of, const ErrorOf& e
 }
 
 /// Displacements under the current pressures.
-void Dfsph::displace(StepState& state) {
+void Dfsph::displace(StepState& state, Solver solver) {
   walls_.predict_walls(state, x_phi_);
   state.for_chunks([&](std::size_t begin, std::size_t end) {
     ContactCursor contacts(state.contacts, begin);
@@ -303,7 +301,7 @@ void Dfsph::displace(StepState& state) {
     else
       pair_kernels().pressure(pair_table(state, begin), x_phi_.data(), {begin, end}, push);
     for (std::size_t i = begin; i < end; ++i) {
-      Vec3 d = drift(state, i) - to_vector(push[i - begin]);
+      Vec3 d = drift(state, solver, i) - to_vector(push[i - begin]);
       walls_.constrain(state, i, x_phi_[i].w, contacts.of(i), d);
       displacement_[i] = to_record(d);
     }
