@@ -16,83 +16,138 @@ namespace {
 
 using namespace reconstruction;  // NOLINT: the module of this file
 
-struct PairCounts {
-  std::size_t intersecting = 0, too_close = 0;
-  double min_distance = std::numeric_limits<double>::infinity();
-};
-
 void count_pairs(const WaterMesh& mesh, const Obstacles& obstacles, double gap, const Workers& workers,
                  MeshCheck& check) {
   Box box;
   for (const auto& p : mesh.positions) box.add(Vec3(p[0], p[1], p[2]));
   const double extent = mesh.positions.empty() ? 0 : (box.max - box.min).maxCoeff();
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double reach = gap + 1e-3 * extent, above_gap = std::nextafter(gap, infinity);
   // Integer sums and a minimum do not depend on the order of threads.
   std::mutex mutex;
-  for_near_pairs(mesh.positions, mesh.triangles, nullptr, obstacles, gap + 1e-3 * extent, workers,
+  for_near_pairs(mesh.positions, mesh.triangles, nullptr, obstacles, reach, workers,
                  [&](std::uint32_t t, Span<const std::uint32_t> candidates) {
+                   double least = reach;
+                   {
+                     const std::lock_guard<std::mutex> lock(mutex);
+                     least = std::min(least, check.min_distance);
+                   }
                    const Corners own = stored_corners(mesh.positions, mesh.triangles[t]);
-                   PairCounts counts;
+                   std::size_t intersecting = 0, too_close = 0;
                    for (std::uint32_t c : candidates) {
-                     const double d = certified_distance(own, obstacles.corners(c));
-                     counts.intersecting += !(d > 0);
-                     counts.too_close += !(d > gap);
-                     counts.min_distance = std::min(counts.min_distance, d);
+                     // A distance beyond the gap and the least one changes no count: it need not be exact.
+                     const double enough = std::max(least, above_gap);
+                     const double d = certified_distance(own, obstacles.corners(c), enough);
+                     intersecting += !(d > 0);
+                     too_close += !(d > gap);
+                     least = std::min(least, d);
                    }
                    const std::lock_guard<std::mutex> lock(mutex);
-                   check.intersecting_pairs += counts.intersecting;
-                   check.too_close_pairs += counts.too_close;
-                   check.min_distance = std::min(check.min_distance, counts.min_distance);
+                   check.intersecting_pairs += intersecting;
+                   check.too_close_pairs += too_close;
+                   if (least < reach) check.min_distance = std::min(check.min_distance, least);
                  });
 }
 
-void count_edges(const WaterMesh& mesh, MeshCheck& check) {
-  std::vector<std::uint64_t> edges;  // lower vertex, higher vertex; lowest bit: from the higher to the lower
-  edges.reserve(3 * mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t a = t[k], b = t[(k + 1) % 3];
-      OILSKIN_ASSERT(a < mesh.positions.size() && a < (1ull << 31));
-      edges.push_back(std::min(a, b) << 33 | std::max(a, b) << 1 | (a > b));
-    }
+/// What is wrong at vertices, and at the edges to higher vertices.
+struct Flaws {
+  std::size_t open_edges = 0, crowded_edges = 0, misoriented_edges = 0, pinched_vertices = 0;
+
+  void operator+=(const Flaws& o) {
+    open_edges += o.open_edges;
+    crowded_edges += o.crowded_edges;
+    misoriented_edges += o.misoriented_edges;
+    pinched_vertices += o.pinched_vertices;
+  }
+};
+
+/// A triangle at a vertex: the vertices that follow and precede it.
+struct Corner {
+  std::uint32_t next, previous;
+};
+
+/// The corners of all triangles, those of a vertex together.
+class VertexCorners {
+ public:
+  explicit VertexCorners(const WaterMesh& mesh)
+      : end_(mesh.positions.size() + 1), corners_(3 * mesh.triangles.size()) {
+    OILSKIN_ASSERT(mesh.positions.size() < (1ull << 31));
+    for (const Triangle& t : mesh.triangles)
+      for (const std::uint32_t v : t) {
+        OILSKIN_ASSERT(v < mesh.positions.size());
+        ++end_[v + 1];
+      }
+    for (std::size_t v = 0; v + 1 < end_.size(); ++v) end_[v + 1] += end_[v];
+    // Each place counts up from the start of its vertex to the start of the next one.
+    for (const Triangle& t : mesh.triangles)
+      for (std::size_t k = 0; k < 3; ++k) corners_[end_[t[k]]++] = {t[(k + 1) % 3], t[(k + 2) % 3]};
+  }
+  /// Of vertex v, by ascending `next`.
+  void copy(std::size_t v, std::vector<Corner>& corners) const {
+    corners.assign(corners_.begin() + std::ptrdiff_t(v > 0 ? end_[v - 1] : 0),
+                   corners_.begin() + std::ptrdiff_t(end_[v]));
+    std::sort(corners.begin(), corners.end(),
+              [](const Corner& a, const Corner& b) { return a.next < b.next; });
+  }
+
+ private:
+  std::vector<std::size_t> end_;
+  std::vector<Corner> corners_;
+};
+
+/// Of the edges from `vertex` to higher vertices. `edges` is scratch: the other vertex; lowest bit: towards
+/// `vertex`.
+void add_edges(std::uint32_t vertex, const std::vector<Corner>& corners, std::vector<std::uint32_t>& edges,
+               Flaws& flaws) {
+  edges.clear();
+  for (const Corner& c : corners) {
+    if (c.next >= vertex) edges.push_back(c.next << 1);
+    if (c.previous > vertex) edges.push_back(c.previous << 1 | 1);
+  }
   std::sort(edges.begin(), edges.end());
   for (std::size_t i = 0; i < edges.size();) {
     std::size_t end = i;
     while (end < edges.size() && edges[end] >> 1 == edges[i] >> 1) ++end;
-    if (end - i == 1) ++check.open_edges;
-    if (end - i > 2) ++check.crowded_edges;
-    if (end - i == 2 && edges[i] == edges[i + 1]) ++check.misoriented_edges;
+    if (end - i == 1) ++flaws.open_edges;
+    if (end - i > 2) ++flaws.crowded_edges;
+    if (end - i == 2 && edges[i] == edges[i + 1]) ++flaws.misoriented_edges;
     i = end;
   }
 }
 
-/// The triangles of a vertex, as (next, previous) vertices: following `previous` must visit all of them.
-void count_pinched(const WaterMesh& mesh, MeshCheck& check) {
-  struct Corner {
-    std::uint32_t vertex, next, previous;
-  };
-  std::vector<Corner> corners;
-  corners.reserve(3 * mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k) corners.push_back({t[k], t[(k + 1) % 3], t[(k + 2) % 3]});
-  std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
-    return a.vertex != b.vertex ? a.vertex < b.vertex : a.next < b.next;
-  });
-  for (std::size_t i = 0; i < corners.size();) {
-    std::size_t end = i;
-    while (end < corners.size() && corners[end].vertex == corners[i].vertex) ++end;
-    std::size_t steps = 0;
-    std::uint32_t at = corners[i].next;
-    do {
-      const auto found =
-          std::find_if(corners.begin() + std::ptrdiff_t(i), corners.begin() + std::ptrdiff_t(end),
-                       [at](const Corner& c) { return c.next == at; });
-      if (found == corners.begin() + std::ptrdiff_t(end)) break;  // an open edge, counted elsewhere
-      at = found->previous;
-      ++steps;
-    } while (at != corners[i].next && steps <= end - i);
-    check.pinched_vertices += at == corners[i].next && steps != end - i;
-    i = end;
-  }
+/// Following `previous` must visit all corners of a vertex.
+bool is_pinched(const std::vector<Corner>& corners) {
+  if (corners.empty()) return false;
+  std::size_t steps = 0;
+  std::uint32_t at = corners.front().next;
+  do {
+    const auto found =
+        std::find_if(corners.begin(), corners.end(), [at](const Corner& c) { return c.next == at; });
+    if (found == corners.end()) return false;  // an open edge, counted elsewhere
+    at = found->previous;
+    ++steps;
+  } while (at != corners.front().next && steps <= corners.size());
+  return at == corners.front().next && steps != corners.size();
+}
+
+void count_flaws(const WaterMesh& mesh, const Workers& workers, MeshCheck& check) {
+  const VertexCorners corners(mesh);
+  const Flaws all =
+      workers.ordered_sum(mesh.positions.size(), 1 << 12, Flaws{}, [&](std::size_t from, std::size_t to) {
+        Flaws flaws;
+        std::vector<Corner> own;
+        std::vector<std::uint32_t> edges;
+        for (std::size_t v = from; v < to; ++v) {
+          corners.copy(v, own);
+          add_edges(static_cast<std::uint32_t>(v), own, edges, flaws);
+          flaws.pinched_vertices += is_pinched(own);
+        }
+        return flaws;
+      });
+  check.open_edges = all.open_edges;
+  check.crowded_edges = all.crowded_edges;
+  check.misoriented_edges = all.misoriented_edges;
+  check.pinched_vertices = all.pinched_vertices;
 }
 
 void count_components(const WaterMesh& mesh, MeshCheck& check) {
@@ -113,8 +168,7 @@ MeshCheck check_mesh(const WaterMesh& mesh, Span<const ObstacleMesh> obstacle_me
   OILSKIN_ASSERT(gap >= 0);
   MeshCheck check;
   const Workers workers(threads);
-  count_edges(mesh, check);
-  count_pinched(mesh, check);
+  count_flaws(mesh, workers, check);
   count_components(mesh, check);
   RawMesh raw;
   raw.positions = mesh.positions;

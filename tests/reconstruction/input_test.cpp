@@ -1,4 +1,4 @@
-// What is refused, skipped, and what empty input gives; and that the acceptance test sees faults.
+// What is refused, skipped, and what empty input gives.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -181,45 +181,6 @@ TEST(Input, many_particles_in_one_place_take_no_more_than_their_number) {
   const WaterMesh mesh = test::reconstruct(input_of(heap), ReconstructionOptions());
   test::expect_closed(check_mesh(mesh, {}, 0));
   EXPECT_FALSE(mesh.triangles.empty());
-}
-
-TEST(Check, sees_what_is_wrong_with_a_mesh) {
-  WaterMesh box;  // a tetrahedron
-  box.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  box.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  EXPECT_TRUE(check_mesh(box, {}, 0).clean());
-  EXPECT_NEAR(check_mesh(box, {}, 0).volume, 1.0 / 6, 1e-12);
-  EXPECT_EQ(check_mesh(box, {}, 0).components, 1u);
-
-  WaterMesh open = box;
-  open.triangles.pop_back();
-  EXPECT_EQ(check_mesh(open, {}, 0).open_edges, 3u);
-  WaterMesh turned = box;
-  std::swap(turned.triangles[0][0], turned.triangles[0][1]);
-  EXPECT_EQ(check_mesh(turned, {}, 0).misoriented_edges, 3u);
-  WaterMesh crowded = box;
-  crowded.triangles.push_back({0, 1, 3});
-  EXPECT_EQ(check_mesh(crowded, {}, 0).crowded_edges, 3u);
-  WaterMesh pinched = box;  // a second one on the same corner
-  pinched.positions.insert(pinched.positions.end(), {{-1, 0, 0}, {0, -1, 0}, {0, 0, -1}});
-  pinched.triangles.insert(pinched.triangles.end(), {{0, 5, 4}, {0, 4, 6}, {0, 6, 5}, {4, 5, 6}});
-  EXPECT_EQ(check_mesh(pinched, {}, 0).pinched_vertices, 1u);
-  EXPECT_EQ(check_mesh(pinched, {}, 0).open_edges, 0u);
-
-  const auto with = [&](const std::vector<Vec3>& v, double gap) {
-    const std::vector<Triangle> t = {{0, 1, 2}};
-    const std::vector<ObstacleMesh> o = {{v, t}};
-    return check_mesh(box, o, gap);
-  };
-  EXPECT_EQ(with({Vec3(0.1, 0.1, -1), Vec3(0.1, 0.1, 1), Vec3(0.2, 0.1, 1)}, 0).intersecting_pairs, 2u);
-  EXPECT_EQ(with({Vec3(0.1, 0.1, 0.1), Vec3(0.2, 0.1, 0.1), Vec3(0.1, 0.2, 0.1)}, 0).submerged_components,
-            1u);
-  const MeshCheck near = with({Vec3(0.1, 0.1, -0.25), Vec3(0.2, 0.1, -0.25), Vec3(0.1, 0.2, -0.25)}, 0.5);
-  EXPECT_EQ(near.intersecting_pairs, 0u);
-  EXPECT_EQ(near.too_close_pairs, 3u);
-  EXPECT_NEAR(near.min_distance, 0.25, 1e-13);
-  EXPECT_LE(near.min_distance, 0.25);
-  EXPECT_TRUE(with({Vec3(0.1, 0.1, -0.25), Vec3(0.2, 0.1, -0.25), Vec3(0.1, 0.2, -0.25)}, 0.2).clean());
 }
 
 }  // namespace
