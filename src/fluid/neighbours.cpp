@@ -10,12 +10,7 @@ namespace oilskin::fluid {
 namespace {
 
 constexpr std::size_t sort_chunk = 8192, cell_chunk = 1024;
-constexpr int digit_bits = 8;
-constexpr std::size_t digits = std::size_t{1} << digit_bits;
-
-/// Cell indices are clamped to ±2²⁰: particles beyond share the outermost cells, which costs time but loses
-/// no neighbours. Three indices and a margin fit into 63 bits.
-constexpr double max_cell = (1 << 20) - 2;
+constexpr int most_digit_bits = 10;
 
 /// The record of the padding: far from everything, and its square is a finite float.
 constexpr Record far_away = {1e18f, 1e18f, 1e18f, 0};
@@ -31,37 +26,14 @@ constexpr std::size_t read_ahead = 8, write_ahead = 16;
 /// Width of the blocks whose particles boxes() puts into one box.
 constexpr std::uint64_t block_cells = 4;  // a power of two
 
-/// Bits of a cell coordinate plus 2²⁰.
-constexpr int coordinate_bits = 21;
-
 constexpr std::size_t padded_size(std::size_t n) {
   return (n + list_padding - 1) / list_padding * list_padding;
 }
 
-struct CellBox {
-  using Cell = std::array<std::int32_t, 3>;
-  Cell min = {INT32_MAX, INT32_MAX, INT32_MAX}, max = {INT32_MIN, INT32_MIN, INT32_MIN};
-  void operator+=(const CellBox& o) {
-    for (int k = 0; k < 3; ++k) {
-      min[k] = std::min(min[k], o.min[k]);
-      max[k] = std::max(max[k], o.max[k]);
-    }
-  }
+struct Extent {
+  Box box;
+  void operator+=(const Extent& o) { box.add(o.box); }
 };
-
-std::uint64_t packed(const CellBox::Cell& c) {
-  std::uint64_t all = 0;
-  for (int k = 2; k >= 0; --k)
-    all = (all << coordinate_bits) | static_cast<std::uint64_t>(c[k] + (1 << (coordinate_bits - 1)));
-  return all;
-}
-
-CellBox::Cell unpacked(std::uint64_t all) {
-  CellBox::Cell c;
-  for (int k = 0; k < 3; ++k, all >>= coordinate_bits)
-    c[k] = static_cast<std::int32_t>(all & ((1u << coordinate_bits) - 1)) - (1 << (coordinate_bits - 1));
-  return c;
-}
 
 int bits_for(std::uint64_t values) {
   int bits = 0;
@@ -82,42 +54,33 @@ const std::vector<std::uint32_t>& Neighbours::cell_order(Span<const Vec3> positi
   return order_;
 }
 
-Neighbours::Cell Neighbours::cell_of(const Vec3& x) const {
-  Cell c;
-  for (int k = 0; k < 3; ++k) {
-    const double in_cells = std::clamp(x[k] * inverse_radius_, -max_cell, max_cell);
-    c[k] = static_cast<std::int32_t>(in_cells);
-    c[k] -= c[k] > in_cells;  // floor, which is a function call without SSE4.1
-  }
-  return c;
-}
-
 void Neighbours::make_keys(Span<const Vec3> positions, const Workers& workers) {
-  // The cells of all particles, packed, then their box, then keys relative to it.
   keys_.resize(positions.size());
   order_.resize(positions.size());
-  const CellBox box =
-      workers.ordered_sum(positions.size(), sort_chunk, CellBox{}, [&](std::size_t b, std::size_t e) {
-        CellBox part;
+  const Extent all =
+      workers.ordered_sum(positions.size(), sort_chunk, Extent{}, [&](std::size_t b, std::size_t e) {
+        Extent part;
         for (std::size_t i = b; i < e; ++i) {
           OILSKIN_ASSERT(positions[i].allFinite());  // the world removes particles that are not
-          const Cell c = cell_of(positions[i]);
-          part += CellBox{c, c};
-          keys_[i] = packed(c);
-          order_[i] = static_cast<std::uint32_t>(i);
+          part.box.add(positions[i]);
         }
         return part;
       });
-  first_cell_ = box.min;
-  last_cell_ = box.max;
-  // One empty cell on either side, so that a neighbouring cell never wraps into another row.
+  // Cells ascend with positions. One empty cell on either side, so that a neighbouring cell never wraps into
+  // another row.
+  bits_ = {};
+  if (positions.empty()) return;
+  first_cell_ = cell_of(all.box.min);
+  last_cell_ = cell_of(all.box.max);
   for (int k = 0; k < 3; ++k)
-    bits_[k] = bits_for(positions.empty() ? 1 : static_cast<std::uint64_t>(box.max[k] - box.min[k]) + 3);
+    bits_[k] = bits_for(static_cast<std::uint64_t>(last_cell_[k] - first_cell_[k]) + 3);
   workers.for_each(positions.size(), sort_chunk, [&](std::size_t i) {
-    const Cell c = unpacked(keys_[i]);
+    const Cell c = cell_of(positions[i]);
     std::uint64_t key = 0;
-    for (int k = 2; k >= 0; --k) key = (key << bits_[k]) | static_cast<std::uint64_t>(c[k] - box.min[k] + 1);
+    for (int k = 2; k >= 0; --k)
+      key = (key << bits_[k]) | static_cast<std::uint64_t>(c[k] - first_cell_[k] + 1);
     keys_[i] = key;
+    order_[i] = static_cast<std::uint32_t>(i);
   });
 }
 
@@ -128,6 +91,10 @@ void Neighbours::sort_keys(const Workers& workers) {
   order_scratch_.resize(n);
   const int key_bits = bits_[0] + bits_[1] + bits_[2];
   OILSKIN_ASSERT(key_bits <= 64);
+  if (n == 0) return;
+  const int rounds = (key_bits + most_digit_bits - 1) / most_digit_bits;
+  const int digit_bits = (key_bits + rounds - 1) / rounds;
+  const std::size_t digits = std::size_t{1} << digit_bits;
   for (int shift = 0; shift < key_bits; shift += digit_bits) {
     auto digit = [&](std::uint64_t key) { return (key >> shift) & (digits - 1); };
     histogram_.assign(chunks * digits, 0);
@@ -370,19 +337,23 @@ void Neighbours::search_chunk(std::size_t begin, std::size_t end, std::size_t ch
 void Neighbours::collect(const PairKernels& kernels, std::size_t cell, Around& c) const {
   std::size_t n = 0;
   for (const Run& r : runs_[cell]) n += r.end - r.begin;
-  c.count = padded_size(n);
-  if (c.particle.size() < c.count + read_ahead) {
-    for (std::vector<float>* v : {&c.x, &c.y, &c.z}) v->resize(c.count + read_ahead);
-    c.particle.resize(c.count + read_ahead);
+  c.count = n;
+  if (const std::size_t length = n + candidate_padding; c.particle.size() < length) {
+    for (AlignedVector<float>* v : {&c.x, &c.y, &c.z}) v->resize(length);
+    c.particle.resize(length);
   }
   std::size_t k = 0;
   for (std::size_t slot = 0; slot < 9; ++slot) {
     const Run& r = runs_[cell][slot];
     if (slot == 4) c.own_run = static_cast<std::uint32_t>(k);
     kernels.columns(records_.data(), {r.begin, r.end}, &c.x[k], &c.y[k], &c.z[k]);
-    for (std::uint32_t j = r.begin; j < r.end; ++j) c.particle[k++] = j;
+    std::uint32_t* const particle = &c.particle[k];
+    const std::uint32_t count = r.end - r.begin;
+    for (std::uint32_t j = 0; j < count; ++j) particle[j] = r.begin + j;
+    k += count;
   }
-  for (; k < c.count; ++k) c.x[k] = c.y[k] = c.z[k] = far_away.x;
+  for (AlignedVector<float>* v : {&c.x, &c.y, &c.z})
+    std::fill_n(v->data() + n, candidate_padding, far_away.x);
 }
 
 void Neighbours::list_neighbours(const PairKernels& kernels, std::size_t i, std::size_t own, Around& c,
@@ -401,8 +372,8 @@ void Neighbours::list_neighbours(const PairKernels& kernels, std::size_t i, std:
   c.x[own] = records_[i].x;
   begin_[i] = static_cast<std::uint32_t>(begin);
   count_[i] = static_cast<std::uint32_t>(found);
-  while (found % list_padding != 0) out[found++] = static_cast<std::uint32_t>(count_.size());
-  used_[chunk] = begin + found;
+  std::fill_n(out + found, list_padding, static_cast<std::uint32_t>(count_.size()));  // without a branch
+  used_[chunk] = begin + padded_size(found);
 }
 
 }  // namespace oilskin::fluid

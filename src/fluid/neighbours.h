@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/aligned_vector.h"
 #include "core/parallel.h"
 #include "fluid/pairs/pair_kernels.h"
 #include "oilskin/types.h"
@@ -81,13 +82,25 @@ class Neighbours {
   };
   using Cell = std::array<std::int32_t, 3>;
   struct Around {  // a cell: the particles that may be neighbours
-    std::vector<float> x, y, z;
-    std::vector<std::uint32_t> particle;
-    std::size_t count = 0;      // padded to a multiple of eight; the arrays are longer
+    AlignedVector<float> x, y, z;
+    AlignedVector<std::uint32_t> particle;
+    std::size_t count = 0;      // without padding; the arrays are longer
     std::uint32_t own_run = 0;  // where the run that contains the cell itself starts
   };
 
-  Cell cell_of(const Vec3& x) const;
+  /// Cell indices are clamped to ±2²⁰: particles beyond share the outermost cells, which costs time but loses
+  /// no neighbours. Three indices and a margin fit into 63 bits.
+  static constexpr double max_cell = (1 << 20) - 2;
+
+  Cell cell_of(const Vec3& x) const {
+    Cell c;
+    for (int k = 0; k < 3; ++k) {
+      const double in_cells = std::clamp(x[k] * inverse_radius_, -max_cell, max_cell);
+      c[k] = static_cast<std::int32_t>(in_cells);
+      c[k] -= c[k] > in_cells;  // floor, which is a function call without SSE4.1
+    }
+    return c;
+  }
   std::size_t first_row(std::uint64_t row_key) const;
   void make_keys(Span<const Vec3> positions, const Workers& workers);
   void sort_keys(const Workers& workers);

@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "core/aligned_vector.h"
 #include "fluid/emission/random.h"
 #include "fluid/kernels.h"
 #include "fluid/neighbours.h"
@@ -240,8 +241,9 @@ TEST(PairKernels, columns_have_the_places_of_the_records) {
 
 /// The particles nearer than 1 to p, of candidates in columns.
 std::vector<std::uint32_t> near_to(const Record& p, const Cloud& cloud, std::size_t count) {
-  std::vector<float> x(count + 8, 1e18f), y(count + 8), z(count + 8);
-  std::vector<std::uint32_t> particle(count + 8), found(count + 16);
+  AlignedVector<float> x(count + candidate_padding, 1e18f), y(x.size()), z(x.size());
+  AlignedVector<std::uint32_t> particle(x.size());
+  std::vector<std::uint32_t> found(count + 16);
   for (std::size_t i = 0; i < count; ++i) {
     x[i] = cloud.x[i].x, y[i] = cloud.x[i].y, z[i] = cloud.x[i].z;
     particle[i] = static_cast<std::uint32_t>(3 * i);

@@ -69,7 +69,9 @@ struct StartSums {
   PairRates* rates;
 };
 
-/// Candidates for neighbours. The arrays are padded to a multiple of eight with places that are far away.
+/// Candidates for neighbours. The arrays are AlignedVector; after the last candidate they have
+/// `candidate_padding` places that are far away.
+constexpr std::size_t candidate_padding = 16;
 struct Candidates {
   const float *x, *y, *z;
   const std::uint32_t* particle;
