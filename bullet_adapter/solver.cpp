@@ -4,6 +4,15 @@
 
 namespace oilskin::bullet {
 
+namespace {
+
+/// In btSoftBody::applyForces().
+bool reads_normals(const btSoftBody& body) {
+  return body.m_cfg.kDP != 0 || body.m_cfg.kLF != 0 || body.m_cfg.kPR != 0 || body.m_cfg.kVC != 0;
+}
+
+}  // namespace
+
 btFluidSoftBodySolver::btFluidSoftBodySolver() = default;
 btFluidSoftBodySolver::~btFluidSoftBodySolver() = default;
 
@@ -39,7 +48,13 @@ void btFluidSoftBodySolver::updateSoftBodies() {
     pending = 0;
     pending_time = 0;
   }
-  btDefaultSoftBodySolver::updateSoftBodies();
+  if (m_updatesNormals) {
+    btDefaultSoftBodySolver::updateSoftBodies();
+  } else {
+    for (int i = 0; i < m_softBodySet.size(); ++i)
+      if (m_softBodySet[i]->isActive() && reads_normals(*m_softBodySet[i]))
+        m_softBodySet[i]->integrateMotion();
+  }
   m_coupling.tellListeners();  // Bullet reads no soft body after this
 }
 

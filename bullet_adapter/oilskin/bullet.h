@@ -326,6 +326,13 @@ class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
   void setCouplingInterval(int n);
   /// The number of Bullet's sub-steps between two couplings.
   int getCouplingInterval() const { return m_interval; }
+  /// Whether sub-steps end with new normals of the soft bodies (the default). Oilskin does not read them.
+  /// Bullet does where `m_cfg` has drag, lift, pressure or conservation of volume (kDP, kLF, kPR, kVC): such
+  /// bodies always get theirs. A program that makes several sub-steps between two pictures may switch it off
+  /// for all but the last one.
+  void setUpdatesNormals(bool updates) { m_updatesNormals = updates; }
+  /// Whether sub-steps end with new normals of the soft bodies.
+  bool getUpdatesNormals() const { return m_updatesNormals; }
   /// The coupling behind the solver.
   btFluidCoupling& getCoupling() { return m_coupling; }
   /// The same, read-only.
@@ -343,6 +350,7 @@ class btFluidSoftBodySolver : public btDefaultSoftBodySolver {
  private:
   btFluidCoupling m_coupling;
   int m_interval = 1;
+  bool m_updatesNormals = true;
 };
 
 }  // namespace oilskin::bullet

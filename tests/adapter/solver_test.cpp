@@ -79,6 +79,59 @@ TEST(FluidSoftBodySolver, normals_are_those_of_the_corrected_positions) {
   for (int i = 0; i < cloth->m_nodes.size(); ++i) EXPECT_EQ(normals[std::size_t(i)], cloth->m_nodes[i].m_n);
 }
 
+/// A sheet of cloth under a box of water.
+struct WetSheet {
+  btFluidSoftBodySolver solver;
+  SoftWorld bullet{btVector3(0, bt(-9.81), 0), &solver};
+  btFluid water{coarse_fluid(), small_world(), verified()};
+  btSoftBody* cloth = nullptr;
+
+  WetSheet() {
+    cloth = bullet.patch(7, 0.4, 0, 15);
+    EXPECT_TRUE(solver.addFluid(&water).ok());
+    EXPECT_TRUE(solver.addCloth(cloth, bt(0.002)).ok());
+    EXPECT_TRUE(
+        water.addBox({bt(-0.08), bt(0.01), bt(-0.08)}, {bt(0.08), bt(0.09), bt(0.08)}, {0, -2, 0}).ok());
+  }
+  std::vector<btVector3> normals() const {
+    std::vector<btVector3> n;
+    for (int i = 0; i < cloth->m_nodes.size(); ++i) n.push_back(cloth->m_nodes[i].m_n);
+    return n;
+  }
+};
+
+TEST(FluidSoftBodySolver, sub_steps_without_normals_move_everything_alike) {
+  WetSheet with, without;
+  EXPECT_TRUE(without.solver.getUpdatesNormals());
+  without.solver.setUpdatesNormals(false);
+  const std::vector<btVector3> at_start = without.normals();
+  for (int i = 0; i < 50; ++i) {
+    with.bullet.step(0.001);
+    without.bullet.step(0.001);
+  }
+  EXPECT_EQ(with.water.getWorld().state_hash(), without.water.getWorld().state_hash());
+  for (int i = 0; i < with.cloth->m_nodes.size(); ++i)
+    ASSERT_EQ(with.cloth->m_nodes[i].m_x, without.cloth->m_nodes[i].m_x);
+  EXPECT_EQ(without.normals(), at_start);
+  EXPECT_NE(with.normals(), at_start);
+  without.solver.setUpdatesNormals(true);
+  with.bullet.step(0.001);
+  without.bullet.step(0.001);
+  EXPECT_EQ(with.normals(), without.normals());
+}
+
+TEST(FluidSoftBodySolver, bodies_with_pressure_or_drag_always_get_their_normals) {
+  for (btScalar btSoftBody::Config::*const factor : {&btSoftBody::Config::kDP, &btSoftBody::Config::kLF,
+                                                     &btSoftBody::Config::kPR, &btSoftBody::Config::kVC}) {
+    WetSheet sheet;
+    sheet.solver.setUpdatesNormals(false);
+    const std::vector<btVector3> at_start = sheet.normals();
+    sheet.cloth->m_cfg.*factor = bt(1e-3);
+    for (int i = 0; i < 50; ++i) sheet.bullet.step(0.001);
+    EXPECT_NE(sheet.normals(), at_start);
+  }
+}
+
 TEST(FluidSoftBodySolver, dragged_pins_sweep_the_water_along) {
   btFluidSoftBodySolver solver;
   SoftWorld bullet(btVector3(0, 0, 0), &solver);

@@ -89,6 +89,7 @@ class BulletSimulation : public Simulation {
         if (!scene_.cloth[i].wind.isZero(0)) blow_on(i, sub_dt);
       for (std::size_t i = 0; i < bodies_.size(); ++i) prescribe_body(i, t);
       if (grip_) pull(sub_dt, t);
+      solver_.setUpdatesNormals(s + 1 == substeps_);
       // 0: exactly one sub-step, whatever is left over in Bullet's clock.
       bullet_.stepSimulation(btScalar(sub_dt), 0);
     }
