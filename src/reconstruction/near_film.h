@@ -55,13 +55,15 @@ class NearFilm {
           z(F8::load(&n.z_[c]) - float(from.z())) {}
     F8 squared() const { return x * x + y * y + z * z; }
   };
+  /// The padding never counts: differences of its squares say nothing.
   template <class F>
-  static void call(std::size_t c, std::uint32_t mask, const F& f) {
-    for (std::uint32_t bits = mask & 0xff; bits != 0; bits &= bits - 1)
+  void call(std::size_t c, std::uint32_t mask, const F& f) const {
+    const std::uint32_t there = items_.size() - c < 8 ? (1u << (items_.size() - c)) - 1 : 0xff;
+    for (std::uint32_t bits = mask & there; bits != 0; bits &= bits - 1)
       f(c + std::size_t(__builtin_ctz(bits)));
   }
 
-  // Padded with distant ones to a multiple of 8
+  // Padded to a multiple of 8
   std::vector<float> x_, y_, z_, nx_, ny_, nz_, height_;
   std::vector<const FilmParticle*> items_;
   std::vector<std::uint32_t> particles_;

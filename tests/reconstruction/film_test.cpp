@@ -225,6 +225,24 @@ TEST_P(Film, has_its_thickness_at_the_vertices) {
 
 INSTANTIATE_TEST_SUITE_P(Cells, Film, testing::Values(0.25, 0.5, 0.8));
 
+/// In the plane x + y + z = 0, whose normal has the direction of the padding of vectors.
+TEST(FilmOnADiagonal, of_any_number_of_particles_is_made) {
+  for (const double side : {1.0, -1.0})
+    for (int count = 2; count < 20; ++count) {
+      SCOPED_TRACE(count);
+      WaterScene s;
+      const Vec3 n = side * Vec3(1, 1, 1).normalized(), u = Vec3(1, -1, 0).normalized(), v = n.cross(u);
+      s.vertices = {Vec3(1, -1, 0), Vec3(-1, 0, 1), Vec3(0, 1, -1)};
+      s.triangles = {{0, 1, 2}};
+      for (int i = 0; i < count; ++i)
+        s.particles.push_back(s.spacing * (0.5 * n + double(i % 6) * u + double(i / 6) * v));
+      const ReconstructionOptions options = options_for(s, 0.5, ObstacleMode::touch);
+      const WaterMesh mesh = test::reconstruct(s.input(), options);
+      test::expect_promise(s, mesh, options.gap);
+      EXPECT_NEAR(check_mesh(mesh, {}, 0).volume / (count * std::pow(s.spacing, 3)), 1, 0.1);
+    }
+}
+
 /// A film between the layers of a folded sheet, and one on top of them.
 TEST(FilmFold, keeps_the_layers_free) {
   for (const double distance : {0.4, 1.0, 2.0}) {
