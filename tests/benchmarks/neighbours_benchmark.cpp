@@ -76,7 +76,7 @@ Seconds measure(int n, const Workers& workers, int rounds) {
 #ifdef OILSKIN_TREENSEARCH
 Seconds measure_treensearch(int n, const Workers& workers, int rounds) {
   fluid::Particles particles = shaken_lattice(n);
-  // Floats, as it works with; x, v and the rest density, as permute() orders.
+  // It works with floats. Of the arrays that permute() orders, it orders places, velocities and numbers.
   std::vector<std::array<float, 3>> position(particles.size());
   tns::TreeNSearch search;
   search.set_n_threads(workers.threads());

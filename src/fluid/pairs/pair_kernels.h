@@ -69,9 +69,10 @@ struct StartSums {
   PairRates* rates;
 };
 
-/// Candidates for neighbours. The arrays are AlignedVector; after the last candidate they have
-/// `candidate_padding` places that are far away.
+/// Places beyond the last candidate: far away.
 constexpr std::size_t candidate_padding = 16;
+
+/// Candidates for neighbours. The arrays are AlignedVector and have `candidate_padding` more elements.
 struct Candidates {
   const float *x, *y, *z;
   const std::uint32_t* particle;
