@@ -134,11 +134,12 @@ struct ObstacleMesh {
 
 /// Particles and obstacles.
 struct ReconstructionInput {
-  /// [m]; particles that are not finite or more than 2²⁰ cells away are skipped.
+  /// [m]; particles that are not finite or 2²⁰ cells away or more are skipped.
   Span<const Vec3> positions;
   /// [m/s], as many as positions, or none.
   Span<const Vec3> velocities;
-  /// The water of each particle, m/ρ0 [m³], finite and ≥ 0, as many as positions; or none: each has s³.
+  /// The water of each particle, m/ρ0 [m³], 0 … 1000 s³, as many as positions; or none: each has s³. A
+  /// particle with 0 is as if it were not there.
   Span<const double> volumes = {};
   /// More quantities of the particles.
   std::vector<ParticleAttribute> attributes;
@@ -172,8 +173,8 @@ struct WaterMesh {
   /// films, and for drops.
   std::vector<float> thickness;
   /// If ReconstructionOptions::nearest: the number in the input of the nearest particle that the vertex sees,
-  /// the smallest where several are. A vertex that sees none has the nearest one within the kernel radius,
-  /// and `no_particle` where there is none.
+  /// the smallest where several are. A vertex that sees none has the nearest one, and `no_particle` if there
+  /// is none within the kernel radius and 8 cells more.
   std::vector<std::uint32_t> nearest;
   /// Stands in `nearest` for no particle.
   static constexpr std::uint32_t no_particle = 0xffffffffu;
@@ -271,7 +272,7 @@ struct EllipsoidOptions {
   /// With fewer neighbours, a particle is a sphere, 0 … 1000; N_ε of [Yu2013].
   int min_neighbours = 6;
   /// How far a particle moves to the mean of its neighbours, 0 … 1; λ of [Yu2013]. Near obstacles it moves by
-  /// half of its distance from them at most.
+  /// half of its distance from the gap at most.
   double smoothing = 0;
   /// [m], 0 … 1 spacing: ellipsoids are farther than this from obstacles.
   double gap = 0;

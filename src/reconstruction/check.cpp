@@ -27,7 +27,7 @@ void count_pairs(const WaterMesh& mesh, const Obstacles& obstacles, double gap, 
   std::mutex mutex;
   for_near_pairs(mesh.positions, mesh.triangles, nullptr, obstacles, reach, workers,
                  [&](std::uint32_t t, Span<const std::uint32_t> candidates) {
-                   double least = reach;
+                   double least = reach, found = infinity;
                    {
                      const std::lock_guard<std::mutex> lock(mutex);
                      least = std::min(least, check.min_distance);
@@ -41,11 +41,13 @@ void count_pairs(const WaterMesh& mesh, const Obstacles& obstacles, double gap, 
                      intersecting += !(d > 0);
                      too_close += !(d > gap);
                      least = std::min(least, d);
+                     // Beyond the gap it is exact where it is less than all before.
+                     if (d < reach || d <= gap) found = std::min(found, d);
                    }
                    const std::lock_guard<std::mutex> lock(mutex);
                    check.intersecting_pairs += intersecting;
                    check.too_close_pairs += too_close;
-                   if (least < reach) check.min_distance = std::min(check.min_distance, least);
+                   check.min_distance = std::min(check.min_distance, found);
                  });
 }
 
@@ -115,19 +117,36 @@ void add_edges(std::uint32_t vertex, const std::vector<Corner>& corners, std::ve
   }
 }
 
-/// Following `previous` must visit all corners of a vertex.
-bool is_pinched(const std::vector<Corner>& corners) {
-  if (corners.empty()) return false;
+/// Does following `previous` visit all corners of a vertex, and no other?
+bool is_one_closed_fan(const std::vector<Corner>& corners) {
   std::size_t steps = 0;
   std::uint32_t at = corners.front().next;
   do {
     const auto found =
         std::find_if(corners.begin(), corners.end(), [at](const Corner& c) { return c.next == at; });
-    if (found == corners.end()) return false;  // an open edge, counted elsewhere
+    if (found == corners.end()) return false;
     at = found->previous;
     ++steps;
   } while (at != corners.front().next && steps <= corners.size());
-  return at == corners.front().next && steps != corners.size();
+  return at == corners.front().next && steps == corners.size();
+}
+
+/// Are there corners of a vertex that no edge connects with the others? Edges that are open, crowded or
+/// misoriented are counted elsewhere.
+bool is_pinched(const std::vector<Corner>& corners) {
+  if (corners.empty() || is_one_closed_fan(corners)) return false;
+  std::vector<std::uint32_t> around;
+  for (const Corner& c : corners) around.insert(around.end(), {c.next, c.previous});
+  std::sort(around.begin(), around.end());
+  around.erase(std::unique(around.begin(), around.end()), around.end());
+  const auto number = [&](std::uint32_t v) {
+    return static_cast<std::uint32_t>(std::lower_bound(around.begin(), around.end(), v) - around.begin());
+  };
+  DisjointSets fans(around.size());
+  for (const Corner& c : corners) fans.unite(number(c.next), number(c.previous));
+  for (std::uint32_t i = 0; i < around.size(); ++i)
+    if (fans.find(i) != 0) return true;
+  return false;
 }
 
 void count_flaws(const WaterMesh& mesh, const Workers& workers, MeshCheck& check) {
@@ -174,7 +193,7 @@ MeshCheck check_mesh(const WaterMesh& mesh, Span<const ObstacleMesh> obstacle_me
   raw.positions = mesh.positions;
   raw.triangles = mesh.triangles;
   for (const Triangle& t : mesh.triangles)
-    check.volume += six_volumes(raw.positions, t, mesh.positions[0]) / 6;
+    check.volume += six_volumes(raw.positions, t, mesh.positions[mesh.triangles[0][0]]) / 6;
 
   Obstacles obstacles(obstacle_meshes);
   if (obstacles.empty() || mesh.triangles.empty()) return check;

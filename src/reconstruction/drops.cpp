@@ -148,7 +148,16 @@ class DropMaker {
         if (!certified_apart(own, other, gap_ + obstacles_->rounding(n))) return false;
       }
     }
-    return true;
+    // A triangle that does not touch the surface is inside if one of its corners is.
+    return std::none_of(near.begin(), near.end(),
+                        [&](std::uint32_t n) { return encloses(at, obstacles_->corners(n)[0]); });
+  }
+  /// Is x behind all sides of the drop at these positions? It is convex.
+  bool encloses(const std::vector<std::array<float, 3>>& at, const Vec3& x) const {
+    return std::all_of(shape_.triangles.begin(), shape_.triangles.end(), [&](const Triangle& t) {
+      const Corners c = stored_corners(at, t);
+      return (c[1] - c[0]).cross(c[2] - c[0]).dot(x - c[0]) < 0;
+    });
   }
 
   Shape shape_;
@@ -248,6 +257,11 @@ void write(const ReconstructionInput& input, const DrawnDrop& drawn, const Shape
 }
 
 }  // namespace
+
+double reach_of_drop(double volume) {
+  // Flattened it is 1 / √min_flatness times as wide, and moves by its radius at most.
+  return (1 / std::sqrt(min_flatness) + 1) * std::cbrt(volume);
+}
 
 DropReport add_drops(const ReconstructionInput& input, const ParticleBlocks& particles, const Water& water,
                      const Film& film, const DropLimits& limits, bool nearest, const Workers& workers,

@@ -19,6 +19,9 @@ struct DropLimits {
   double min_volume = 0;                 ///< smaller drops are left out [m³]
 };
 
+/// How far a drop of this volume [m³] may reach from its particle [m].
+double reach_of_drop(double volume);
+
 /// Appends a closed surface for each drop to the mesh, with the particle's velocity and attributes.
 DropReport add_drops(const ReconstructionInput& input, const ParticleBlocks& particles, const Water& water,
                      const Film& film, const DropLimits& limits, bool nearest, const Workers& workers,

@@ -26,7 +26,7 @@ constexpr double cell_of_spacing = 0.5;
 /// Ellipsoids fill this fraction of the space up to the gap, so that rounding to float does not close it.
 constexpr double used_space = 0.999;
 
-/// Near obstacles a particle moves by this fraction of its distance from them at most.
+/// Near obstacles a particle moves by this fraction of its distance from the gap at most.
 constexpr double free_move = 0.5;
 
 /// An obstacle flattens an ellipsoid to this fraction at most; then it becomes smaller.
@@ -73,7 +73,7 @@ class EllipsoidMaker {
         cell_(cell_of_spacing * options.spacing),
         reach_(options.reach * options.spacing),
         obstacles_(input.obstacles) {
-    sort_into_blocks(input.positions, cell_, workers_, particles_);
+    sort_into_blocks(input.positions, input.volumes, cell_, workers_, particles_);
     if (obstacles_.empty()) return;
     obstacles_.prepare_queries(workers_);
     obstacles_.prepare_normals(workers_);
@@ -81,6 +81,9 @@ class EllipsoidMaker {
 
   std::vector<WaterEllipsoid> make() {
     std::vector<WaterEllipsoid> result(input_.positions.size(), none_at(Vec3::Zero()));
+    // Those without water are not among the particles.
+    for (std::size_t i = 0; i < input_.volumes.size(); ++i)
+      if (input_.positions[i].allFinite()) result[i] = none_at(input_.positions[i]);
     workers_.for_chunks(particles_.blocks.size(), 16, [&](std::size_t from, std::size_t to, std::size_t) {
       NearParticles near;
       NearestTriangle triangles;
@@ -172,7 +175,8 @@ class EllipsoidMaker {
     Vec3 mean;
     Matrix3d covariance;
     if (neighbours.moments(mean, covariance)) {
-      const double length = options_.smoothing * mean.norm(), most = free_move * free;
+      const double length = options_.smoothing * mean.norm(),
+                   most = free_move * std::max(0.0, free - options_.gap);
       shape.centre += options_.smoothing * std::min(1.0, length > 0 ? most / length : 1.0) * mean;
       // The particle is among its neighbours.
       if (int(neighbours.weight.size()) > options_.min_neighbours) shape.map = stretched(covariance, r);
@@ -255,7 +259,7 @@ Status make_ellipsoids(const ReconstructionInput& input, const EllipsoidOptions&
                        std::vector<WaterEllipsoid>* ellipsoids) {
   OILSKIN_ASSERT(ellipsoids != nullptr);
   if (Status s = options.validate(); !s.ok()) return s;
-  if (Status s = validate_input(input); !s.ok()) return s;
+  if (Status s = validate_input(input, options.spacing); !s.ok()) return s;
   *ellipsoids = EllipsoidMaker(input, options).make();
   return {};
 }

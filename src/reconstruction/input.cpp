@@ -6,7 +6,14 @@
 
 namespace oilskin::reconstruction {
 
-Status validate_input(const ReconstructionInput& input) {
+namespace {
+
+/// Of a particle [s³]: ten times as wide as the others.
+constexpr double max_volume = 1000;
+
+}  // namespace
+
+Status validate_input(const ReconstructionInput& input, double spacing) {
   const std::size_t n = input.positions.size();
   const auto wrong_count = [n](const std::string& name, std::size_t count) {
     return refuse(name, " has ", count, " values; there are ", n, " positions");
@@ -16,9 +23,11 @@ Status validate_input(const ReconstructionInput& input) {
     return wrong_count("velocities", input.velocities.size());
   if (!input.volumes.empty() && input.volumes.size() != n)
     return wrong_count("volumes", input.volumes.size());
+  const double most = max_volume * std::pow(spacing, 3);
   for (std::size_t i = 0; i < input.volumes.size(); ++i)
-    if (!(input.volumes[i] >= 0 && std::isfinite(input.volumes[i])))
-      return refuse("volume ", i, " is ", input.volumes[i], "; it must be finite and ≥ 0 m³");
+    if (!within(input.volumes[i], 0, most))
+      return refuse("volume ", i, " is ", input.volumes[i], "; it must be 0 … ", most,
+                    " m³ (1000 spacings³)");
   for (std::size_t a = 0; a < input.attributes.size(); ++a) {
     const ParticleAttribute& attribute = input.attributes[a];
     const std::string name = "attribute " + std::to_string(a);

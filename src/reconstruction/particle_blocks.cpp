@@ -31,11 +31,13 @@ struct BlocksByAppearance {
   std::vector<std::uint32_t> block_of;  // per position; none: skipped
   std::size_t skipped = 0;
 
-  BlocksByAppearance(Span<const Vec3> positions, double per_cell) : block_of(positions.size(), none) {
+  BlocksByAppearance(Span<const Vec3> positions, Span<const double> volumes, double per_cell)
+      : block_of(positions.size(), none) {
     KeyMap numbers;
     std::uint64_t last_key = no_block;
     std::uint32_t last = none;
     for (std::size_t i = 0; i < positions.size(); ++i) {
+      if (!volumes.empty() && !(volumes[i] > 0)) continue;
       const std::uint64_t key = block_key(positions[i], per_cell);
       if (key == no_block) {
         ++skipped;
@@ -78,11 +80,13 @@ void order_by_key(const BlocksByAppearance& found, ParticleBlocks& out) {
 
 }  // namespace
 
-void sort_into_blocks(Span<const Vec3> positions, double cell, const Workers& workers, ParticleBlocks& out) {
+void sort_into_blocks(Span<const Vec3> positions, Span<const double> volumes, double cell,
+                      const Workers& workers, ParticleBlocks& out) {
   OILSKIN_ASSERT(cell > 0 && positions.size() < none);
+  OILSKIN_ASSERT(volumes.empty() || volumes.size() == positions.size());
   const double per_cell = 1 / cell;
   {
-    const BlocksByAppearance found(positions, per_cell);
+    const BlocksByAppearance found(positions, volumes, per_cell);
     out.skipped = found.skipped;
     order_by_key(found, out);
   }

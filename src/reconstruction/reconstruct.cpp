@@ -171,7 +171,7 @@ using namespace reconstruction;  // NOLINT: the module of this file
 Status run(const ReconstructionInput& input, const ReconstructionOptions& options, Workspace& space,
            WaterMesh& mesh, ReconstructionReport* report) {
   if (Status s = options.validate(); !s.ok()) return s;
-  if (Status s = validate_input(input); !s.ok()) return s;
+  if (Status s = validate_input(input, options.spacing); !s.ok()) return s;
   if (!space.workers || space.threads != options.threads) {
     space.workers = std::make_unique<Workers>(options.threads);
     space.threads = options.threads;

@@ -8,8 +8,9 @@
 
 namespace oilskin::reconstruction {
 
-/// Refuses arrays of different lengths and numbers that are not finite.
-Status validate_input(const ReconstructionInput& input);
+/// Refuses arrays of different lengths, numbers that are not finite, and volumes out of range. `spacing` in
+/// metres.
+Status validate_input(const ReconstructionInput& input, double spacing);
 
 /// The data of a run. Nothing of an earlier run changes the result of the next one.
 struct Workspace {

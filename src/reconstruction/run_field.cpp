@@ -1,7 +1,9 @@
 // The stages up to the field: blocks, obstacles, films, values of nodes.
+#include <algorithm>
 #include <cmath>
 
 #include "core/assert.h"
+#include "reconstruction/drops.h"
 #include "reconstruction/obstacle_distance.h"
 #include "reconstruction/run.h"
 
@@ -29,8 +31,11 @@ Status Reconstruction::gather_obstacles() {
     space.memory.forget();
     return {};
   }
-  // Blocks that a particle reaches, one block more, and the reach of obstacles.
-  const Box reached = particles.bounds().inflated(field.kernel_radius + 1 + 2 * side + contact.reach);
+  // Blocks that a particle reaches, one block more, and the reach of obstacles; or the largest drop.
+  double reach = field.kernel_radius + 1 + 2 * side + contact.reach;
+  if (keeps_volume(options) && !input.volumes.empty())
+    reach += reach_of_drop(*std::max_element(input.volumes.begin(), input.volumes.end())) / cell;
+  const Box reached = particles.bounds().inflated(reach);
   const Box region{cell * reached.min, cell * reached.max};
   if (Status s = validate_resolution(input.obstacles, region, cell); !s.ok()) return s;
   const Box larger = region.inflated(space.is_for_one_run ? 0 : kept_margin * cell);
@@ -44,7 +49,7 @@ Status Reconstruction::find_narrow_band() {
   for (const ObstacleMesh& o : input.obstacles) triangles += o.triangles.size();
   memory.add(28.0 * double(input.positions.size()) + 100.0 * double(triangles));
   if (!memory.fits()) return memory.refusal("sorting the particles");
-  sort_into_blocks(input.positions, cell, workers, particles);
+  sort_into_blocks(input.positions, input.volumes, cell, workers, particles);
   report.particles_skipped = particles.skipped;
   if (Status s = gather_obstacles(); !s.ok()) return s;
   space.memory.keep({cell, contact.band, contact.reach, contact.promises(), contact.mode, contact.wet}, grid);

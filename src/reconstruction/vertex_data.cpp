@@ -73,6 +73,7 @@ class BlockSampler {
       : particles_(particles), field_(field) {}
 
   void set(const Grid& grid, const Block& block, const Obstacles& obstacles, bool use_visibility) {
+    at_ = block.at;
     // Vertices lie on edges of the block; smoothing may have moved them by a cell.
     gathered_.gather(particles_, {}, block.at, -1, side + 1, field_.kernel_radius);
     visibility_ = BlockVisibility();
@@ -95,6 +96,7 @@ class BlockSampler {
     collect(x, !visibility_.empty(), out);
     // A vertex between close sheets may see no particle: then those nearby count.
     if (out.weight.empty()) collect(x, false, out);
+    if (out.weight.empty()) take_nearest(x, out);
     const double s = std::cbrt(field_.rest_count) / side;  // cell / dx
     out.make_linear(ridge / (s * s));
   }
@@ -136,9 +138,26 @@ class BlockSampler {
     out.weight.push_back(double(u) * u * u);
   }
 
+  /// A vertex that the fit has moved out of the kernel radius of all particles.
+  void take_nearest(const std::array<float, 3>& x, Sample& out) {
+    far_.gather(particles_, {}, at_, -1, side + 1, field_.kernel_radius + side);
+    float least = std::numeric_limits<float>::infinity();
+    for (std::size_t c = 0; c < far_.count; ++c) {
+      const Eigen::Vector3f offset(far_.x[c] - x[0], far_.y[c] - x[1], far_.z[c] - x[2]);
+      const std::uint32_t particle = particles_.source[far_.particle[c]];
+      const float squared = offset.squaredNorm();
+      if (squared > least || (squared == least && particle > out.particle[0])) continue;
+      least = squared;
+      out.particle.assign(1, particle);
+      out.offset.assign(1, offset.cast<double>());
+      out.weight.assign(1, 1.0);
+    }
+  }
+
   const ParticleBlocks& particles_;
   const FieldParameters& field_;
-  NearParticles gathered_;
+  Int3 at_;  // the block
+  NearParticles gathered_, far_;
   BlockVisibility visibility_;
   Words front_, back_, own_front_, own_back_, open_;
   std::uint32_t last_hit_ = none;

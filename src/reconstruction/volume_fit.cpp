@@ -32,7 +32,7 @@ constexpr double at_clearance = 0.35;
 constexpr double good_volume = 0.002;
 
 /// Of small pieces that the limits of their vertices keep from their volume.
-constexpr double max_scale = 1.3;
+constexpr double max_scale = 3;
 
 /// Area of a cube that has hardly any surface [cells²].
 constexpr float small_area = 0.05f;
@@ -130,8 +130,7 @@ class Fit {
       if (p == none || !is_alone[p] || !(water[p] > 0) || !(sums[p].volume > 0)) return;
       const Vec3 middle = centre[p] / count[p];
       const double scale = std::clamp(std::cbrt(water[p] / sums[p].volume), 1 / max_scale, max_scale);
-      const Vec3 at = middle + scale * (vec(mesh_.positions[v]) - middle);
-      mesh_.positions[v] = {float(at.x()), float(at.y()), float(at.z())};
+      place(v, middle + scale * (vec(mesh_.positions[v]) - middle));
     });
   }
 
@@ -229,6 +228,11 @@ class Fit {
     if (to == moved_[v]) return;
     const Vec3 at = vec(mesh_.positions[v]) + double(to - moved_[v]) * limits_.cell * vec(normals_[v]);
     moved_[v] = to;
+    place(v, at);
+  }
+  /// Within the clip box.
+  void place(std::size_t v, const Vec3& x) {
+    const Vec3 at = limits_.clip ? Vec3(x.cwiseMax(limits_.clip->min).cwiseMin(limits_.clip->max)) : x;
     mesh_.positions[v] = {float(at.x()), float(at.y()), float(at.z())};
   }
   /// Per piece; the last one is that of all other vertices. The sums of chunks are added in their order.

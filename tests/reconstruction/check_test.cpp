@@ -1,6 +1,7 @@
 // The acceptance test of a mesh: it sees faults, and its counts are those of other routes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "oilskin/reconstruction.h"
@@ -47,6 +48,41 @@ TEST(Check, sees_what_is_wrong_with_a_mesh) {
   EXPECT_NEAR(near.min_distance, 0.25, 1e-13);
   EXPECT_LE(near.min_distance, 0.25);
   EXPECT_TRUE(with({Vec3(0.1, 0.1, -0.25), Vec3(0.2, 0.1, -0.25), Vec3(0.1, 0.2, -0.25)}, 0.2).clean());
+}
+
+TEST(Check, does_not_depend_on_the_numbers_of_vertices) {
+  // A tetrahedron without a face, and a triangle on one of its corners.
+  WaterMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {1e6f, 0, 0}};
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {0, 4, 5}};
+  std::array<std::uint32_t, 7> number = {0, 1, 2, 3, 4, 5, 6};
+  do {
+    WaterMesh other = mesh;
+    for (std::uint32_t v = 0; v < number.size(); ++v) other.positions[number[v]] = mesh.positions[v];
+    for (Triangle& t : other.triangles) t = {number[t[0]], number[t[1]], number[t[2]]};
+    const MeshCheck check = check_mesh(other, {}, 0, 1);
+    ASSERT_EQ(check.pinched_vertices, 1u);
+    ASSERT_EQ(check.open_edges, 6u);
+  } while (std::next_permutation(number.begin(), number.end()));
+}
+
+TEST(Check, takes_no_notice_of_unused_vertices) {
+  WaterMesh box;
+  box.positions = {{1e7f, 1e7f, 1e7f}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  box.triangles = {{1, 3, 2}, {1, 2, 4}, {1, 4, 3}, {2, 3, 4}};
+  EXPECT_NEAR(check_mesh(box, {}, 0).volume, 1.0 / 6, 1e-12);
+}
+
+TEST(Check, of_a_mesh_without_extent_has_a_distance) {
+  WaterMesh point;
+  point.positions = {{0.25f, 0.25f, 0}};
+  point.triangles = {{0, 0, 0}};
+  const std::vector<Vec3> vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+  const std::vector<Triangle> triangles = {{0, 1, 2}};
+  const std::vector<ObstacleMesh> obstacles = {{vertices, triangles}};
+  const MeshCheck check = check_mesh(point, obstacles, 0);
+  EXPECT_EQ(check.intersecting_pairs, 1u);
+  EXPECT_EQ(check.min_distance, 0);
 }
 
 /// Triangles that share `vertices` places in a cube of `half` [m].

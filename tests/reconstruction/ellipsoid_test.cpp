@@ -176,6 +176,35 @@ TEST(Ellipsoids, keep_the_gap_to_cloth_on_their_own_side) {
     }
 }
 
+/// The mean of its neighbours is in the gap or behind it.
+TEST(Ellipsoids, do_not_vanish_because_smoothing_moves_them) {
+  WaterScene s;
+  s.add_sheet(2, [](double u, double v) { return Vec3(u - 0.5, v - 0.5, 0); });
+  test::Random random(8);
+  for (int n = 0; n < 200; ++n) {
+    const Vec3 along = s.spacing * random.in_cube(4);
+    s.particles.emplace_back(along.x(), along.y(), (n % 4 == 0 ? 0.12 : 0.08) * s.spacing);
+  }
+  EllipsoidOptions options = options_for(s, 0.1);
+  options.smoothing = 1;
+  const auto result = ellipsoids(s.input(), options);
+  for (std::size_t p = 0; p < result.size(); ++p)
+    EXPECT_EQ(result[p].radii[0] > 0, s.particles[p].z() > options.gap) << p;
+}
+
+TEST(Ellipsoids, do_not_see_particles_without_water) {
+  WaterScene s = layer();
+  const auto alone = ellipsoids(s.input(), options_for(s));
+  std::vector<double> volumes(s.particles.size(), std::pow(s.spacing, 3));
+  for (int i = 0; i < 14; ++i) s.particles.push_back(s.particles[inner(i, 6)] + s.spacing * Vec3(0, 0, 1));
+  volumes.resize(s.particles.size(), 0);
+  ReconstructionInput input = s.input();
+  input.volumes = volumes;
+  const auto result = ellipsoids(input, options_for(s));
+  EXPECT_EQ(std::memcmp(alone.data(), result.data(), alone.size() * sizeof alone[0]), 0);
+  EXPECT_EQ(result.back().radii[0], 0);
+}
+
 TEST(Ellipsoids, on_cloth_become_flat_before_they_lose_volume) {
   WaterScene s = layer();
   for (Vec3& p : s.particles) p.z() = 0.3 * s.spacing;

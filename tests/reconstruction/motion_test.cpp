@@ -255,5 +255,34 @@ TEST_P(Place, of_the_grid_hardly_changes_films_and_drops_at_cloth) {
 
 INSTANTIATE_TEST_SUITE_P(Cells, Place, testing::Values(0.5, 0.8, 1.0));
 
+/// The fit and the touch move vertices out of the kernel radius of all particles.
+TEST(MotionOfVertices, that_no_particle_reaches_is_that_of_the_nearest) {
+  const Vec3 motion(1, -2, 0.5);
+  std::size_t beyond = 0;
+  for (const double distance : {1.0, 2.0, 2.9})
+    for (const double cell : {0.5, 1.0}) {
+      WaterScene s = film_and_drops(distance);
+      s.add_water({Vec3(0.02, 0.02, 0.02), Vec3(0.05, 0.05, 0.03)}, 0.2, 5);
+      ReconstructionOptions options = test::options_for(s, cell, 0.1, ObstacleMode::touch);
+      options.kernel_radius = 1.5;
+      options.touch_range = 1.5;
+      options.nearest = true;
+      const std::vector<double> volumes(s.particles.size(), 3 * std::pow(s.spacing, 3));
+      const std::vector<Vec3> velocities(s.particles.size(), motion);
+      ReconstructionInput input = s.input();
+      input.volumes = volumes;
+      input.velocities = velocities;
+      const WaterMesh mesh = test::reconstruct(input, options);
+      for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+        const auto& u = mesh.velocities[v];
+        ASSERT_LT((Vec3(u[0], u[1], u[2]) - motion).norm(), 1e-4) << v;
+        ASSERT_LT(mesh.nearest[v], s.particles.size());
+        const double away = (test::position(mesh, v) - s.particles[mesh.nearest[v]]).norm();
+        beyond += away > options.kernel_radius * s.spacing;
+      }
+    }
+  EXPECT_GT(beyond, 10u) << "the case tests nothing";
+}
+
 }  // namespace
 }  // namespace oilskin

@@ -146,7 +146,90 @@ TEST_P(Volume, and_area_do_not_depend_on_the_place_of_the_grid) {
   EXPECT_NEAR(area(other), area(mesh), 0.02 * area(mesh));
 }
 
+TEST_P(Volume, of_small_pieces_is_kept_where_smoothing_shrinks_them) {
+  for (const int count : {2, 3, 5, 10})
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      const WaterScene s = clump(count, 100 * seed + std::uint64_t(count));
+      ReconstructionOptions options = options_for(s, GetParam());
+      options.smoothing_iterations = 40;
+      EXPECT_NEAR(share(s, options), 1, 0.01) << count << ' ' << seed;
+    }
+}
+
+TEST_P(Volume, of_a_block_is_hardly_changed_by_much_smoothing) {
+  WaterScene s;
+  s.add_water({Vec3::Zero(), Vec3::Constant(6 * s.spacing)}, 0.1, 3);
+  ReconstructionOptions options = options_for(s, GetParam());
+  const auto smoothed = [&](int iterations) {
+    options.smoothing_iterations = iterations;
+    return share(s, options);
+  };
+  EXPECT_NEAR(smoothed(1000), 1, 0.01);
+  options.keep_volume = false;
+  const double without = smoothed(0);
+  EXPECT_NEAR(smoothed(40), without, 0.02 * without);
+}
+
+TEST_P(Volume, takes_no_vertex_out_of_the_clip_box) {
+  WaterScene s;
+  test::Random random(12);
+  for (std::uint64_t n = 0; n < 60; ++n) {
+    const Vec3 at(random.uniform(0, 0.1), random.uniform(0, 0.1), random.uniform(0, 0.05));
+    for (const Vec3& p : clump(2 + int(n % 9), n).particles) s.particles.push_back(at + p);
+  }
+  s.add_sheet(6, [](double u, double v) { return Vec3(0.1 * u, 0.1 * v, 0.02); });
+  s.push_off(0.2);
+  for (const ObstacleMode mode : {ObstacleMode::none, ObstacleMode::gap, ObstacleMode::touch})
+    for (const int smoothing : {0, 40}) {
+      ReconstructionOptions options = options_for(s, GetParam(), mode);
+      options.smoothing_iterations = smoothing;
+      options.clip = Box{Vec3(0.011, 0.02, 0.001), Vec3(0.08, 0.091, 0.043)};
+      const WaterMesh mesh = test::reconstruct(s.input(), options);
+      const Box allowed = options.clip->inflated(0.01 * GetParam() * s.spacing);
+      for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
+        ASSERT_TRUE(allowed.contains(test::position(mesh, v))) << int(mode) << ' ' << smoothing;
+      if (mode != ObstacleMode::none) test::expect_promise(s, mesh, options.gap);
+    }
+}
+
+TEST_P(Volume, of_0_is_no_water) {
+  WaterScene s = splash();
+  const ReconstructionOptions options = options_for(s, GetParam(), ObstacleMode::touch);
+  const WaterMesh plain = test::reconstruct(s.input(), options);
+  std::vector<double> volumes(s.particles.size(), std::pow(s.spacing, 3));
+  s.particles.push_back(s.particles[0]);
+  s.particles.push_back(Vec3(0.3, 0, 0));
+  s.particles.push_back(Vec3(0.302, 0, 0));
+  volumes.resize(s.particles.size(), 0);
+  ReconstructionInput input = s.input();
+  input.volumes = volumes;
+  ReconstructionReport report;
+  const WaterMesh mesh = test::reconstruct(input, options, &report);
+  EXPECT_EQ(mesh.triangles, plain.triangles);
+  EXPECT_EQ(mesh.positions, plain.positions);
+  EXPECT_EQ(report.particles_skipped, 0u);
+}
+
 INSTANTIATE_TEST_SUITE_P(Cells, Volume, testing::Values(0.5, 0.8));
+
+/// A sheet so small that the drop's surface is far from it.
+TEST(VolumeDrop, swallows_no_obstacle) {
+  for (const double volume : {20.0, 60.0, 300.0, 1000.0}) {
+    WaterScene s;
+    s.particles = {Vec3::Zero()};
+    s.add_sheet(2, [&](double u, double v) -> Vec3 { return s.spacing * Vec3(0.3 * u + 0.7, 0.3 * v, 0.2); });
+    s.add_sheet(1, [&](double u, double v) -> Vec3 { return s.spacing * Vec3(0.1 * u + 7, 0.1 * v, 0.2); });
+    const std::vector<double> volumes = {volume * std::pow(s.spacing, 3)};
+    ReconstructionInput input = s.input();
+    input.volumes = volumes;
+    for (const double cell : {0.1, 0.5, 1.0}) {
+      const ReconstructionOptions options = options_for(s, cell, ObstacleMode::gap);
+      ReconstructionReport report;
+      test::expect_promise(s, test::reconstruct(input, options, &report), options.gap);
+      EXPECT_EQ(report.drops, 1u) << volume;
+    }
+  }
+}
 
 TEST(VolumeInput, that_cannot_be_is_refused) {
   WaterScene s;
@@ -154,7 +237,7 @@ TEST(VolumeInput, that_cannot_be_is_refused) {
   ReconstructionInput input = s.input();
   WaterMesh mesh;
   for (const std::vector<double>& volumes :
-       {std::vector<double>{1e-7}, {1e-7, -1e-9}, {1e-7, std::nan("")}, {1e-7, INFINITY}}) {
+       {std::vector<double>{1e-7}, {1e-7, -1e-9}, {1e-7, std::nan("")}, {1e-7, INFINITY}, {1e-7, 2e-4}}) {
     input.volumes = volumes;
     const Status status = reconstruct_surface(input, options_for(s, 0.5), &mesh);
     EXPECT_FALSE(status.ok());
