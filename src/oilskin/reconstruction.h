@@ -94,8 +94,8 @@ struct ReconstructionOptions {
   /// volume, never do so. With a clip box only drops, films and small pieces keep theirs.
   bool keep_volume = true;
 
-  /// λ|μ steps [Taubin1995] that preserve the volume, 0 … 1000. At obstacles vertices move only as far as the
-  /// gap allows.
+  /// λ|μ steps [Taubin1995], 0 … 1000. Vertices move by a cell at most, at obstacles only as far as the gap
+  /// allows.
   int smoothing_iterations = 0;
   /// Only what lies inside, to 1 % of a cell; the mesh is closed along the sides of the box.
   std::optional<Box> clip;
@@ -173,8 +173,7 @@ struct WaterMesh {
   /// films, and for drops.
   std::vector<float> thickness;
   /// If ReconstructionOptions::nearest: the number in the input of the nearest particle that the vertex sees,
-  /// the smallest where several are. A vertex that sees none has the nearest one, and `no_particle` if there
-  /// is none within the kernel radius and 8 cells more.
+  /// the smallest where several are. A vertex that sees none has the nearest one.
   std::vector<std::uint32_t> nearest;
   /// Stands in `nearest` for no particle.
   static constexpr std::uint32_t no_particle = 0xffffffffu;

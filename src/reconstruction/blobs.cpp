@@ -76,7 +76,8 @@ void keep_triangles(const std::vector<std::uint32_t>& renumbered, RawMesh& mesh)
 
 }  // namespace
 
-std::size_t remove_blobs(const Grid& grid, double min_volume, RawMesh& mesh) {
+std::size_t remove_blobs(const Grid& grid, double min_volume, const std::vector<double>& water_near,
+                         RawMesh& mesh) {
   OILSKIN_ASSERT(mesh.inside_nodes.size() == mesh.positions.size());
   if (mesh.positions.empty()) return 0;
   const NodeNumbers number(grid);
@@ -88,6 +89,9 @@ std::size_t remove_blobs(const Grid& grid, double min_volume, RawMesh& mesh) {
   for (std::size_t v = 0; v < piece.size(); ++v) piece[v] = sets.find(number.of(mesh.inside_nodes[v]));
   for (const Triangle& t : mesh.triangles)
     volume[piece[t[0]]] += six_volumes(mesh.positions, t, mesh.positions[0]) / 6;
+
+  for (std::size_t v = 0; v < water_near.size(); ++v)
+    volume[piece[v]] = std::max(volume[piece[v]], water_near[v]);
 
   std::vector<std::uint8_t> counted(number.count(), 0);
   std::size_t removed = 0;

@@ -102,7 +102,7 @@ class DropMaker {
     for (int n = 0; n < max_tries; ++n) {
       Drop tried = drop;
       flatten(tried, height);
-      if (is_clear(tried, near)) {
+      if (is_in_clip(tried) && is_clear(tried, near)) {
         drop = tried;
         return true;
       }
@@ -122,9 +122,10 @@ class DropMaker {
 
  private:
   bool is_in_clip(const Drop& drop) const {
+    if (!limits_.clip) return true;
     Box box;
-    box.add(drop.centre);
-    return !limits_.clip || limits_.clip->contains(box.inflated(radius_ * std::cbrt(drop.volume)));
+    for (const Vec3& v : shape_.vertices) box.add(drop.place(v));
+    return limits_.clip->contains(box);
   }
   /// Lets a drop end at the gap and a little more; one that has too little space moves away.
   void flatten(Drop& drop, double height) const {

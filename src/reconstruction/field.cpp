@@ -36,6 +36,10 @@ constexpr double seen_radius = 0.88;
 /// Particles may see films of the grid higher than their planes tell, where obstacles bend [dx].
 constexpr double top_slack = 0.3;
 
+/// Below its plane a disc follows an obstacle that bends by this, per radius: what is farther down, beside a
+/// border, is another layer.
+constexpr float bend = 0.75f;
+
 /// Films thin out over about half a cell; so that they keep their area, discs are larger by this [cells].
 constexpr float rim = 0.25f;
 
@@ -257,7 +261,8 @@ bool FieldBlock::evaluate_films(const NearParticles& near, const BlockVisibility
     if (!any) std::fill(values, values + nodes, p_.outside());
     any = true;
     const std::array<float, 3> q = {near.x[c], near.y[c], near.z[c]};
-    const float middle = std::max(p->height, lowest), radius = p->radius + rim;
+    const float middle = std::max(p->height, lowest), radius = p->radius + rim,
+                bottom = -static_cast<float>(top_slack * rule.spacing) - bend * radius;
     const bool check = !visibility.empty() && may_be_hidden(visibility, q);
     for_rows(q, [&](int j, int k, float) {
       const float dy = static_cast<float>(j) - q[1], dz = static_cast<float>(k) - q[2];
@@ -265,8 +270,8 @@ bool FieldBlock::evaluate_films(const NearParticles& near, const BlockVisibility
       const F8 rho2 = positive_part(dx * dx + (dy * dy + dz * dz) - along * along);
       F8 value = (rho2 - radius * radius) * (0.5f / radius);
       const F8 at = along + p->height;
-      value = larger(
-          value, place == FilmPlace::on_obstacle ? at - top : larger(at - middle, middle - at) - half_height);
+      value = larger(value, place == FilmPlace::on_obstacle ? larger(at - top, bottom - at)
+                                                            : larger(at - middle, middle - at) - half_height);
       float* const row = &values[node_index(0, j, k)];
       const F8 now = F8::load(row);
       std::uint32_t improves = greater_mask(now, value);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/assert.h"
@@ -149,6 +150,7 @@ class Grid {
   float clearance = 0;        ///< d*: aimed distance of the mesh from obstacles [cells]
   float outside = 0;          ///< value of nodes that no particle reaches [cells]
   float inside = 0;           ///< value of nodes of solid blocks [cells]
+  std::optional<Box> clip;    ///< no vertex leaves it
   std::vector<Block> blocks;  ///< ascending by key
   KeyMap index;
   std::vector<float> values;                                 ///< 512 per field [cells]; < 0 is inside

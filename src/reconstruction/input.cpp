@@ -23,7 +23,7 @@ Status validate_input(const ReconstructionInput& input, double spacing) {
     return wrong_count("velocities", input.velocities.size());
   if (!input.volumes.empty() && input.volumes.size() != n)
     return wrong_count("volumes", input.volumes.size());
-  const double most = max_volume * std::pow(spacing, 3);
+  const double most = max_volume * std::pow(spacing, 3) * (1 + 1e-9);  // however it was computed
   for (std::size_t i = 0; i < input.volumes.size(); ++i)
     if (!within(input.volumes[i], 0, most))
       return refuse("volume ", i, " is ", input.volumes[i], "; it must be 0 … ", most,

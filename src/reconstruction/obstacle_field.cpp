@@ -130,24 +130,64 @@ bool is_submerged(const Obstacles& obstacles, const std::vector<std::uint32_t>& 
   return std::abs(winding_number(mesh.positions, mesh.triangles, obstacles.vertex(piece[0]), workers)) > 0.5;
 }
 
+namespace {
+
+/// Where triangles have passed that moved by more than a cell. Nearer ones are found by the grid.
+std::vector<Box> boxes_of_long_moves(const std::vector<std::array<float, 3>>& start,
+                                     const std::vector<std::uint32_t>& moved, const RawMesh& mesh,
+                                     double cell) {
+  std::vector<Box> boxes;
+  for (const std::uint32_t t : moved) {
+    Box box;
+    bool is_long = false;
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      const Vec3 from = vec(start[v]), to = vec(mesh.positions[v]);
+      box.add(from);
+      box.add(to);
+      is_long |= (to - from).norm() > cell;
+    }
+    if (is_long) boxes.push_back(box);
+  }
+  return boxes;
+}
+
+/// Puts the vertices back that started in the box or are in it now. Returns their number.
+std::size_t put_back_in(const Box& box, const std::vector<std::array<float, 3>>& start, RawMesh& mesh) {
+  std::size_t vertices = 0;
+  for (std::size_t v = 0; v < start.size(); ++v) {
+    if (mesh.positions[v] == start[v]) continue;
+    if (!box.contains(vec(start[v])) && !box.contains(vec(mesh.positions[v]))) continue;
+    mesh.positions[v] = start[v];
+    ++vertices;
+  }
+  return vertices;
+}
+
+}  // namespace
+
 std::size_t put_back_around_enclosed(const Obstacles& obstacles, const Grid& grid,
-                                     const std::vector<std::array<float, 3>>& start, RawMesh& mesh,
+                                     const std::vector<std::array<float, 3>>& start,
+                                     const std::vector<std::uint32_t>& moved, RawMesh& mesh,
                                      const Workers& workers) {
+  const std::vector<Box> swept = boxes_of_long_moves(start, moved, mesh, grid.cell);
   std::size_t vertices = 0;
   for (const std::vector<std::uint32_t>& piece : obstacles.pieces()) {
-    if (!std::all_of(piece.begin(), piece.end(),
-                     [&](std::uint32_t v) { return is_near_water(grid, obstacles.vertex(v) / grid.cell); }))
-      continue;
-    const Vec3& x = obstacles.vertex(piece[0]);
-    if (std::abs(winding_number(mesh.positions, mesh.triangles, x, workers)) < 0.5) continue;
     Box box;
     for (const std::uint32_t v : piece) box.add(obstacles.vertex(v));
-    box = box.inflated(4 * grid.cell);
-    for (std::size_t v = 0; v < start.size(); ++v)
-      if (box.contains(Vec3(start[v][0], start[v][1], start[v][2])) && mesh.positions[v] != start[v]) {
-        mesh.positions[v] = start[v];
-        ++vertices;
-      }
+    const bool is_near =
+        std::all_of(piece.begin(), piece.end(),
+                    [&](std::uint32_t v) { return is_near_water(grid, obstacles.vertex(v) / grid.cell); }) ||
+        std::any_of(swept.begin(), swept.end(), [&](const Box& b) { return b.overlaps(box); });
+    if (!is_near) continue;
+    const auto is_inside = [&] {
+      const Vec3& x = obstacles.vertex(piece[0]);
+      return std::abs(winding_number(mesh.positions, mesh.triangles, x, workers)) > 0.5;
+    };
+    // With all vertices at their start it is outside.
+    for (double margin = 4 * grid.cell; is_inside(); margin *= 2) {
+      OILSKIN_ASSERT(std::isfinite(margin));
+      vertices += put_back_in(box.inflated(margin), start, mesh);
+    }
   }
   return vertices;
 }

@@ -27,7 +27,8 @@ struct ContactParameters {
 ContactParameters contact_parameters(const ReconstructionOptions& options);
 
 /// The value of a node at `distance` from obstacles, (R.10) to (R.14) and (R.25). `visible`: the field of the
-/// particles that the node sees; `all`: that of all particles, for overlap; `wetness`: 0 … 1, for wet.
+/// particles that the node sees; `all`: that of all particles, for overlap, infinite where none is in reach;
+/// `wetness`: 0 … 1, for wet.
 float value_at_contact(const ContactParameters& p, float visible, float all, float distance, float wetness);
 
 /// Is a piece of an obstacle inside the water? No triangle of the mesh intersects it, so one of its points
@@ -35,10 +36,12 @@ float value_at_contact(const ContactParameters& p, float visible, float all, flo
 bool is_submerged(const Obstacles& obstacles, const std::vector<std::uint32_t>& piece, const Grid& grid,
                   const RawMesh& mesh, const Workers& workers);
 
-/// Vertices moved by less than two cells from `start`, where the promise holds. Puts those around pieces of
-/// obstacles that are now inside the water back. Returns their number.
+/// Vertices moved from `start`, where the promise holds; `moved` are the triangles that may have passed an
+/// obstacle. Puts vertices around pieces of obstacles that are now inside the water back. Returns their
+/// number: 0 if none is inside.
 std::size_t put_back_around_enclosed(const Obstacles& obstacles, const Grid& grid,
-                                     const std::vector<std::array<float, 3>>& start, RawMesh& mesh,
+                                     const std::vector<std::array<float, 3>>& start,
+                                     const std::vector<std::uint32_t>& moved, RawMesh& mesh,
                                      const Workers& workers);
 
 /// Winding number of a closed mesh around a point (R.20): Σ Ω/4π [Oosterom1983].

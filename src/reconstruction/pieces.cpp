@@ -5,6 +5,7 @@
 
 #include "core/disjoint_sets.h"
 #include "reconstruction/blobs.h"
+#include "reconstruction/visibility.h"
 
 namespace oilskin::reconstruction {
 
@@ -38,8 +39,9 @@ SmallPieces small_pieces(const RawMesh& mesh, double max_volume) {
   return pieces;
 }
 
-PieceFinder::PieceFinder(const Grid& grid, const RawMesh& mesh, const SmallPieces& pieces)
-    : grid_(grid), is_near_(grid.blocks.size(), 0) {
+PieceFinder::PieceFinder(const Grid& grid, const Obstacles& obstacles, const RawMesh& mesh,
+                         const SmallPieces& pieces)
+    : grid_(grid), obstacles_(obstacles), is_near_(grid.blocks.size(), 0) {
   if (pieces.count == 0) return;
   std::vector<NodeRef> reached;
   for (std::size_t v = 0; v < mesh.inside_nodes.size(); ++v)
@@ -94,8 +96,28 @@ bool PieceFinder::is_cut(const NodeRef& low, int axis) const {
   return near != none && grid_.nears[near].find_cut(axis, low.node);
 }
 
-/// Among the corners of the cell of x and `ring` cells around it.
-NodeRef PieceFinder::nearest_inside(const Vec3& x, int ring) const {
+/// Obstacles that may lie between x and a node within two cells of it.
+std::vector<std::uint32_t> PieceFinder::triangles_around(const Vec3& x) const {
+  std::vector<std::uint32_t> found;
+  const std::uint32_t b = grid_.index.find(key_of(block_at(x)));
+  if (b == none || grid_.blocks[b].near == none) return found;
+  Box box;
+  box.add(x * grid_.cell);
+  box = box.inflated(2 * grid_.cell);
+  for (const std::uint32_t t : grid_.nears[grid_.blocks[b].near].triangles)
+    if (obstacles_.box(t).overlaps(box)) found.push_back(t);
+  return found;
+}
+
+bool PieceFinder::hides_any(const std::vector<std::uint32_t>& triangles, const Vec3& x,
+                            const Vec3& node) const {
+  return std::any_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
+    return hides_segment(x * grid_.cell, node * grid_.cell, obstacles_.corners(t), obstacles_.indices(t));
+  });
+}
+
+/// Among the corners of the cell of x and `ring` cells around it that none of the triangles hides.
+NodeRef PieceFinder::nearest_inside(const Vec3& x, int ring, const std::vector<std::uint32_t>& hiding) const {
   const Int3 cell{static_cast<int>(std::floor(x.x())), static_cast<int>(std::floor(x.y())),
                   static_cast<int>(std::floor(x.z()))};
   NodeRef best;
@@ -107,7 +129,7 @@ NodeRef PieceFinder::nearest_inside(const Vec3& x, int ring) const {
         const double distance = (Vec3(at.x, at.y, at.z) - x).squaredNorm();
         if (distance >= nearest) continue;
         const NodeRef node = grid_.node_at(at);
-        if (!grid_.is_inside(node)) continue;
+        if (!grid_.is_inside(node) || hides_any(hiding, x, Vec3(at.x, at.y, at.z))) continue;
         nearest = distance;
         best = node;
       }
@@ -115,8 +137,10 @@ NodeRef PieceFinder::nearest_inside(const Vec3& x, int ring) const {
 }
 
 std::uint32_t PieceFinder::find(const Vec3& x) const {
-  NodeRef node = nearest_inside(x, 0);
-  if (node.block == none) node = nearest_inside(x, 1);
+  const std::vector<std::uint32_t> around = triangles_around(x);
+  NodeRef node = nearest_inside(x, 0, around);
+  if (node.block == none) node = nearest_inside(x, 1, around);
+  if (node.block == none && !around.empty()) node = nearest_inside(x, 1, {});
   return node.block == none ? none : piece_of_node_.find(key_of_node(node));
 }
 
@@ -130,7 +154,14 @@ bool is_near_water(const Grid& grid, const Vec3& x) {
   return false;
 }
 
-std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const Grid& grid,
+Vec3 place_in_film(const Film& film, std::uint32_t p, const Vec3& x) {
+  const FilmParticle* const item = film.find(p);
+  if (!item || !(item->radius > 0)) return x;
+  const double middle = film.rule().clearance + film.rule().grid_height / 2;
+  return x + std::max(0.0, middle - double(item->height)) * vec(item->normal);
+}
+
+std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const Film& film, const Grid& grid,
                                          const Workers& workers) {
   std::vector<std::uint8_t> result(particles.size(), 1);
   workers.for_each(particles.blocks.size(), 64, [&](std::size_t b) {
@@ -146,7 +177,10 @@ std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const 
                 k = std::min(int(particles.z[p]), side - 1);
       for (int c = 0; block != none && c < 8 && result[p]; ++c)
         result[p] = !grid.is_inside(corner_node(grid, block, i, j, k, c));
-      if (result[p]) result[p] = !is_near_water(grid, particles.place(b, p));
+      const Vec3 x = particles.place(b, p);
+      if (result[p])
+        result[p] = !is_near_water(grid, x) &&
+                    !is_near_water(grid, place_in_film(film, static_cast<std::uint32_t>(p), x));
     }
   });
   return result;

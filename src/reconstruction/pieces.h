@@ -1,8 +1,7 @@
 /// Pieces of water: connected parts of the mesh, and the particles in them.
 #pragma once
 
-#include "reconstruction/particle_blocks.h"
-#include "reconstruction/polygonise.h"
+#include "reconstruction/film.h"
 
 namespace oilskin::reconstruction {
 
@@ -18,14 +17,16 @@ SmallPieces small_pieces(const RawMesh& mesh, double max_volume);
 /// Finds the small piece in which a point lies.
 class PieceFinder {
  public:
-  PieceFinder(const Grid& grid, const RawMesh& mesh, const SmallPieces& pieces);
+  /// `obstacles`: those of Block::near.
+  PieceFinder(const Grid& grid, const Obstacles& obstacles, const RawMesh& mesh, const SmallPieces& pieces);
   /// May a point in the block at `at` lie in a small piece?
   bool is_near(const Int3& at) const {
     const std::uint32_t b = grid_.index.find(key_of(at));
     return b != none && is_near_[b] != 0;
   }
-  /// The piece of the nearest inside node within two cells of x [cells, from the world's origin]; none: it is
-  /// not of a small piece, or there is none.
+  /// The piece of the nearest inside node within two cells of x [cells, from the world's origin] that no
+  /// obstacle hides from it, or of the nearest one if all are hidden; none: it is not of a small piece, or
+  /// there is none.
   std::uint32_t find(const Vec3& x) const;
 
  private:
@@ -33,18 +34,31 @@ class PieceFinder {
   void add(const NodeRef& node, std::uint32_t piece, std::vector<NodeRef>& reached);
   NodeRef next(const NodeRef& node, int axis, bool up) const;
   bool is_cut(const NodeRef& low, int axis) const;
-  NodeRef nearest_inside(const Vec3& x, int ring) const;
+  std::vector<std::uint32_t> triangles_around(const Vec3& x) const;
+  bool hides_any(const std::vector<std::uint32_t>& triangles, const Vec3& x, const Vec3& node) const;
+  NodeRef nearest_inside(const Vec3& x, int ring, const std::vector<std::uint32_t>& hiding) const;
 
   const Grid& grid_;
+  const Obstacles& obstacles_;
   KeyMap piece_of_node_;
   std::vector<std::uint8_t> is_near_;  // per block
 };
 
+/// The block of x [cells, from the world's origin].
+inline Int3 block_at(const Vec3& x) {
+  const auto block = [](double v) { return static_cast<int>(std::floor(v)) >> 3; };
+  return {block(x.x()), block(x.y()), block(x.z())};
+}
+
 /// Is an inside node among the corners of the cell of x, or of the 26 cells around it? x in cells.
 bool is_near_water(const Grid& grid, const Vec3& x);
 
-/// Per particle of ParticleBlocks: 1 if it is not near water, so the grid does not see it.
-std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const Grid& grid,
+/// Where the mesh has the film of particle p, which is at x [cells]: the gap may push it away. Without a film
+/// it is x.
+Vec3 place_in_film(const Film& film, std::uint32_t p, const Vec3& x);
+
+/// Per particle of ParticleBlocks: 1 if neither it nor its film is near water, so the grid does not see it.
+std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const Film& film, const Grid& grid,
                                          const Workers& workers);
 
 }  // namespace oilskin::reconstruction

@@ -43,9 +43,20 @@ double fraction_from_inside_end(const Grid& grid, const VertexRef& v) {
   return std::min(here / (here - behind), crossing * std::max(0.0, 1 - clearance / own_distance));
 }
 
+/// How far it is from the inside end to the side of the clip box, in edges.
+double fraction_in_clip(const Grid& grid, const VertexRef& v) {
+  const NodeRef own = inside_end(grid, v);
+  const Int3 b = grid.blocks[own.block].at;
+  const int block[3] = {b.x, b.y, b.z};
+  const double at = double(block[v.axis]) * side + (own.node >> 3 * v.axis & 7);
+  return v.of_high_end ? at - grid.clip->min[v.axis] / grid.cell : grid.clip->max[v.axis] / grid.cell - at;
+}
+
 /// The same, off the ends of the edge.
 double vertex_fraction(const Grid& grid, const VertexRef& v) {
-  return std::min(std::max(fraction_from_inside_end(grid, v), end_margin), 1 - end_margin);
+  double fraction = fraction_from_inside_end(grid, v);
+  if (grid.clip) fraction = std::min(fraction, fraction_in_clip(grid, v));
+  return std::min(std::max(fraction, end_margin), 1 - end_margin);
 }
 
 /// The distance of a vertex from obstacles [cells], linear between the ends of its edge. `t`: its fraction.

@@ -78,10 +78,24 @@ void Reconstruction::mesh_at_obstacles(RawMesh& mesh) {
   }
 }
 
+/// By the water in them, if the mesh will enclose that.
+void Reconstruction::remove_small_pieces(RawMesh& mesh) {
+  if (!(options.min_blob > 0)) return;
+  std::vector<double> water_near;
+  if (water.is_kept()) {
+    FitLimits limits;
+    limits.cell = cell;
+    limits.small_piece = options.min_blob / std::pow(options.cell, 3);
+    water_near = water_of_small_pieces(limits, particles, water, film, grid, obstacles, mesh, workers);
+  }
+  report.blobs_removed =
+      remove_blobs(grid, options.min_blob * std::pow(options.spacing, 3), water_near, mesh);
+}
+
 /// Gives films their thickness and the mesh its volume. Returns the thickness per vertex [cells].
 std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<float, 3>>& polygonised,
                                                 const SurfaceBlocks& blocks, RawMesh& raw) {
-  const std::vector<std::uint8_t> missing = far_from_water(particles, grid, workers);
+  const std::vector<std::uint8_t> missing = far_from_water(particles, film, grid, workers);
   for (std::size_t p = 0; p < missing.size(); ++p)
     if (missing[p]) water.make_drop(p);
   const std::vector<std::array<float, 3>> start =
@@ -96,22 +110,44 @@ std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<flo
   limits.clearance = contact.clearance;
   limits.small_piece = small_piece / std::pow(options.cell, 3);
   limits.clip = options.clip;
-  fit_volume(limits, particles, water, grid, polygonised, films, blocks, raw, workers);
+  limits.gap = options.gap;
+  const Obstacles no_obstacles;
+  fit_volume(limits, particles, water, film, grid, keeps_gap() ? obstacles : no_obstacles, polygonised, films,
+             blocks, raw, workers);
   if (keeps_gap()) put_back_what_fails(start, raw);
   return std::move(films.thickness);
 }
 
-/// The mesh at `start` keeps the promise.
-void Reconstruction::put_back_what_fails(const std::vector<std::array<float, 3>>& start, RawMesh& raw) {
-  std::vector<std::uint32_t> moved;
-  for (std::uint32_t t = 0; t < raw.triangles.size(); ++t)
-    for (const std::uint32_t v : raw.triangles[t])
-      if (std::isfinite(raw.distances[v]) && raw.positions[v] != start[v]) {
-        moved.push_back(t);
-        break;
+/// The triangles that have moved and may have come near an obstacle. Those of a block without obstacles were
+/// farther away than their reach, and smoothing moved them by a cell at most.
+std::vector<std::uint32_t> Reconstruction::moved_near_obstacles(
+    const std::vector<std::array<float, 3>>& start, const RawMesh& raw) const {
+  const double safe = std::max(0.0, contact.reach - 1) * cell;
+  constexpr std::size_t chunk = 16;
+  std::vector<std::vector<std::uint32_t>> part((grid.blocks.size() + chunk - 1) / chunk);
+  workers.for_chunks(grid.blocks.size(), chunk, [&](std::size_t from, std::size_t to, std::size_t c) {
+    for (std::size_t b = from; b < to; ++b)
+      for (std::uint32_t t = raw.first_triangle[b]; t < raw.first_triangle[b + 1]; ++t) {
+        double farthest = 0;  // squared
+        for (const std::uint32_t v : raw.triangles[t])
+          farthest = std::max(farthest, (vec(raw.positions[v]) - vec(start[v])).squaredNorm());
+        if (farthest > (grid.blocks[b].near == none ? safe * safe : 0)) part[c].push_back(t);
       }
-  report.vertices_held += put_back(obstacles, options.gap, &moved, start, raw, workers);
-  report.vertices_held += put_back_around_enclosed(obstacles, grid, start, raw, workers);
+  });
+  std::vector<std::uint32_t> moved;
+  for (const auto& found : part) moved.insert(moved.end(), found.begin(), found.end());
+  return moved;
+}
+
+/// The mesh at `start` keeps the promise, and vertices only go back to it, so this ends.
+void Reconstruction::put_back_what_fails(const std::vector<std::array<float, 3>>& start, RawMesh& raw) {
+  const std::vector<std::uint32_t> moved = moved_near_obstacles(start, raw);
+  for (;;) {
+    report.vertices_held += put_back(obstacles, options.gap, &moved, start, raw, workers);
+    const std::size_t freed = put_back_around_enclosed(obstacles, grid, start, moved, raw, workers);
+    if (freed == 0) return;
+    report.vertices_held += freed;
+  }
 }
 
 void Reconstruction::append_drops(WaterMesh& mesh) {
@@ -184,8 +220,7 @@ Status run(const ReconstructionInput& input, const ReconstructionOptions& option
   run.evaluate_field();
   local.seconds.field = watch.lap();
   run.mesh_at_obstacles(space.mesh);
-  if (options.min_blob > 0)
-    local.blobs_removed = remove_blobs(run.grid, options.min_blob * std::pow(options.spacing, 3), space.mesh);
+  run.remove_small_pieces(space.mesh);
   local.seconds.mesh = watch.lap() - local.seconds.contact;
   run.release_field();
   run.finish(space.mesh, mesh);

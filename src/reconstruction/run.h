@@ -74,10 +74,13 @@ struct Reconstruction {
                       BlockVisibility& visibility);
 
   // The mesh
+  void remove_small_pieces(RawMesh& mesh);
   bool keeps_gap() const { return contact.promises() && !obstacles.empty(); }
   void mesh_at_obstacles(RawMesh& mesh);
   std::vector<float> fit_to_water(const std::vector<std::array<float, 3>>& polygonised,
                                   const SurfaceBlocks& blocks, RawMesh& raw);
+  std::vector<std::uint32_t> moved_near_obstacles(const std::vector<std::array<float, 3>>& start,
+                                                  const RawMesh& raw) const;
   void put_back_what_fails(const std::vector<std::array<float, 3>>& start, RawMesh& raw);
   void append_drops(WaterMesh& mesh);
   void release_field();

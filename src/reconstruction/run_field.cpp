@@ -1,6 +1,7 @@
 // The stages up to the field: blocks, obstacles, films, values of nodes.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/assert.h"
 #include "reconstruction/drops.h"
@@ -57,6 +58,7 @@ Status Reconstruction::find_narrow_band() {
   grid.clearance = static_cast<float>(contact.clearance);
   grid.outside = field.outside();
   grid.inside = -field.particle_radius;
+  grid.clip = options.clip;
   if (Status s = find_blocks(particles, field, options.clip, grid, memory); !s.ok()) return s;
   find_near_triangles(obstacles, contact.reach, space.memory, grid);
   const std::size_t near_bytes = nodes * sizeof(float) * (contact.mode == ObstacleMode::wet ? 2 : 1);
@@ -135,7 +137,12 @@ void Reconstruction::evaluate_block(std::uint32_t b, FieldBlock& evaluator, Near
     visibility.set(obstacles, obstacle.triangles, origin, cell, field.kernel_radius);
     evaluator.evaluate(near, &visibility, values);
     std::array<float, nodes> all;
-    if (contact.mode == ObstacleMode::overlap) evaluator.evaluate(near, nullptr, all.data());
+    if (contact.mode == ObstacleMode::overlap) {
+      evaluator.evaluate(near, nullptr, all.data());
+      // Where no particle is in reach, there is no water to pass through an obstacle.
+      for (float& value : all)
+        if (value >= field.outside()) value = std::numeric_limits<float>::infinity();
+    }
     if (!obstacle.distance.empty())
       for (std::size_t n = 0; n < nodes; ++n)
         values[n] =

@@ -81,11 +81,24 @@ class SpareDistance {
 /// Largest displacements of vertices (R.22) [m]: the smallest spare distance of their triangles, at most a
 /// cell, so that only obstacles within a cell of the limit matter.
 struct Budgets {
-  std::vector<float> of_vertex;     ///< empty: no limits
+  std::vector<float> of_vertex;
   std::vector<std::uint32_t> near;  ///< triangles with less than a cell to spare
 
-  Budgets() = default;
-  Budgets(const Obstacles& obstacles, double gap, double cell, const RawMesh& mesh, const Workers& workers) {
+  /// `obstacles` may be null. A cell is the limit also where none is near: the mesh must not depend on what
+  /// is far away.
+  Budgets(const Obstacles* obstacles, double gap, double cell, const RawMesh& mesh, const Workers& workers)
+      : of_vertex(mesh.positions.size(), static_cast<float>(cell)) {
+    if (obstacles) keep_off(*obstacles, gap, cell, mesh, workers);
+    for (std::size_t v = 0; v < of_vertex.size(); ++v) {
+      float ulp = 0;
+      for (float x : mesh.positions[v]) ulp = std::max(ulp, std::abs(x) * 0x1p-22f);
+      of_vertex[v] = std::max(0.0f, 0.999f * of_vertex[v] - ulp);
+    }
+  }
+
+ private:
+  void keep_off(const Obstacles& obstacles, double gap, double cell, const RawMesh& mesh,
+                const Workers& workers) {
     const SpareDistance spare_distance(obstacles, gap, cell);
     const auto max_spare = static_cast<float>(cell);
     std::vector<float> spare(mesh.triangles.size(), max_spare);
@@ -94,16 +107,10 @@ struct Budgets {
                      const Corners own = stored_corners(mesh.positions, mesh.triangles[t]);
                      spare[t] = static_cast<float>(spare_distance.of(own, candidates));
                    });
-    of_vertex.assign(mesh.positions.size(), max_spare);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       if (spare[t] == max_spare) continue;
       near.push_back(t);
       for (std::uint32_t v : mesh.triangles[t]) of_vertex[v] = std::min(of_vertex[v], spare[t]);
-    }
-    for (std::size_t v = 0; v < of_vertex.size(); ++v) {
-      float ulp = 0;
-      for (float x : mesh.positions[v]) ulp = std::max(ulp, std::abs(x) * 0x1p-22f);
-      of_vertex[v] = std::max(0.0f, 0.999f * of_vertex[v] - ulp);
     }
   }
 };
@@ -117,7 +124,7 @@ float distance_to_sides(const Box& clip, const Float3& p, double margin) {
 }
 
 void move(double factor, const Neighbours& neighbours, const std::vector<Float3>& start,
-          const std::vector<float>* budget, const std::vector<Float3>& from, std::vector<Float3>& to,
+          const std::vector<float>& budget, const std::vector<Float3>& from, std::vector<Float3>& to,
           const Workers& workers) {
   workers.for_each(from.size(), chunk, [&](std::size_t v) {
     Vec3 sum = Vec3::Zero();
@@ -130,10 +137,8 @@ void move(double factor, const Neighbours& neighbours, const std::vector<Float3>
     }
     const Vec3 origin(start[v][0], start[v][1], start[v][2]);
     Vec3 displacement = x + factor / (end - begin) * sum - origin;
-    if (budget) {
-      const double length = displacement.norm(), max_length = (*budget)[v];
-      if (length > max_length) displacement *= max_length / length;
-    }
+    const double length = displacement.norm(), max_length = budget[v];
+    if (length > max_length) displacement *= max_length / length;
     const Vec3 at = origin + displacement;
     to[v] = {static_cast<float>(at.x()), static_cast<float>(at.y()), static_cast<float>(at.z())};
   });
@@ -175,18 +180,15 @@ SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, d
   if (iterations == 0 || mesh.positions.empty()) return report;
   const Neighbours neighbours(mesh);
   const std::vector<Float3> start = mesh.positions;
-  Budgets budgets = obstacles ? Budgets(*obstacles, gap, cell, mesh, workers) : Budgets();
+  Budgets budgets(obstacles, gap, cell, mesh, workers);
   std::vector<float>& budget = budgets.of_vertex;
-  if (clip) {
-    if (budget.empty()) budget.assign(start.size(), static_cast<float>(cell));
+  if (clip)
     for (std::size_t v = 0; v < start.size(); ++v)
       budget[v] = std::min(budget[v], distance_to_sides(*clip, start[v], 0.05 * cell));
-  }
-  const std::vector<float>* limit = budget.empty() ? nullptr : &budget;
   std::vector<Float3> other(start.size());
   for (int i = 0; i < iterations; ++i) {
-    move(lambda, neighbours, start, limit, mesh.positions, other, workers);
-    move(mu, neighbours, start, limit, other, mesh.positions, workers);
+    move(lambda, neighbours, start, budget, mesh.positions, other, workers);
+    move(mu, neighbours, start, budget, other, mesh.positions, workers);
   }
   if (obstacles) report.held = put_back(*obstacles, gap, &budgets.near, start, mesh, workers);
   return report;

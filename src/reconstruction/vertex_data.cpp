@@ -93,6 +93,11 @@ class BlockSampler {
   }
   /// `x` relative to the block [cells].
   void sample(const std::array<float, 3>& x, Sample& out) {
+    out.clear();
+    if (!is_around_block(x)) {
+      take_nearest(x, out);
+      return;
+    }
     collect(x, !visibility_.empty(), out);
     // A vertex between close sheets may see no particle: then those nearby count.
     if (out.weight.empty()) collect(x, false, out);
@@ -138,19 +143,32 @@ class BlockSampler {
     out.weight.push_back(double(u) * u * u);
   }
 
-  /// A vertex that the fit has moved out of the kernel radius of all particles.
+  /// Within a cell of the block, where all particles in reach have been gathered.
+  static bool is_around_block(const std::array<float, 3>& x) {
+    return std::all_of(x.begin(), x.end(), [](float v) { return v >= -1 && v <= side + 1; });
+  }
+  /// A vertex that the fit has moved far from its block, or out of the kernel radius of all particles.
   void take_nearest(const std::array<float, 3>& x, Sample& out) {
-    far_.gather(particles_, {}, at_, -1, side + 1, field_.kernel_radius + side);
+    constexpr float farthest = 1 << 12;  // no vertex is
+    const auto blocks = [&](std::size_t axis) { return static_cast<int>(std::floor(x[axis] / side)); };
+    const Int3 to{blocks(0), blocks(1), blocks(2)};
+    const Eigen::Vector3f here(x[0] - float(side * to.x), x[1] - float(side * to.y),
+                               x[2] - float(side * to.z));
     float least = std::numeric_limits<float>::infinity();
-    for (std::size_t c = 0; c < far_.count; ++c) {
-      const Eigen::Vector3f offset(far_.x[c] - x[0], far_.y[c] - x[1], far_.z[c] - x[2]);
-      const std::uint32_t particle = particles_.source[far_.particle[c]];
-      const float squared = offset.squaredNorm();
-      if (squared > least || (squared == least && particle > out.particle[0])) continue;
-      least = squared;
-      out.particle.assign(1, particle);
-      out.offset.assign(1, offset.cast<double>());
-      out.weight.assign(1, 1.0);
+    // Those within `gathered` have been seen.
+    for (float gathered = 0, reach = field_.kernel_radius; least > gathered * gathered && reach < farthest;
+         gathered = reach, reach *= 2) {
+      far_.gather(particles_, {}, at_ + to, 0, side, reach);
+      for (std::size_t c = 0; c < far_.count; ++c) {
+        const Eigen::Vector3f offset = Eigen::Vector3f(far_.x[c], far_.y[c], far_.z[c]) - here;
+        const std::uint32_t particle = particles_.source[far_.particle[c]];
+        const float squared = offset.squaredNorm();
+        if (squared > least || (squared == least && particle > out.particle[0])) continue;
+        least = squared;
+        out.particle.assign(1, particle);
+        out.offset.assign(1, offset.cast<double>());
+        out.weight.assign(1, 1.0);
+      }
     }
   }
 

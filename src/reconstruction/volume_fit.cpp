@@ -49,10 +49,12 @@ double swept(const std::array<Vec3, 3>& from, const std::array<Vec3, 3>& to) {
 
 class Fit {
  public:
-  Fit(const FitLimits& limits, const Grid& grid, const std::vector<Float3>& polygonised,
-      const FilmVertices& films, const SurfaceBlocks& blocks, RawMesh& mesh, const Workers& workers)
+  Fit(const FitLimits& limits, const Grid& grid, const Obstacles& obstacles,
+      const std::vector<Float3>& polygonised, const FilmVertices& films, const SurfaceBlocks& blocks,
+      RawMesh& mesh, const Workers& workers)
       : limits_(limits),
         grid_(grid),
+        obstacles_(obstacles),
         films_(films),
         blocks_(blocks),
         mesh_(mesh),
@@ -114,23 +116,19 @@ class Fit {
   }
   /// Scales small pieces that are still too small or too large about their centres, if no obstacle is near.
   void scale_pieces(const std::vector<std::uint32_t>& piece_of_vertex, const std::vector<double>& water) {
-    std::vector<double> count(water.size(), 0);
-    std::vector<Vec3> centre(water.size(), Vec3::Zero());
-    std::vector<std::uint8_t> is_alone(water.size(), 1);
-    for (std::size_t v = 0; v < mesh_.positions.size(); ++v) {
-      const std::uint32_t p = piece_of_vertex[v];
-      if (p == none) continue;
-      centre[p] += vec(mesh_.positions[v]);
-      ++count[p];
-      if (std::isfinite(mesh_.distances[v])) is_alone[p] = 0;
-    }
     const std::vector<PieceSum> sums = sums_of_pieces(piece_of_vertex, water.size());
+    std::vector<Scaling> scaling(water.size());
+    for (std::size_t p = 0; p < water.size(); ++p)
+      if (water[p] > 0 && sums[p].volume > 0)
+        scaling[p].factor = std::clamp(std::cbrt(water[p] / sums[p].volume), 1 / max_scale, max_scale);
+    for (std::size_t v = 0; v < mesh_.positions.size(); ++v)
+      if (const std::uint32_t p = piece_of_vertex[v]; p != none) scaling[p].add(vec(mesh_.positions[v]));
+    for (std::size_t p = 0; p + 1 < water.size(); ++p)
+      if (scaling[p].factor != 1 && !is_free(scaling[p].box_after())) scaling[p].factor = 1;
     workers_.for_each(mesh_.positions.size(), chunk, [&](std::size_t v) {
       const std::uint32_t p = piece_of_vertex[v];
-      if (p == none || !is_alone[p] || !(water[p] > 0) || !(sums[p].volume > 0)) return;
-      const Vec3 middle = centre[p] / count[p];
-      const double scale = std::clamp(std::cbrt(water[p] / sums[p].volume), 1 / max_scale, max_scale);
-      place(v, middle + scale * (vec(mesh_.positions[v]) - middle));
+      if (p == none || scaling[p].factor == 1) return;
+      place(v, scaling[p].moved(vec(mesh_.positions[v])));
     });
   }
 
@@ -139,7 +137,39 @@ class Fit {
   struct PieceSum {
     double volume = 0, area = 0;
   };
+  /// Of a piece about the mean of its vertices.
+  struct Scaling {
+    double factor = 1, count = 0;
+    Vec3 sum = Vec3::Zero();
+    Box box;
 
+    void add(const Vec3& x) {
+      sum += x;
+      ++count;
+      box.add(x);
+    }
+    Vec3 moved(const Vec3& x) const {
+      const Vec3 middle = sum / count;
+      return middle + factor * (x - middle);
+    }
+    /// Of the piece before and after.
+    Box box_after() const {
+      Box all = box;
+      if (count > 0) {
+        all.add(moved(box.min));
+        all.add(moved(box.max));
+      }
+      return all;
+    }
+  };
+
+  /// No obstacle is nearer to the box than the gap and a tenth of a cell.
+  bool is_free(const Box& box) const {
+    if (obstacles_.empty()) return true;
+    std::vector<std::uint32_t> near;
+    obstacles_.query(box.inflated(1.01 * limits_.gap + 0.1 * limits_.cell), near);
+    return near.empty();
+  }
   std::array<Vec3, 3> corners(const Triangle& t, const std::vector<Float3>& at) const {
     const double per_cell = 1 / limits_.cell;
     return {per_cell * vec(at[t[0]]), per_cell * vec(at[t[1]]), per_cell * vec(at[t[2]])};
@@ -263,6 +293,7 @@ class Fit {
   }
   const FitLimits& limits_;
   const Grid& grid_;
+  const Obstacles& obstacles_;
   const FilmVertices& films_;
   const SurfaceBlocks& blocks_;
   RawMesh& mesh_;
@@ -272,10 +303,11 @@ class Fit {
 };
 
 /// The water in small pieces; the last one stands for all others.
-std::vector<double> water_in_pieces(const ParticleBlocks& particles, const Water& water, const Grid& grid,
-                                    const RawMesh& mesh, const SmallPieces& pieces, const Workers& workers) {
+std::vector<double> water_in_pieces(const ParticleBlocks& particles, const Water& water, const Film& film,
+                                    const Grid& grid, const Obstacles& obstacles, const RawMesh& mesh,
+                                    const SmallPieces& pieces, const Workers& workers) {
   std::vector<double> result(pieces.count + 1, 0);
-  const PieceFinder finder(grid, mesh, pieces);
+  const PieceFinder finder(grid, obstacles, mesh, pieces);
   result.back() =
       workers.ordered_sum(particles.blocks.size(), 64, 0.0, [&](std::size_t from, std::size_t to) {
         double sum = 0;
@@ -284,31 +316,56 @@ std::vector<double> water_in_pieces(const ParticleBlocks& particles, const Water
         return sum;
       });
   if (pieces.count == 0) return result;
-  for (std::size_t n = 0; n < particles.blocks.size(); ++n) {
-    if (!finder.is_near(particles.blocks[n])) continue;
+  std::vector<std::uint32_t> piece_of(particles.size(), none);
+  workers.for_each(particles.blocks.size(), 8, [&](std::size_t n) {
+    const bool is_near = finder.is_near(particles.blocks[n]);
+    if (!is_near && film.empty()) return;
     for (std::size_t p = particles.begin[n]; p < particles.begin[n + 1]; ++p) {
-      const std::uint32_t piece = water.is_drop(p) ? none : finder.find(particles.place(n, p));
-      if (piece == none) continue;
-      result[piece] += water.of(p);
-      result.back() -= water.of(p);
+      if (water.is_drop(p)) continue;
+      const Vec3 x = particles.place(n, p);
+      if (is_near) piece_of[p] = finder.find(x);
+      if (piece_of[p] != none) continue;
+      const Vec3 in_film = place_in_film(film, static_cast<std::uint32_t>(p), x);
+      if (in_film != x && finder.is_near(block_at(in_film))) piece_of[p] = finder.find(in_film);
     }
+  });
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    if (piece_of[p] == none) continue;
+    result[piece_of[p]] += water.of(p);
+    result.back() -= water.of(p);
   }
   return result;
 }
 
 }  // namespace
 
+std::vector<double> water_of_small_pieces(const FitLimits& limits, const ParticleBlocks& particles,
+                                          const Water& water, const Film& film, const Grid& grid,
+                                          const Obstacles& obstacles, const RawMesh& mesh,
+                                          const Workers& workers) {
+  const double cell_volume = std::pow(limits.cell, 3);
+  const SmallPieces pieces = small_pieces(mesh, limits.small_piece * cell_volume);
+  const std::vector<double> in_pieces =
+      water_in_pieces(particles, water, film, grid, obstacles, mesh, pieces, workers);
+  std::vector<double> result(mesh.positions.size(), 0.0);
+  for (std::size_t v = 0; v < result.size(); ++v)
+    if (pieces.of_vertex[v] != none) result[v] = cell_volume * in_pieces[pieces.of_vertex[v]];
+  return result;
+}
+
 void fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const Water& water,
-                const Grid& grid, const std::vector<Float3>& polygonised, const FilmVertices& films,
+                const Film& film, const Grid& grid, const Obstacles& obstacles,
+                const std::vector<Float3>& polygonised, const FilmVertices& films,
                 const SurfaceBlocks& blocks, RawMesh& mesh, const Workers& workers) {
   OILSKIN_ASSERT(water.size() == particles.size());
   if (mesh.positions.empty()) return;
   OILSKIN_ASSERT(mesh.cube_volumes.size() == grid.blocks.size());
   OILSKIN_ASSERT(mesh.distances.size() == mesh.positions.size());
-  Fit fit(limits, grid, polygonised, films, blocks, mesh, workers);
+  Fit fit(limits, grid, obstacles, polygonised, films, blocks, mesh, workers);
   if (!limits.clip) fit.fit_cubes(particles, water, polygonised);
   const SmallPieces pieces = small_pieces(mesh, limits.small_piece * std::pow(limits.cell, 3));
-  std::vector<double> in_pieces = water_in_pieces(particles, water, grid, mesh, pieces, workers);
+  std::vector<double> in_pieces =
+      water_in_pieces(particles, water, film, grid, obstacles, mesh, pieces, workers);
   if (limits.clip) fit.leave_clipped_pieces(pieces, in_pieces);
   fit.fit_pieces(pieces.of_vertex, in_pieces);
   if (pieces.count > 0) fit.scale_pieces(pieces.of_vertex, in_pieces);

@@ -16,15 +16,23 @@ struct FitLimits {
   double max_inward = 0;   ///< [cells]
   double clearance = 0;    ///< d*: of vertices that face an obstacle; those about as near stay [cells]
   double small_piece = 0;  ///< pieces of less water are fitted one by one [cells³]
+  double gap = 0;          ///< [m]: pieces are not scaled where an obstacle is nearer to their box
   /// With a clip box only small pieces inside it are fitted: how much water it cuts off is not known.
   std::optional<Box> clip = {};
 };
 
-/// Drops are not in the mesh. `polygonised`: the positions to which mesh.cube_volumes and mesh.distances
-/// belong. Films have their local volume already: they only grow or shrink by the same factor everywhere.
+/// The water of the small piece at each vertex [m³], 0 at other vertices.
+std::vector<double> water_of_small_pieces(const FitLimits& limits, const ParticleBlocks& particles,
+                                          const Water& water, const Film& film, const Grid& grid,
+                                          const Obstacles& obstacles, const RawMesh& mesh,
+                                          const Workers& workers);
+
+/// Drops are not in the mesh. `obstacles`: none, or those to keep away from, with prepared queries.
+/// `polygonised`: the positions to which mesh.cube_volumes and mesh.distances belong. Films have their local
+/// volume already: they only grow or shrink by the same factor everywhere.
 void fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const Water& water,
-                const Grid& grid, const std::vector<std::array<float, 3>>& polygonised,
-                const FilmVertices& films, const SurfaceBlocks& blocks, RawMesh& mesh,
-                const Workers& workers);
+                const Film& film, const Grid& grid, const Obstacles& obstacles,
+                const std::vector<std::array<float, 3>>& polygonised, const FilmVertices& films,
+                const SurfaceBlocks& blocks, RawMesh& mesh, const Workers& workers);
 
 }  // namespace oilskin::reconstruction

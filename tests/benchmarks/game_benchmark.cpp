@@ -5,13 +5,15 @@
 // contact.
 //
 // use: game_benchmark [particles = 10000] [seconds = 10] [steps a frame = 2] [threads = 0, all] [spacing [m]]
-//      [budget of the water [ms a frame] = 0, none]
+//      [budget of the water [ms a frame] = 0, none] [KEY=VALUE …]
+// KEY is one of `oilskin run --set`.
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <limits>
 #include <memory>
@@ -34,20 +36,29 @@ constexpr double frame_limit = 1e3 / frames_per_second;  // [ms]
 struct Options {
   int particles = 10000, seconds = 10, steps = 2, threads = 0;
   double spacing = 0.005, budget = 0;
+  std::vector<std::string> set;
 };
 
 Scene scene_of(const Options& o) {
+  const Preset preset = game_preset(o.spacing, o.steps);
+  const auto setting = [](const char* key, double value) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%s=%.17g", key, value);
+    return std::string(text);
+  };
   RunOptions options;
   options.scene = "jet";
+  options.set = {"preset=game",
+                 "contact.verify=false",
+                 "cloth.0.substeps=1",
+                 setting("fluid.spacing", o.spacing),
+                 setting("dt", preset.dt),
+                 setting("fluid.max_substeps", preset.fluid.max_substeps)};
+  options.set.insert(options.set.end(), o.set.begin(), o.set.end());
   Scene scene = load_scene(options);
-  const Preset preset = game_preset(o.spacing, o.steps);
-  scene.dt = preset.dt;
   scene.duration = o.seconds;
-  scene.fluid = preset.fluid;
-  scene.contact = preset.contact;
   scene.world.step_budget = 1e-3 * o.budget / o.steps;
   scene.world.max_particles = static_cast<std::uint64_t>(o.particles);
-  for (Cloth& cloth : scene.cloth) cloth.substeps = 1;
   return scene;
 }
 
@@ -187,6 +198,8 @@ void play(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
+  for (; argc > 1 && std::strchr(argv[argc - 1], '='); --argc)
+    options.set.insert(options.set.begin(), argv[argc - 1]);
   if (argc > 1) options.particles = std::atoi(argv[1]);
   if (argc > 2) options.seconds = std::atoi(argv[2]);
   if (argc > 3) options.steps = std::atoi(argv[3]);
@@ -197,7 +210,7 @@ int main(int argc, char** argv) {
       !(options.spacing > 0) || !(options.budget >= 0)) {
     std::fprintf(stderr,
                  "use: game_benchmark [particles] [seconds] [steps a frame, 1 … 4] [threads] [spacing, m] "
-                 "[budget, ms a frame]\n");
+                 "[budget, ms a frame] [KEY=VALUE ...]\n");
     return 2;
   }
   try {

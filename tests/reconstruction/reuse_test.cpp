@@ -84,6 +84,27 @@ WaterScene without_obstacles(WaterScene s) {
   return s;
 }
 
+/// An obstacle that a mesher keeps and a single call does not.
+TEST(Reuse, gives_these_bits_with_an_obstacle_far_away) {
+  for (const double distance : {25.0, 30.0, 40.0}) {
+    WaterScene s;
+    s.spacing = 1;
+    s.particles = {Vec3::Zero(), Vec3(0.7, 0, 0)};
+    s.vertices = {Vec3(distance, 0, 0), Vec3(distance, 1, 0), Vec3(distance, 0, 1)};
+    s.triangles = {{0, 1, 2}};
+    Call c = call(s, 0.5, ObstacleMode::gap);
+    for (const bool keep : {true, false}) {
+      c.options.keep_volume = keep;
+      c.options.smoothing_iterations = 40;
+      WaterMesher mesher;
+      WaterMesh mesh;
+      expect_fresh_bits(c, mesher, mesh);
+      const WaterMesh alone = test::reconstruct(without_obstacles(s).input(), c.options);
+      EXPECT_TRUE(same_bits(mesh.positions, alone.positions));
+    }
+  }
+}
+
 WaterScene without_particles(WaterScene s) {
   s.particles.clear();
   return s;

@@ -237,7 +237,7 @@ TEST(VolumeInput, that_cannot_be_is_refused) {
   ReconstructionInput input = s.input();
   WaterMesh mesh;
   for (const std::vector<double>& volumes :
-       {std::vector<double>{1e-7}, {1e-7, -1e-9}, {1e-7, std::nan("")}, {1e-7, INFINITY}, {1e-7, 2e-4}}) {
+       {std::vector<double>{1e-7}, {1e-7, -1e-9}, {1e-7, std::nan("")}, {1e-7, INFINITY}, {1e-7, 1.3e-4}}) {
     input.volumes = volumes;
     const Status status = reconstruct_surface(input, options_for(s, 0.5), &mesh);
     EXPECT_FALSE(status.ok());
