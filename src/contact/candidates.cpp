@@ -78,7 +78,8 @@ void CandidateSet::collect(Context& context) {
     context.geometry[s]->use(context.settings->hierarchy);
     context.geometry[s]->fit(*context.surfaces[s], *context.workers);
     set.tree_epoch = context.epoch;
-    if (find_near_groups(context, s, 0)) query(context, s, find_stale(context, set, true, 0));
+    if (find_near_groups(context, s, 0)) query(context, s, find_stale(context, set, true, {}, 0));
+    set.pool_of_all = set.pool.size();
   }
   list_near_surfaces();
 }
@@ -155,21 +156,65 @@ void CandidateSet::query(Context& context, std::uint32_t surface,
   });
 }
 
+namespace {
+
+/// Copies those that overlap the box.
+void select_overlapping(const std::vector<Box>& boxes, const Box& box, std::vector<Box>& selected) {
+  selected.clear();
+  for (const Box& b : boxes)
+    if (b.overlaps(box)) selected.push_back(b);
+}
+
+bool overlaps_any(const std::vector<Box>& boxes, const Box& box) {
+  return std::any_of(boxes.begin(), boxes.end(), [&](const Box& b) { return b.overlaps(box); });
+}
+
+/// The swept boxes of the triangles with a node that has moved since `epoch`.
+std::vector<Box> boxes_of_moved(const Context& context, std::uint32_t surface, std::uint32_t epoch) {
+  const SurfaceMotion& motion = *context.surfaces[surface];
+  const std::vector<std::uint32_t>& stamp = context.node_stamp[surface];
+  std::vector<Box> boxes;
+  for (const Triangle& t : motion.triangles) {
+    if (std::none_of(t.begin(), t.end(), [&](std::uint32_t v) { return stamp[v] >= epoch; })) continue;
+    Box box;
+    for (const std::uint32_t v : t) {
+      box.add(motion.x_t0[v]);
+      box.add(motion.x_t1[v]);
+    }
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+}  // namespace
+
 /// The particles in play of groups that are near whose swept box, inflated by `reach`, is not within that of
-/// their last query, or all of them. Those out of play have no candidates from now on.
+/// their last query, whose last query one of the boxes `moved` overlaps, or all of them. Those out of play
+/// have no candidates from now on.
 std::vector<std::uint32_t> CandidateSet::find_stale(const Context& context, Surface& set, bool all,
-                                                    double reach) {
+                                                    const std::vector<Box>& moved, double reach) {
   const std::size_t n = context.particle_count();
   std::vector<std::vector<std::uint32_t>> part((n + chunk - 1) / chunk);
   context.workers->for_chunks(n, chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
+    std::vector<Box> near;
     for (std::size_t first = begin; first < end; first += group_size) {
       if (set.slot[first / group_size] == none) continue;
       const auto stop = static_cast<std::uint32_t>(std::min(end, first + group_size));
+      if (!moved.empty()) {
+        Box queried;
+        for (auto p = static_cast<std::uint32_t>(first); p < stop; ++p) queried.add(set.box[set.place(p)]);
+        select_overlapping(moved, queried, near);
+      }
       for (auto p = static_cast<std::uint32_t>(first); p < stop; ++p) {
-        if (context.out_of_play[p])
+        if (context.out_of_play[p]) {
           set.count[set.place(p)] = 0;
-        else if (all || (context.particle_stamp[p] > 0 &&
-                         !set.box[set.place(p)].contains(swept_box(*context.particles, p).inflated(reach))))
+          continue;
+        }
+        const Box& box = set.box[set.place(p)];
+        if (all ||
+            (context.particle_stamp[p] > 0 &&
+             !box.contains(swept_box(*context.particles, p).inflated(reach))) ||
+            overlaps_any(near, box))
           part[c].push_back(p);
       }
     }
@@ -188,19 +233,25 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
     Surface& set = surfaces_[s];
     const SurfaceMotion& motion = *context.surfaces[s];
     const bool nodes_moved = context.surface_stamp[s] >= set.tree_epoch && context.surface_stamp[s] > 0;
+    bool query_all = false;
+    std::vector<Box> moved;
     if (nodes_moved) {
       OILSKIN_ASSERT(motion.still == 0);
+      moved = boxes_of_moved(context, s, set.tree_epoch);
       context.geometry[s]->fit(motion, *context.workers);
       set.tree_epoch = context.epoch + 1;
-      set.pool.clear();
       set.forget_clear();
+      // Then a query of all particles takes less time, or memory.
+      query_all = moved.size() > motion.triangles.size() / 8 || set.pool.size() > 4 * set.pool_of_all;
+      if (query_all) set.pool.clear();
     }
     // Pairs farther apart than δ are no violations: for detection a swept box inflated by 2 δ is enough.
     const double reach = std::max(2 * motion.delta, margin * motion.thickness);
     has_near_groups |= find_near_groups(context, s, reach);
     if (set.box.empty()) continue;
-    const std::vector<std::uint32_t> stale = find_stale(context, set, nodes_moved, reach);
+    const std::vector<std::uint32_t> stale = find_stale(context, set, query_all, moved, reach);
     if (!stale.empty()) query(context, s, stale);
+    if (query_all) set.pool_of_all = set.pool.size();
     queried.insert(queried.end(), stale.begin(), stale.end());
   }
   if (has_near_groups) list_near_surfaces();

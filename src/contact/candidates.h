@@ -22,8 +22,9 @@ class CandidateSet {
   void collect(Context& context);
 
   /// Covers the present x_t1 up to a margin. A particle is queried again if its swept box, inflated by
-  /// max(2 δ, `margin` × h), is not within the box of its last query; all are if nodes of the surface moved
-  /// since its tree was fitted. Returns the particles whose candidates may have changed, ascending.
+  /// max(2 δ, `margin` × h), is not within the box of its last query, or if a triangle that moved since the
+  /// tree was fitted has come to overlap that box. Returns the particles whose candidates may have changed,
+  /// ascending.
   std::vector<std::uint32_t> refresh(Context& context, double margin = 0);
 
   /// The largest change of an end, per axis, after which refresh(…, 1) does not query again [m].
@@ -69,6 +70,7 @@ class CandidateSet {
     std::vector<Box> box;  // of the last query
     std::vector<std::uint32_t> begin, count;
     std::vector<CandidatePair> pool;
+    std::size_t pool_of_all = 0;  // its size after the last query of all particles
     std::uint32_t tree_epoch = 0;
     proximity::Candidates scratch;
 
@@ -85,7 +87,8 @@ class CandidateSet {
   void measure_groups(const Context& context);
   bool find_near_groups(const Context& context, std::uint32_t surface, double reach);
   bool is_clear_of_all(const Context& context, std::uint32_t surface, double reach);
-  static std::vector<std::uint32_t> find_stale(const Context& context, Surface& set, bool all, double reach);
+  static std::vector<std::uint32_t> find_stale(const Context& context, Surface& set, bool all,
+                                               const std::vector<Box>& moved, double reach);
   void query(Context& context, std::uint32_t surface, const std::vector<std::uint32_t>& particles);
   void list_near_surfaces();
 
