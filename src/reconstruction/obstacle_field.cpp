@@ -183,11 +183,9 @@ std::size_t put_back_around_enclosed(const Obstacles& obstacles, const Grid& gri
       const Vec3& x = obstacles.vertex(piece[0]);
       return std::abs(winding_number(mesh.positions, mesh.triangles, x, workers)) > 0.5;
     };
-    // With all vertices at their start it is outside.
-    for (double margin = 4 * grid.cell; is_inside(); margin *= 2) {
-      OILSKIN_ASSERT(std::isfinite(margin));
+    // With all vertices at their start it is outside; no grid is wider than the last margin.
+    for (double margin = 4 * grid.cell; margin < 0x1p24 * grid.cell && is_inside(); margin *= 2)
       vertices += put_back_in(box.inflated(margin), start, mesh);
-    }
   }
   return vertices;
 }
