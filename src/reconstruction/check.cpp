@@ -16,11 +16,18 @@ namespace {
 
 using namespace reconstruction;  // NOLINT: the module of this file
 
+/// Of the triangles: there may be vertices that none uses.
+Box bounds(const WaterMesh& mesh) {
+  Box box;
+  for (const Triangle& t : mesh.triangles)
+    for (const std::uint32_t v : t) box.add(vec(mesh.positions[v]));
+  return box;
+}
+
 void count_pairs(const WaterMesh& mesh, const Obstacles& obstacles, double gap, const Workers& workers,
                  MeshCheck& check) {
-  Box box;
-  for (const auto& p : mesh.positions) box.add(Vec3(p[0], p[1], p[2]));
-  const double extent = mesh.positions.empty() ? 0 : (box.max - box.min).maxCoeff();
+  const Box box = bounds(mesh);
+  const double extent = (box.max - box.min).maxCoeff();
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const double reach = gap + 1e-3 * extent, above_gap = std::nextafter(gap, infinity);
   // Integer sums and a minimum do not depend on the order of threads.
@@ -199,8 +206,7 @@ MeshCheck check_mesh(const WaterMesh& mesh, Span<const ObstacleMesh> obstacle_me
   if (obstacles.empty() || mesh.triangles.empty()) return check;
   obstacles.prepare_queries(workers);
   count_pairs(mesh, obstacles, gap, workers, check);
-  Box box;
-  for (const auto& p : mesh.positions) box.add(Vec3(p[0], p[1], p[2]));
+  const Box box = bounds(mesh);
   for (const auto& piece : obstacles.pieces()) {
     const bool leaves_box = std::any_of(piece.begin(), piece.end(),
                                         [&](std::uint32_t v) { return !box.contains(obstacles.vertex(v)); });

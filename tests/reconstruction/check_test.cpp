@@ -71,6 +71,11 @@ TEST(Check, takes_no_notice_of_unused_vertices) {
   box.positions = {{1e7f, 1e7f, 1e7f}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   box.triangles = {{1, 3, 2}, {1, 2, 4}, {1, 4, 3}, {2, 3, 4}};
   EXPECT_NEAR(check_mesh(box, {}, 0).volume, 1.0 / 6, 1e-12);
+  const std::vector<Vec3> beside = {Vec3(-1, 0, 0), Vec3(-1, 1, 0), Vec3(-1, 0, 1)};
+  const std::vector<Triangle> triangles = {{0, 1, 2}};
+  const std::vector<ObstacleMesh> obstacles = {{beside, triangles}};
+  EXPECT_TRUE(std::isinf(check_mesh(box, obstacles, 0).min_distance))
+      << "not within a thousandth of its extent";
 }
 
 TEST(Check, of_a_mesh_without_extent_has_a_distance) {
