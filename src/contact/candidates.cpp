@@ -169,19 +169,15 @@ bool overlaps_any(const std::vector<Box>& boxes, const Box& box) {
   return std::any_of(boxes.begin(), boxes.end(), [&](const Box& b) { return b.overlaps(box); });
 }
 
-/// The swept boxes of the triangles with a node that has moved since `epoch`.
+/// The swept boxes of the triangles with a node that has moved since `epoch`. The tree fits.
 std::vector<Box> boxes_of_moved(const Context& context, std::uint32_t surface, std::uint32_t epoch) {
   const SurfaceMotion& motion = *context.surfaces[surface];
   const std::vector<std::uint32_t>& stamp = context.node_stamp[surface];
   std::vector<Box> boxes;
-  for (const Triangle& t : motion.triangles) {
-    if (std::none_of(t.begin(), t.end(), [&](std::uint32_t v) { return stamp[v] >= epoch; })) continue;
-    Box box;
-    for (const std::uint32_t v : t) {
-      box.add(motion.x_t0[v]);
-      box.add(motion.x_t1[v]);
-    }
-    boxes.push_back(box);
+  for (std::uint32_t t = 0; t < motion.triangles.size(); ++t) {
+    const Triangle& nodes = motion.triangles[t];
+    if (std::any_of(nodes.begin(), nodes.end(), [&](std::uint32_t v) { return stamp[v] >= epoch; }))
+      boxes.push_back(context.geometry[surface]->tree.swept_box(t));
   }
   return boxes;
 }
@@ -237,13 +233,16 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
     std::vector<Box> moved;
     if (nodes_moved) {
       OILSKIN_ASSERT(motion.still == 0);
-      moved = boxes_of_moved(context, s, set.tree_epoch);
       context.geometry[s]->fit(motion, *context.workers);
+      moved = boxes_of_moved(context, s, set.tree_epoch);
       set.tree_epoch = context.epoch + 1;
       set.forget_clear();
       // Then a query of all particles takes less time, or memory.
       query_all = moved.size() > motion.triangles.size() / 8 || set.pool.size() > 4 * set.pool_of_all;
-      if (query_all) set.pool.clear();
+      if (query_all) {
+        set.pool.clear();
+        moved.clear();
+      }
     }
     // Pairs farther apart than δ are no violations: for detection a swept box inflated by 2 δ is enough.
     const double reach = std::max(2 * motion.delta, margin * motion.thickness);

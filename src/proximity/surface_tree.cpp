@@ -254,6 +254,11 @@ std::size_t SurfaceTree::builds() const {
   return impl_->builds;
 }
 
+const Box& SurfaceTree::swept_box(std::uint32_t triangle) const {
+  OILSKIN_ASSERT(triangle < impl_->boxes.size());
+  return impl_->boxes[triangle];
+}
+
 Box SurfaceTree::bounds() const {
   return impl_->flat.empty() ? Box() : impl_->flat.bounds();
 }

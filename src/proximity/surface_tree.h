@@ -39,6 +39,7 @@ class SurfaceTree {
 
   std::size_t builds() const;  ///< number of builds, for tests and reports
   Box bounds() const;          ///< of all triangles; empty without triangles
+  const Box& swept_box(std::uint32_t triangle) const;
 
   /// Appends all triangles whose swept box overlaps the closed `box`, in ascending order. Thread-safe.
   void query(const Box& box, std::vector<std::uint32_t>& triangles) const;

@@ -196,11 +196,8 @@ MeshCheck check_mesh(const WaterMesh& mesh, Span<const ObstacleMesh> obstacle_me
   const Workers workers(threads);
   count_flaws(mesh, workers, check);
   count_components(mesh, check);
-  RawMesh raw;
-  raw.positions = mesh.positions;
-  raw.triangles = mesh.triangles;
   for (const Triangle& t : mesh.triangles)
-    check.volume += six_volumes(raw.positions, t, mesh.positions[mesh.triangles[0][0]]) / 6;
+    check.volume += six_volumes(mesh.positions, t, mesh.positions[mesh.triangles[0][0]]) / 6;
 
   Obstacles obstacles(obstacle_meshes);
   if (obstacles.empty() || mesh.triangles.empty()) return check;

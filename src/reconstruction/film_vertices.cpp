@@ -100,8 +100,7 @@ FilmVertices thin_films(const Film& film, ObstacleMode mode, const ParticleBlock
                               now < film_lower(rule, at, wetness, rule.grid_height) + at_lower_side;
         const double shift = share * film_shift(rule, at, wetness, now);
         const double inwards = is_lower ? std::max(0.0, shift) : std::min(0.0, shift);
-        Vec3 moved = place + inwards * grid.cell * at.normal;
-        if (clip) moved = moved.cwiseMax(clip->min).cwiseMin(clip->max);
+        const Vec3 moved = clamped_to(clip, place + inwards * grid.cell * at.normal);
         mesh.positions[v] = {float(moved.x()), float(moved.y()), float(moved.z())};
       }
     }

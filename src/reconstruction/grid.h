@@ -25,6 +25,12 @@ struct Int3 {
   Int3 operator-(const Int3& o) const { return {x - o.x, y - o.y, z - o.z}; }
 };
 
+/// The block of x [cells, from the world's origin].
+inline Int3 block_at(const Vec3& x) {
+  const auto block = [](double v) { return static_cast<int>(std::floor(v)) >> 3; };
+  return {block(x.x()), block(x.y()), block(x.z())};
+}
+
 /// 21 bits per coordinate, z first, so that sorted keys run along x.
 inline std::uint64_t key_of(const Int3& b) {
   const auto part = [](int v) { return static_cast<std::uint64_t>(v + (1 << 20)) & 0x1fffff; };
@@ -200,6 +206,11 @@ class Grid {
     return b.field != none ? inside_bits[b.field][std::size_t(k)] : (b.solid ? ~0ull : 0ull);
   }
 };
+
+/// The point of the box that is nearest to x; x without a box.
+inline Vec3 clamped_to(const std::optional<Box>& clip, const Vec3& x) {
+  return clip ? Vec3(x.cwiseMax(clip->min).cwiseMin(clip->max)) : x;
+}
 
 /// A bit per node or edge of a block's 9³ nodes: bit i of row [j + 9k].
 using Rows = std::array<std::uint16_t, 81>;

@@ -16,8 +16,7 @@ std::uint64_t block_key(const Vec3& p, double per_cell) {
   const Vec3 q = p * per_cell;
   // The comparison is false for NaN, too.
   if (!(std::abs(q.x()) < 0x1p20 && std::abs(q.y()) < 0x1p20 && std::abs(q.z()) < 0x1p20)) return no_block;
-  const auto part = [](double v) { return static_cast<int>(std::floor(v)) >> 3; };
-  return key_of({part(q.x()), part(q.y()), part(q.z())});
+  return key_of(block_at(q));
 }
 
 }  // namespace

@@ -177,10 +177,9 @@ std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const 
                 k = std::min(int(particles.z[p]), side - 1);
       for (int c = 0; block != none && c < 8 && result[p]; ++c)
         result[p] = !grid.is_inside(corner_node(grid, block, i, j, k, c));
-      const Vec3 x = particles.place(b, p);
-      if (result[p])
-        result[p] = !is_near_water(grid, x) &&
-                    !is_near_water(grid, place_in_film(film, static_cast<std::uint32_t>(p), x));
+      if (!result[p]) continue;
+      const Vec3 x = particles.place(b, p), in_film = place_in_film(film, static_cast<std::uint32_t>(p), x);
+      result[p] = !is_near_water(grid, x) && (in_film == x || !is_near_water(grid, in_film));
     }
   });
   return result;

@@ -44,12 +44,6 @@ class PieceFinder {
   std::vector<std::uint8_t> is_near_;  // per block
 };
 
-/// The block of x [cells, from the world's origin].
-inline Int3 block_at(const Vec3& x) {
-  const auto block = [](double v) { return static_cast<int>(std::floor(v)) >> 3; };
-  return {block(x.x()), block(x.y()), block(x.z())};
-}
-
 /// Is an inside node among the corners of the cell of x, or of the 26 cells around it? x in cells.
 bool is_near_water(const Grid& grid, const Vec3& x);
 

@@ -81,15 +81,11 @@ void Reconstruction::mesh_at_obstacles(RawMesh& mesh) {
 /// By the water in them, if the mesh will enclose that.
 void Reconstruction::remove_small_pieces(RawMesh& mesh) {
   if (!(options.min_blob > 0)) return;
+  const double least = options.min_blob * std::pow(options.spacing, 3);
   std::vector<double> water_near;
-  if (water.is_kept()) {
-    FitLimits limits;
-    limits.cell = cell;
-    limits.small_piece = options.min_blob / std::pow(options.cell, 3);
-    water_near = water_of_small_pieces(limits, particles, water, film, grid, obstacles, mesh, workers);
-  }
-  report.blobs_removed =
-      remove_blobs(grid, options.min_blob * std::pow(options.spacing, 3), water_near, mesh);
+  if (water.is_kept())
+    water_near = water_of_small_pieces(least, particles, water, film, grid, obstacles, mesh, workers);
+  report.blobs_removed = remove_blobs(grid, least, water_near, mesh);
 }
 
 /// Gives films their thickness and the mesh its volume. Returns the thickness per vertex [cells].
@@ -111,9 +107,7 @@ std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<flo
   limits.small_piece = small_piece / std::pow(options.cell, 3);
   limits.clip = options.clip;
   limits.gap = options.gap;
-  const Obstacles no_obstacles;
-  fit_volume(limits, particles, water, film, grid, keeps_gap() ? obstacles : no_obstacles, polygonised, films,
-             blocks, raw, workers);
+  fit_volume(limits, particles, water, film, grid, obstacles, polygonised, films, blocks, raw, workers);
   if (keeps_gap()) put_back_what_fails(start, raw);
   return std::move(films.thickness);
 }

@@ -94,13 +94,11 @@ class BlockSampler {
   /// `x` relative to the block [cells].
   void sample(const std::array<float, 3>& x, Sample& out) {
     out.clear();
-    if (!is_around_block(x)) {
-      take_nearest(x, out);
-      return;
+    if (is_around_block(x)) {
+      collect(x, !visibility_.empty(), out);
+      // A vertex between close sheets may see no particle: then those nearby count.
+      if (out.weight.empty()) collect(x, false, out);
     }
-    collect(x, !visibility_.empty(), out);
-    // A vertex between close sheets may see no particle: then those nearby count.
-    if (out.weight.empty()) collect(x, false, out);
     if (out.weight.empty()) take_nearest(x, out);
     const double s = std::cbrt(field_.rest_count) / side;  // cell / dx
     out.make_linear(ridge / (s * s));

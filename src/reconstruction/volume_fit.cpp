@@ -262,7 +262,7 @@ class Fit {
   }
   /// Within the clip box.
   void place(std::size_t v, const Vec3& x) {
-    const Vec3 at = limits_.clip ? Vec3(x.cwiseMax(limits_.clip->min).cwiseMin(limits_.clip->max)) : x;
+    const Vec3 at = clamped_to(limits_.clip, x);
     mesh_.positions[v] = {float(at.x()), float(at.y()), float(at.z())};
   }
   /// Per piece; the last one is that of all other vertices. The sums of chunks are added in their order.
@@ -339,12 +339,12 @@ std::vector<double> water_in_pieces(const ParticleBlocks& particles, const Water
 
 }  // namespace
 
-std::vector<double> water_of_small_pieces(const FitLimits& limits, const ParticleBlocks& particles,
+std::vector<double> water_of_small_pieces(double max_volume, const ParticleBlocks& particles,
                                           const Water& water, const Film& film, const Grid& grid,
                                           const Obstacles& obstacles, const RawMesh& mesh,
                                           const Workers& workers) {
-  const double cell_volume = std::pow(limits.cell, 3);
-  const SmallPieces pieces = small_pieces(mesh, limits.small_piece * cell_volume);
+  const double cell_volume = std::pow(grid.cell, 3);
+  const SmallPieces pieces = small_pieces(mesh, max_volume);
   const std::vector<double> in_pieces =
       water_in_pieces(particles, water, film, grid, obstacles, mesh, pieces, workers);
   std::vector<double> result(mesh.positions.size(), 0.0);

@@ -21,8 +21,8 @@ struct FitLimits {
   std::optional<Box> clip = {};
 };
 
-/// The water of the small piece at each vertex [m³], 0 at other vertices.
-std::vector<double> water_of_small_pieces(const FitLimits& limits, const ParticleBlocks& particles,
+/// The water of the piece at each vertex [m³], 0 where the piece encloses `max_volume` [m³] or more.
+std::vector<double> water_of_small_pieces(double max_volume, const ParticleBlocks& particles,
                                           const Water& water, const Film& film, const Grid& grid,
                                           const Obstacles& obstacles, const RawMesh& mesh,
                                           const Workers& workers);
