@@ -107,6 +107,7 @@ std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<flo
   limits.small_piece = small_piece / std::pow(options.cell, 3);
   limits.clip = options.clip;
   limits.gap = options.gap;
+  if (contact.promises()) limits.known = obstacle_region;
   fit_volume(limits, particles, water, film, grid, obstacles, polygonised, films, blocks, raw, workers);
   if (keeps_gap()) put_back_what_fails(start, raw);
   return std::move(films.thickness);

@@ -55,6 +55,7 @@ struct Reconstruction {
   double cell = options.cell * options.spacing;  ///< [m]
   FieldParameters field = field_parameters(options);
   ContactParameters contact = contact_parameters(options);
+  Box obstacle_region;  ///< [m]: obstacles that overlap it are known; none where the mode ignores them
   MemoryPlan memory{options.memory_limit};
   Water water;
   Film film;

@@ -37,10 +37,10 @@ Status Reconstruction::gather_obstacles() {
   if (keeps_volume(options) && !input.volumes.empty())
     reach += reach_of_drop(*std::max_element(input.volumes.begin(), input.volumes.end())) / cell;
   const Box reached = particles.bounds().inflated(reach);
-  const Box region{cell * reached.min, cell * reached.max};
-  if (Status s = validate_resolution(input.obstacles, region, cell); !s.ok()) return s;
-  const Box larger = region.inflated(space.is_for_one_run ? 0 : kept_margin * cell);
-  if (!obstacles.set(input.obstacles, region, larger)) return {};
+  obstacle_region = {cell * reached.min, cell * reached.max};
+  if (Status s = validate_resolution(input.obstacles, obstacle_region, cell); !s.ok()) return s;
+  const Box larger = obstacle_region.inflated(space.is_for_one_run ? 0 : kept_margin * cell);
+  if (!obstacles.set(input.obstacles, obstacle_region, larger)) return {};
   space.memory.forget();
   return {};
 }

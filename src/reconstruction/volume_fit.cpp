@@ -163,11 +163,13 @@ class Fit {
     }
   };
 
-  /// No obstacle is nearer to the box than the gap and a tenth of a cell.
+  /// It is known that no obstacle is nearer to the box than the gap and a tenth of a cell.
   bool is_free(const Box& box) const {
-    if (obstacles_.empty()) return true;
+    if (!limits_.known) return true;
+    const Box around = box.inflated(1.01 * limits_.gap + 0.1 * limits_.cell);
+    if (!limits_.known->contains(around)) return false;
     std::vector<std::uint32_t> near;
-    obstacles_.query(box.inflated(1.01 * limits_.gap + 0.1 * limits_.cell), near);
+    if (!obstacles_.empty()) obstacles_.query(around, near);
     return near.empty();
   }
   std::array<Vec3, 3> corners(const Triangle& t, const std::vector<Float3>& at) const {

@@ -16,7 +16,9 @@ struct FitLimits {
   double max_inward = 0;   ///< [cells]
   double clearance = 0;    ///< d*: of vertices that face an obstacle; those about as near stay [cells]
   double small_piece = 0;  ///< pieces of less water are fitted one by one [cells³]
-  double gap = 0;          ///< [m]: pieces are not scaled where an obstacle is nearer to their box
+  double gap = 0;          ///< [m]: pieces are not scaled where an obstacle is nearer to their box …
+  /// … nor beyond this box, in which all obstacles are known; without it there are none.
+  std::optional<Box> known = {};
   /// With a clip box only small pieces inside it are fitted: how much water it cuts off is not known.
   std::optional<Box> clip = {};
 };

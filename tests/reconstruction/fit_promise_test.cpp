@@ -50,6 +50,21 @@ TEST_P(FitPromise, holds_for_compressed_water) {
   test::expect_promise(s, test::reconstruct(s.input(), options), options.gap);
 }
 
+/// So much that a piece grows beyond where obstacles are looked for.
+TEST(FitPromiseFar, holds_for_much_compressed_water) {
+  test::Random random(3);
+  WaterScene s = unit_scene();
+  while (s.particles.size() < 6000)
+    if (const Vec3 x = random.in_cube(3.4); x.norm() < 3.4) s.particles.push_back(x);
+  for (const double h : {8.0, 10.2, 10.8}) {
+    s.vertices.clear();
+    s.triangles.clear();
+    add_triangle(s, 8, h);
+    const ReconstructionOptions options = test::options_for(s, 0.1, 0, ObstacleMode::gap);
+    test::expect_promise(s, test::reconstruct(s.input(), options), options.gap);
+  }
+}
+
 /// Crumbs of obstacles that lie outside the water before it grows.
 TEST_P(FitPromise, holds_among_crumbs) {
   std::size_t held = 0;
