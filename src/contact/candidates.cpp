@@ -77,7 +77,9 @@ void CandidateSet::collect(Context& context) {
     set.pool.clear();
     context.geometry[s]->use(context.settings->hierarchy);
     context.geometry[s]->fit(*context.surfaces[s], *context.workers);
-    set.tree_epoch = context.epoch;
+    set.triangle_stamp.clear();
+    set.read_epoch = set.tree_epoch = context.epoch;
+    set.drift = 0;
     if (find_near_groups(context, s, 0)) query(context, s, find_stale(context, set, true, {}, 0));
     set.pool_of_all = set.pool.size();
   }
@@ -169,20 +171,54 @@ bool overlaps_any(const std::vector<Box>& boxes, const Box& box) {
   return std::any_of(boxes.begin(), boxes.end(), [&](const Box& b) { return b.overlaps(box); });
 }
 
-/// The swept boxes of the triangles with a node that has moved since `epoch`. The tree fits.
-std::vector<Box> boxes_of_moved(const Context& context, std::uint32_t surface, std::uint32_t epoch) {
-  const SurfaceMotion& motion = *context.surfaces[surface];
-  const std::vector<std::uint32_t>& stamp = context.node_stamp[surface];
+/// The swept boxes of the triangles that have moved since `epoch`. The tree fits.
+std::vector<Box> boxes_of_moved(const proximity::SurfaceTree& tree, const std::vector<std::uint32_t>& stamp,
+                                std::uint32_t epoch) {
   std::vector<Box> boxes;
-  for (std::uint32_t t = 0; t < motion.triangles.size(); ++t) {
-    const Triangle& nodes = motion.triangles[t];
-    if (std::any_of(nodes.begin(), nodes.end(), [&](std::uint32_t v) { return stamp[v] >= epoch; }))
-      boxes.push_back(context.geometry[surface]->tree.swept_box(t));
-  }
+  for (std::uint32_t t = 0; t < stamp.size(); ++t)
+    if (stamp[t] >= epoch) boxes.push_back(tree.swept_box(t));
   return boxes;
 }
 
+Box swept_box(const SurfaceMotion& surface, const Triangle& nodes) {
+  Box box;
+  for (const std::uint32_t node : nodes) {
+    box.add(surface.x_t0[node]);
+    box.add(surface.x_t1[node]);
+  }
+  return box;
+}
+
+/// The smallest margin of a query over what detection needs, of the liquids that collide [m].
+double smallest_margin(const Context& context, std::uint32_t surface) {
+  double margin = std::numeric_limits<double>::infinity();
+  for (const Liquid& liquid : context.liquids)
+    if (liquid.collides_with(surface)) margin = std::min(margin, CandidateSet::prediction_margin(liquid));
+  return margin;
+}
+
 }  // namespace
+
+/// Brings triangle_stamp up to date. True if a triangle has left its box in the tree by more than half of the
+/// margin of the queries: then the tree is to be fitted.
+bool CandidateSet::read_node_stamps(const Context& context, std::uint32_t surface) {
+  Surface& set = surfaces_[surface];
+  const SurfaceMotion& motion = *context.surfaces[surface];
+  const std::vector<std::uint32_t>& stamp = context.node_stamp[surface];
+  const proximity::SurfaceTree& tree = context.geometry[surface]->tree;
+  set.triangle_stamp.resize(motion.triangles.size(), 0);
+  set.drift = smallest_margin(context, surface) / 2;
+  bool has_left = false;
+  for (std::uint32_t t = 0; t < motion.triangles.size(); ++t) {
+    const Triangle& nodes = motion.triangles[t];
+    const std::uint32_t youngest = std::max({stamp[nodes[0]], stamp[nodes[1]], stamp[nodes[2]]});
+    if (youngest < set.read_epoch) continue;
+    set.triangle_stamp[t] = youngest;
+    has_left = has_left || !tree.swept_box(t).inflated(set.drift).contains(swept_box(motion, nodes));
+  }
+  set.read_epoch = context.epoch + 1;
+  return has_left;
+}
 
 /// The particles in play of groups that are near whose swept box, inflated by `reach`, is not within that of
 /// their last query, whose last query one of the boxes `moved` overlaps, or all of them. Those out of play
@@ -228,14 +264,15 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
   for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
     Surface& set = surfaces_[s];
     const SurfaceMotion& motion = *context.surfaces[s];
-    const bool nodes_moved = context.surface_stamp[s] >= set.tree_epoch && context.surface_stamp[s] > 0;
+    const bool nodes_moved = context.surface_stamp[s] >= set.read_epoch && context.surface_stamp[s] > 0;
     bool query_all = false;
     std::vector<Box> moved;
-    if (nodes_moved) {
+    if (nodes_moved && read_node_stamps(context, s)) {
       OILSKIN_ASSERT(motion.still == 0);
       context.geometry[s]->fit(motion, *context.workers);
-      moved = boxes_of_moved(context, s, set.tree_epoch);
+      moved = boxes_of_moved(context.geometry[s]->tree, set.triangle_stamp, set.tree_epoch);
       set.tree_epoch = context.epoch + 1;
+      set.drift = 0;
       set.forget_clear();
       // Then a query of all particles takes less time, or memory.
       query_all = moved.size() > motion.triangles.size() / 8 || set.pool.size() > 4 * set.pool_of_all;
@@ -245,7 +282,7 @@ std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin
       }
     }
     // Pairs farther apart than δ are no violations: for detection a swept box inflated by 2 δ is enough.
-    const double reach = std::max(2 * motion.delta, margin * motion.thickness);
+    const double reach = std::max(2 * motion.delta, margin * motion.thickness) + set.drift;
     has_near_groups |= find_near_groups(context, s, reach);
     if (set.box.empty()) continue;
     const std::vector<std::uint32_t> stale = find_stale(context, set, query_all, moved, reach);

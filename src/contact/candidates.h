@@ -22,12 +22,13 @@ class CandidateSet {
   void collect(Context& context);
 
   /// Covers the present x_t1 up to a margin. A particle is queried again if its swept box, inflated by
-  /// max(2 δ, `margin` × h), is not within the box of its last query, or if a triangle that moved since the
-  /// tree was fitted has come to overlap that box. Returns the particles whose candidates may have changed,
+  /// max(2 δ, `margin` × h), is not within the box of its last query, or if a triangle that has left its box
+  /// in the tree has come to overlap that box. Returns the particles whose candidates may have changed,
   /// ascending.
   std::vector<std::uint32_t> refresh(Context& context, double margin = 0);
 
-  /// The largest change of an end, per axis, after which refresh(…, 1) does not query again [m].
+  /// The largest change of an end, per axis, after which refresh(…, 1) does not query again while no triangle
+  /// has moved [m].
   static double prediction_margin(const Liquid& liquid);
 
   /// The surfaces that may have candidates of the particle, ascending.
@@ -51,6 +52,11 @@ class CandidateSet {
     OILSKIN_ASSERT(at < s.count.size() && s.begin[at] + s.count[at] <= s.pool.size());
     return {s.pool.data() + s.begin[at], s.count[at]};
   }
+  /// The epoch in which an end of the triangle last changed, up to the last refresh(); 0 = none has.
+  std::uint32_t last_move(std::uint32_t surface, std::uint32_t triangle) const {
+    const std::vector<std::uint32_t>& stamp = surfaces_[surface].triangle_stamp;
+    return stamp.empty() ? 0 : stamp[triangle];
+  }
   std::uint64_t size() const;
   /// Minimum over particles in play and pairs that end within the thickness; infinity if there are none [m].
   double min_end_distance(const Context& context) const;
@@ -71,7 +77,11 @@ class CandidateSet {
     std::vector<std::uint32_t> begin, count;
     std::vector<CandidatePair> pool;
     std::size_t pool_of_all = 0;  // its size after the last query of all particles
-    std::uint32_t tree_epoch = 0;
+    // Node stamps below `read_epoch` are in the stamps of triangles, those below `tree_epoch` in the tree,
+    // too.
+    std::vector<std::uint32_t> triangle_stamp;  // the youngest of its nodes; empty while no node has one
+    std::uint32_t read_epoch = 0, tree_epoch = 0;
+    double drift = 0;  // triangles lie within their boxes in the tree, inflated by this [m]
     proximity::Candidates scratch;
 
     /// The tree has changed, or the boxes of groups are out of date.
@@ -87,6 +97,7 @@ class CandidateSet {
   void measure_groups(const Context& context);
   bool find_near_groups(const Context& context, std::uint32_t surface, double reach);
   bool is_clear_of_all(const Context& context, std::uint32_t surface, double reach);
+  bool read_node_stamps(const Context& context, std::uint32_t surface);
   static std::vector<std::uint32_t> find_stale(const Context& context, Surface& set, bool all,
                                                const std::vector<Box>& moved, double reach);
   void query(Context& context, std::uint32_t surface, const std::vector<std::uint32_t>& particles);

@@ -49,13 +49,8 @@ void detect_for_particle(const Context& context, CandidateSet& candidates, std::
   for (const std::uint32_t s : candidates.surfaces_near(p)) {
     const SurfaceMotion& motion = *context.surfaces[s];
     for (CandidatePair& pair : candidates.of(s, p)) {
-      const Triangle& t = motion.triangles[pair.triangle];
-      if (pair.tested > 0) {
-        std::uint32_t last_change = stamp;
-        if (context.surface_stamp[s] > pair.tested)
-          for (std::uint32_t v : t) last_change = std::max(last_change, context.node_stamp[s][v]);
-        if (last_change <= pair.tested) continue;
-      }
+      const std::uint32_t last_change = std::max(stamp, candidates.last_move(s, pair.triangle));
+      if (pair.tested > 0 && last_change <= pair.tested) continue;
       Violation violation;
       violation.particle = p;
       violation.surface = s;

@@ -13,6 +13,8 @@
 namespace oilskin::contact {
 namespace {
 
+struct Creep;
+
 /// Particles around a sheet of free nodes, all of which move a little.
 class Rounds : public testing::TestWithParam<int> {
  protected:
@@ -48,14 +50,18 @@ class Rounds : public testing::TestWithParam<int> {
     context_.surface_stamp.assign(1, 0);
   }
 
-  void move_node() {
-    const std::uint32_t node = random_.below(std::uint32_t(surface_.x_t1.size()));
-    context_.set_node_end(0, node, surface_.x_t1[node] + random_.in_cube(0.01));
+  void move_node(double by = 0.01) { move_node(nodes(), by, 0); }
+  void move_node(std::size_t below, double by, double up) {
+    const std::uint32_t node = random_.below(std::uint32_t(below));
+    context_.set_node_end(0, node, surface_.x_t1[node] + random_.in_cube(by) + Vec3(0, up, 0));
   }
-  void move_particle() {
+  std::size_t nodes() const { return surface_.x_t1.size(); }
+  void move_particle(double by = 0.01, double up = 0) {
     const std::uint32_t p = random_.below(std::uint32_t(count));
-    if (!context_.out_of_play[p]) context_.set_particle_end(p, motion_.x_t1[p] + random_.in_cube(0.01));
+    if (!context_.out_of_play[p])
+      context_.set_particle_end(p, motion_.x_t1[p] + random_.in_cube(by) + Vec3(0, up, 0));
   }
+  void creep(const Creep& creep);
   /// By all pairs: what may intersect is among the candidates. Returns the number of such pairs.
   std::size_t expect_complete() {
     std::size_t pairs = 0;
@@ -112,6 +118,39 @@ TEST_P(Rounds, keep_the_candidates_complete) {
   }
   EXPECT_GT(pairs, 10000u) << "the case tests nothing";
   EXPECT_EQ(few, 20u) << "where few nodes move, few particles are queried again";
+}
+
+/// Nodes of the first ones that go up and particles that go down, in a round [m].
+struct Creep {
+  std::size_t nodes;
+  int moves;
+  double up;
+  int particle_moves;
+  double down;
+};
+
+void Rounds::creep(const Creep& creep) {
+  candidates_.collect(context_);
+  std::size_t pairs = 0, none = 0;
+  constexpr int rounds = 120;
+  for (int round = 0; round < rounds; ++round) {
+    ++context_.epoch;
+    for (int n = 0; n < creep.moves; ++n) move_node(creep.nodes, 2e-5, creep.up);
+    for (int n = 0; n < creep.particle_moves; ++n) move_particle(1e-4, -creep.down);
+    none += candidates_.refresh(context_).empty();
+    pairs += expect_complete();
+  }
+  EXPECT_GT(pairs, 10000u) << "the case tests nothing";
+  EXPECT_GT(none, 0u) << "the tree may keep boxes that triangles leave by little";
+  EXPECT_LT(none, std::size_t(rounds));
+}
+
+TEST_P(Rounds, keep_the_candidates_complete_where_a_sheet_creeps) {
+  creep({nodes(), 100, 3e-5, 1000, 3e-4});
+}
+
+TEST_P(Rounds, keep_the_candidates_complete_where_a_part_of_a_sheet_creeps) {
+  creep({50, 2, 3e-4, 300, 3e-4});
 }
 
 /// So many that all lists are made anew in between.
