@@ -229,10 +229,12 @@ def add_light(place, target, up, width, watts, colour):
 
 
 def add_surroundings(options, low, size, middle):
-    """A pale floor below everything, a large light above, a cooler one from the side, and a bright sky to reflect."""
+    """A pale floor below everything and the camera, a large light above, a cooler one from the side, and a bright sky to
+    reflect."""
     right, up, front = turned(options.up)
     floor = bpy.data.meshes.new("floor")
-    centre = middle + ((low - middle).dot(up) - 0.12 * size) * up
+    lowest = min((low - middle).dot(up), (bpy.context.scene.camera.location - middle).dot(up))
+    centre = middle + (lowest - 0.12 * size) * up
     reach = 40 * size
     floor.from_pydata([centre + reach * (x * right + y * front) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))], [],
                       [(3, 2, 1, 0)])
@@ -262,6 +264,8 @@ def set_up_render(options):
     scene.render.resolution_x, scene.render.resolution_y = options.size
     scene.render.image_settings.file_format = "PNG"
     scene.view_settings.view_transform = "Filmic"
+    scene.view_settings.look = "Medium High Contrast"
+    scene.view_settings.exposure = 0.6
 
 
 def main():
