@@ -111,6 +111,7 @@ Status check_surface(const SurfaceMotion& s) {
 Status check_surfaces(Span<SurfaceMotion* const> surfaces) {
   std::vector<std::uint64_t> ids;
   for (const SurfaceMotion* s : surfaces) {
+    if (!s) return refuse("surface ", ids.size(), " is a null pointer");
     if (Status status = check_surface(*s); !status.ok()) return status;
     if (Status status = check_slip(*s); !status.ok()) return status;
     ids.push_back(s->id);

@@ -73,8 +73,8 @@ double default_thickness(double spacing) {
 }
 
 Status SurfaceSettings::validate() const {
-  if (thickness && !positive(*thickness))
-    return refuse_value("thickness", *thickness, "a finite length > 0 m");
+  if (thickness && !(positive(*thickness) && *thickness < 1e15))
+    return refuse_value("thickness", *thickness, "a length > 0 m and < 1e15 m");
   const auto check = [](const SlipSettings& s, const char* friction, const char* slip_length) -> Status {
     if (!is_one_of(s.model, SlipModel::viscous_wall))
       return refuse_value("slip.model", static_cast<int>(s.model), "a SlipModel");

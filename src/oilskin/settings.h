@@ -121,7 +121,7 @@ double default_thickness(double spacing);
 
 /// Settings of one attached surface.
 struct SurfaceSettings {
-  /// The thickness h [m], > 0: the distance that contact keeps. Below 4 δ it is refused (δ:
+  /// The thickness h [m], > 0 and < 1e15: the distance that contact keeps. Below 4 δ it is refused (δ:
   /// minimum_separation()). Absent: default_thickness() of the fluid's spacing.
   std::optional<double> thickness;
   /// The slip law of the front: the side that the triangles' normals point to (right-hand rule).

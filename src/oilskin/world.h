@@ -71,9 +71,9 @@ class World {
 
   // --- surfaces
   /// The host remains the caller's and must outlive its attachment. Refuses a mesh without triangles, indices
-  /// out of range, positions that are not finite, and a thickness below 4 δ (the message has the smallest
-  /// thickness and the largest kill box that are accepted). The next step relocates particles closer than 2
-  /// δ, or removes them.
+  /// out of range, positions that are not finite, a host that is attached already, and a thickness below 4 δ
+  /// (the message has the smallest thickness and the largest kill box that are accepted). The next step
+  /// relocates particles closer than 2 δ, or removes them.
   Status attach(SurfaceHost& host, const SurfaceSettings& settings, SurfaceId* id);
   /// Detaches a surface. An unknown id is ignored. Its liquid goes with it, and no report counts that:
   /// absorbed() has it before.

@@ -119,6 +119,10 @@ Status Attachments::attach(SurfaceHost& host, const SurfaceSettings& settings, c
                            std::uint64_t* handle) {
   // The smallest thickness depends on the host's storage: of a thickness of zero set_delta() says it.
   if (Status s = settings.validate(); !s.ok() && settings.thickness != 0.0) return s;
+  for (const auto& other : list_)
+    if (other->host == &host)
+      return refuse("the host is attached already, as surface ", other->handle,
+                    "; detach that, or attach a host of its own");
   auto a = std::make_unique<Attachment>();
   a->host = &host;
   a->settings = settings;
@@ -207,11 +211,19 @@ Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box
   m.added_mass.clear();
   const std::optional<BodyMotion> body = m.body;
   const std::uint64_t id = m.id;
+  const Storage storage = m.storage;
+  const std::size_t triangles = m.triangles.size();
+  const bool may_move = m.still == 0;
+  if (may_move) triangles_before_ = m.triangles;  // a level that stands still is not copied in every step
   const Gathered gathered = read_host(a, dt);
   if (!gathered.status.ok()) return gathered.status;
   if (gathered.unchanged && (m.still == 0 || gathered.new_surface)) return refuse_unchanged();
+  // Also where the host does not say so: contact keeps what it knows of the mesh.
+  const bool is_other_mesh = gathered.new_surface || m.storage != storage ||
+                             m.triangles.size() != triangles ||
+                             (may_move && m.triangles != triangles_before_);
   if (!gathered.unchanged)
-    if (Status s = take_motion(a, gathered.new_surface, nodes_before, kill_box, report); !s.ok()) return s;
+    if (Status s = take_motion(a, is_other_mesh, nodes_before, kill_box, report); !s.ok()) return s;
   start_body(m, body, m.id != id, dt);
   if (a.sharing.original) {
     m.body = a.sharing.original->motion.body;

@@ -130,6 +130,7 @@ class Attachments {
                      StepReport& report);
 
   std::vector<std::unique_ptr<Attachment>> list_;  // in order of handle
+  std::vector<Triangle> triangles_before_;         // memory of gather_surface()
   std::uint64_t next_handle_ = 1;
   std::uint64_t next_id_ = 1;
   std::uint64_t next_still_ = 1;  // is never put back: what depends on a number is found by it

@@ -138,7 +138,7 @@ void Rounds::creep(const Creep& creep) {
     for (int n = 0; n < creep.moves; ++n) move_node(creep.nodes, 2e-5, creep.up);
     for (int n = 0; n < creep.particle_moves; ++n) move_particle(1e-4, -creep.down);
     none += candidates_.refresh(context_).empty();
-    pairs += expect_complete();
+    if (round % 4 == 3) pairs += expect_complete();
   }
   EXPECT_GT(pairs, 10000u) << "the case tests nothing";
   EXPECT_GT(none, 0u) << "the tree may keep boxes that triangles leave by little";
