@@ -180,15 +180,6 @@ std::vector<Box> boxes_of_moved(const proximity::SurfaceTree& tree, const std::v
   return boxes;
 }
 
-Box swept_box(const SurfaceMotion& surface, const Triangle& nodes) {
-  Box box;
-  for (const std::uint32_t node : nodes) {
-    box.add(surface.x_t0[node]);
-    box.add(surface.x_t1[node]);
-  }
-  return box;
-}
-
 /// The smallest margin of a query over what detection needs, of the liquids that collide [m].
 double smallest_margin(const Context& context, std::uint32_t surface) {
   double margin = std::numeric_limits<double>::infinity();
@@ -214,7 +205,8 @@ bool CandidateSet::read_node_stamps(const Context& context, std::uint32_t surfac
     const std::uint32_t youngest = std::max({stamp[nodes[0]], stamp[nodes[1]], stamp[nodes[2]]});
     if (youngest < set.read_epoch) continue;
     set.triangle_stamp[t] = youngest;
-    has_left = has_left || !tree.swept_box(t).inflated(set.drift).contains(swept_box(motion, nodes));
+    has_left = has_left || !tree.swept_box(t).inflated(set.drift).contains(
+                               proximity::swept_box(nodes, motion.x_t0, motion.x_t1));
   }
   set.read_epoch = context.epoch + 1;
   return has_left;

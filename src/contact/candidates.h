@@ -22,9 +22,9 @@ class CandidateSet {
   void collect(Context& context);
 
   /// Covers the present x_t1 up to a margin. A particle is queried again if its swept box, inflated by
-  /// max(2 δ, `margin` × h), is not within the box of its last query, or if a triangle that has left its box
-  /// in the tree has come to overlap that box. Returns the particles whose candidates may have changed,
-  /// ascending.
+  /// max(2 δ, `margin` × h) and by what triangles may have left their boxes in the tree, is not within the
+  /// box of its last query, or if a triangle that has left its box in the tree has come to overlap that box.
+  /// Returns the particles whose candidates may have changed, ascending.
   std::vector<std::uint32_t> refresh(Context& context, double margin = 0);
 
   /// The largest change of an end, per axis, after which refresh(…, 1) does not query again while no triangle

@@ -70,8 +70,9 @@ Status check_particles(const ParticleMotion& p) {
   return {};
 }
 
-Status check_slip(const SurfaceMotion& s) {
+Status check_settings(const SurfaceMotion& s) {
   SurfaceSettings settings;
+  settings.thickness = s.thickness;
   settings.slip = s.slip;
   settings.slip_back = s.slip_back;
   const Status status = settings.validate();
@@ -113,7 +114,7 @@ Status check_surfaces(Span<SurfaceMotion* const> surfaces) {
   for (const SurfaceMotion* s : surfaces) {
     if (!s) return refuse("surface ", ids.size(), " is a null pointer");
     if (Status status = check_surface(*s); !status.ok()) return status;
-    if (Status status = check_slip(*s); !status.ok()) return status;
+    if (Status status = check_settings(*s); !status.ok()) return status;
     ids.push_back(s->id);
   }
   std::sort(ids.begin(), ids.end());

@@ -127,14 +127,8 @@ void SurfaceTree::Impl::copy_structure(const Workers& workers) {
 void SurfaceTree::Impl::refit(Span<const Vec3> x_t0, Span<const Vec3> x_t1, const Workers& workers) {
   fitted_x_t0.assign(x_t0.begin(), x_t0.end());
   fitted_x_t1.assign(x_t1.begin(), x_t1.end());
-  workers.for_each(triangles.size(), triangle_chunk, [&](std::size_t t) {
-    Box box;
-    for (const std::uint32_t node : triangles[t]) {
-      box.add(x_t0[node]);
-      box.add(x_t1[node]);
-    }
-    boxes[t] = box;
-  });
+  workers.for_each(triangles.size(), triangle_chunk,
+                   [&](std::size_t t) { boxes[t] = proximity::swept_box(triangles[t], x_t0, x_t1); });
   flat.refit(boxes, workers);
   if (hierarchy == Hierarchy::fcl) refit_model();
 }

@@ -20,6 +20,16 @@ struct Candidates {
   }
 };
 
+/// The box of a triangle of these nodes at both ends of an interval, without rounding.
+inline Box swept_box(const Triangle& nodes, Span<const Vec3> x_t0, Span<const Vec3> x_t1) {
+  Box box;
+  for (const std::uint32_t node : nodes) {
+    box.add(x_t0[node]);
+    box.add(x_t1[node]);
+  }
+  return box;
+}
+
 /// A bounding-volume tree over the swept boxes of a surface's triangles: FCL's BVHModel<AABB<double>> builds
 /// it. Refits and queries go through FCL's nodes or a flat copy of them, with the same results.
 class SurfaceTree {

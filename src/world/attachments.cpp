@@ -213,15 +213,16 @@ Status Attachments::gather_surface(Attachment& a, double dt, const Box& kill_box
   const std::uint64_t id = m.id;
   const Storage storage = m.storage;
   const std::size_t triangles = m.triangles.size();
-  const bool may_move = m.still == 0;
-  if (may_move) triangles_before_ = m.triangles;  // a level that stands still is not copied in every step
+  // Not of a level that stands still, to save the copy, nor where read_host() compares.
+  const bool is_compared = m.still == 0 && !a.sharing.original;
+  if (is_compared) triangles_before_ = m.triangles;
   const Gathered gathered = read_host(a, dt);
   if (!gathered.status.ok()) return gathered.status;
   if (gathered.unchanged && (m.still == 0 || gathered.new_surface)) return refuse_unchanged();
   // Also where the host does not say so: contact keeps what it knows of the mesh.
   const bool is_other_mesh = gathered.new_surface || m.storage != storage ||
                              m.triangles.size() != triangles ||
-                             (may_move && m.triangles != triangles_before_);
+                             (is_compared && m.triangles != triangles_before_);
   if (!gathered.unchanged)
     if (Status s = take_motion(a, is_other_mesh, nodes_before, kill_box, report); !s.ok()) return s;
   start_body(m, body, m.id != id, dt);

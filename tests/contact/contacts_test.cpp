@@ -167,6 +167,10 @@ TEST(ContactSolver, two_surfaces_with_one_id_are_refused) {
   EXPECT_NE(status.message.find("two surfaces have the id"), std::string::npos) << status.message;
   s[1].id += 1;
   EXPECT_TRUE(solver.resolve(1e-3, motion, surfaces, report).ok());
+  const double thickness = s[1].thickness;
+  s[1].thickness = 1e300;
+  EXPECT_NE(solver.resolve(1e-3, motion, surfaces, report).message.find("< 1e15 m"), std::string::npos);
+  s[1].thickness = thickness;
   surfaces.push_back(nullptr);
   EXPECT_EQ(solver.resolve(1e-3, motion, surfaces, report).message, "surface 2 is a null pointer");
 }

@@ -8,29 +8,24 @@ namespace oilskin {
 namespace {
 
 /// Fills in its mesh in every step, and never says that it has changed.
-class CarelessHost : public SurfaceHost {
+class CarelessHost : public test::StaticMesh {
  public:
-  test::StaticMesh mesh;
   Storage storage = Storage::float64;
 
-  Gathered gather(double, SurfaceMotion& m) override {
-    Gathered gathered;
-    gathered.new_surface = m.triangles.empty();
-    m.triangles = mesh.triangles;
+  CarelessHost() { changes = Changes::unknown; }
+  Gathered gather(double dt, SurfaceMotion& m) override {
+    const bool is_first = m.triangles.empty();
+    const Gathered gathered = StaticMesh::gather(dt, m);
+    m.triangles = triangles;
     m.storage = storage;
-    m.x_t1 = mesh.nodes;
-    m.velocity.assign(mesh.nodes.size(), Vec3::Zero());
-    m.inverse_mass.assign(mesh.nodes.size(), 0);
-    m.holdable.assign(mesh.nodes.size(), 0);
-    return gathered;
+    return {gathered.status, is_first};
   }
-  void scatter(SurfaceMotion&) override {}
 };
 
 class CarelessHosts : public testing::Test {
  protected:
   CarelessHosts() : world_(WorldSettings(), FluidSettings(), contact()) {
-    host_.mesh.add_rectangle(Vec3(-0.1, 0, -0.1), Vec3(0, 0, 0.2), Vec3(0.2, 0, 0), 4, 4);
+    host_.add_rectangle(Vec3(-0.1, 0, -0.1), Vec3(0, 0, 0.2), Vec3(0.2, 0, 0), 4, 4);
     EXPECT_TRUE(world_.attach(host_, {}, &id_).ok());
     const Vec3 x[] = {Vec3(0.01, 0.05, 0.02)}, v[] = {Vec3(0, -1, 0)};
     EXPECT_TRUE(world_.add_particles(x, v).ok());
@@ -57,26 +52,26 @@ class CarelessHosts : public testing::Test {
 TEST_F(CarelessHosts, a_mesh_that_loses_triangles_is_a_new_one) {
   step(2);
   const std::uint64_t before = world_.surface(id_)->id;
-  host_.mesh.triangles.resize(10);
+  host_.triangles.resize(10);
   step(2);
   EXPECT_NE(world_.surface(id_)->id, before);
   EXPECT_EQ(world_.surface(id_)->triangles.size(), 10u);
 }
 
 TEST_F(CarelessHosts, triangles_that_are_added_stop_water) {
-  const std::vector<Triangle> all = host_.mesh.triangles;
-  host_.mesh.triangles = {all.back()};
+  const std::vector<Triangle> all = host_.triangles;
+  host_.triangles = {all.back()};
   step(2);
-  host_.mesh.triangles = all;
+  host_.triangles = all;
   step(40);
   EXPECT_GT(height(), 0);
 }
 
 TEST_F(CarelessHosts, triangles_that_take_the_place_of_others_stop_water) {
-  const std::vector<Triangle> all = host_.mesh.triangles;
-  host_.mesh.triangles.assign(all.size(), all.back());
+  const std::vector<Triangle> all = host_.triangles;
+  host_.triangles.assign(all.size(), all.back());
   step(2);
-  host_.mesh.triangles = all;
+  host_.triangles = all;
   step(40);
   EXPECT_GT(height(), 0);
 }
@@ -84,7 +79,7 @@ TEST_F(CarelessHosts, triangles_that_take_the_place_of_others_stop_water) {
 TEST_F(CarelessHosts, another_storage_makes_a_new_surface) {
   step(1);
   const double delta = world_.surface(id_)->delta;
-  for (Vec3& x : host_.mesh.nodes) x = stored(x, Storage::float32);
+  for (Vec3& x : host_.nodes) x = stored(x, Storage::float32);
   host_.storage = Storage::float32;
   step(1);
   EXPECT_GT(world_.surface(id_)->delta, delta);
@@ -92,7 +87,7 @@ TEST_F(CarelessHosts, another_storage_makes_a_new_surface) {
 
 TEST_F(CarelessHosts, an_index_that_is_out_of_range_leaves_the_surface_out) {
   step(1);
-  host_.mesh.triangles[3][1] = 25;
+  host_.triangles[3][1] = 25;
   const StepReport& r = world_.step(0.002);
   EXPECT_TRUE(r.status.ok());
   EXPECT_NE(r.flags & flag_surface_refused, 0u);
@@ -110,7 +105,8 @@ TEST_F(CarelessHosts, a_host_is_attached_once) {
 
 TEST_F(CarelessHosts, a_thickness_beyond_all_lengths_is_refused) {
   CarelessHost other;
-  other.mesh = host_.mesh;
+  other.nodes = host_.nodes;
+  other.triangles = host_.triangles;
   SurfaceSettings settings;
   settings.thickness = 1e15;
   EXPECT_NE(world_.attach(other, settings, nullptr).message.find("< 1e15 m"), std::string::npos);
