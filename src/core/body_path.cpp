@@ -1,8 +1,15 @@
 #include "core/body_path.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/SVD>
 
 namespace oilskin {
+
+BodyPath BodyPath::part(double fraction) const {
+  Eigen::AngleAxisd turn(rotation);
+  turn.angle() *= fraction;
+  return {center_t0, center_t0 + fraction * (center_t1 - center_t0), turn.toRotationMatrix()};
+}
 
 BodyPath path_of_body(const SurfaceMotion& s, const Vec3* displacement) {
   const BodyMotion& body = *s.body;

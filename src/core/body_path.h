@@ -11,6 +11,10 @@ struct BodyPath {
   Eigen::Matrix3d rotation;
 
   Vec3 end_of(const Vec3& start) const { return center_t1 + rotation * (start - center_t0); }
+  Vec3 start_of(const Vec3& end) const { return center_t0 + rotation.transpose() * (end - center_t1); }
+  /// The motion of the first `fraction` of the time, 0 … 1, at a constant velocity about a constant axis, by
+  /// the smaller angle.
+  BodyPath part(double fraction) const;
 };
 
 /// R is the rotation that takes the nodes from x_t0 to x_t0 + displacement[i] with the least squares of

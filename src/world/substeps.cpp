@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "core/body_path.h"
 #include "core/chunks.h"
 
 namespace oilskin::world {
@@ -98,12 +99,30 @@ void SurfacePaths::next() {
   for (Path& path : paths_) {
     if (left_ < parts_) continue_from_certified(path);
     SurfaceMotion& m = *path.motion;
+    if (m.body && left_ > 1) {
+      move_body(path);
+      continue;
+    }
     for (std::size_t i = 0; i < path.target.size(); ++i)
       m.x_t1[i] =
           left_ == 1 ? path.target[i] : stored(m.x_t0[i] + (path.target[i] - m.x_t0[i]) / left_, m.storage);
-    if (m.body) m.body->center_t1 = m.body->center_t0 + (path.center_target - m.body->center_t0) / left_;
+    if (m.body) m.body->center_t1 = path.center_target;
   }
   --left_;
+}
+
+/// On straight lines the hull would be smaller in between, and would stay so where contact holds the body.
+void SurfacePaths::move_body(const Path& path) const {
+  SurfaceMotion& m = *path.motion;
+  std::vector<Vec3> displacement;
+  for (std::size_t i = 0; i < path.target.size(); ++i) displacement.push_back(path.target[i] - m.x_t0[i]);
+  m.body->center_t1 = path.center_target;
+  const BodyPath whole = path_of_body(m, displacement.data()), part = whole.part(1.0 / left_);
+  for (std::size_t i = 0; i < path.target.size(); ++i) {
+    const Vec3 unturned = whole.start_of(path.target[i]);  // x_t0, unless the host changed the shape
+    m.x_t1[i] = stored(part.end_of(m.x_t0[i] + (unturned - m.x_t0[i]) / left_), m.storage);
+  }
+  m.body->center_t1 = part.center_t1;
 }
 
 /// impulses += those of the interval, which come first in each sum.

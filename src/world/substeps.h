@@ -36,7 +36,8 @@ double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, doubl
 
 /// Moves the surfaces through the parts of a step. In each part a node moves on the straight line from its
 /// certified position to the host's proposal for the end of the step; the last part ends exactly there. So a
-/// node that contact moved or held in one part catches up in the next ones.
+/// node that contact moved or held in one part catches up in the next ones. The nodes of a rigid body move
+/// and turn with it from part to part.
 class SurfacePaths {
  public:
   /// A step of `parts` parts of `length` [s] each. With one part all calls do nothing.
@@ -59,6 +60,7 @@ class SurfacePaths {
   };
   static void sum_impulses(Path& path);
   static void end(Path& path);
+  void move_body(const Path& path) const;
   void continue_from_certified(Path& path) const;
 
   std::vector<Path> paths_;

@@ -217,6 +217,44 @@ std::uint64_t removed_by_press(double mass, double offset) {
   return lost;
 }
 
+/// The largest distance between the nodes of a box and those of the body's own box [m].
+double deviation_of_hull(const SurfaceMotion& hull, const btRigidBody& body, const btVector3& half) {
+  double largest = 0;
+  for (const Vec3& x : hull.x_t1) {
+    const btVector3 local = body.getWorldTransform().invXform(to_bt(x)).absolute() - half;
+    largest = std::max(largest, to_vec3(local).cwiseAbs().maxCoeff());
+  }
+  return largest;
+}
+
+/// Fluid sub-steps divide its turn: contact may hold it after any of them.
+TEST(RigidBody, that_turns_while_contact_holds_it_keeps_its_shape) {
+  WetWorld w(down);
+  w.add_tank(0.1, 0.2);
+  const btVector3 half(bt(0.025), bt(0.01), bt(0.025));
+  btRigidBody* body = w.add_box(0.3, half, {0, bt(0.04), 0});
+  btRigidBody* press = w.add_box(0, {bt(0.04), bt(0.01), bt(0.04)}, {0, bt(0.09), 0});
+  press->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+  press->setActivationState(DISABLE_DEACTIVATION);
+  body->setActivationState(DISABLE_DEACTIVATION);
+  body->setAngularVelocity(btVector3(30, 0, 30));
+  ASSERT_TRUE(w.solver.addRigidBody(body, bt(0.002)).ok());
+  ASSERT_TRUE(w.solver.addCollisionObject(press, bt(0.002)).ok());
+  w.fill_around({bt(-0.05), 0, bt(-0.05)}, {bt(0.05), bt(0.05), bt(0.05)}, body);
+  int held = 0;
+  for (int k = 0; k < 40; ++k) {
+    btTransform at = press->getWorldTransform();
+    at.setOrigin(btVector3(0, bt(std::max(0.03, 0.09 - 0.003 * k)), 0));
+    press->setWorldTransform(at);
+    w.run(1.0 / 60, 1.0 / 60);
+    const SurfaceMotion& hull = *w.solver.getCoupling().getSurface(body);
+    const auto is_moved = [](std::uint8_t moved) { return moved != 0; };
+    if (std::any_of(hull.moved.begin(), hull.moved.end(), is_moved)) ++held;
+    EXPECT_LT(deviation_of_hull(hull, *body, half), is_double ? 1e-12 : 1e-7) << "step " << k;
+  }
+  EXPECT_GT(held, 3);
+}
+
 /// Masses of a millionth and a million times the water's. How many are closed in depends on how the body
 /// tilts: runs whose starts differ by 1e-6 m lose 0 to 40, one in twenty 100 to 200, so that the middle of
 /// three is judged.

@@ -1,6 +1,8 @@
 // The path of a node over the sub-steps of a step.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "world/substeps.h"
 
 namespace oilskin {
@@ -89,6 +91,97 @@ TEST(SurfacePaths, one_part_changes_nothing) {
   paths.end();
   EXPECT_EQ(m.impulse[0], Vec3(1, 2, 3));
   EXPECT_TRUE(m.moved[0]);
+}
+
+/// Two edges of a body, at right angles, that the host turns by 2 rad and moves.
+struct TurningBody {
+  SurfaceMotion m;
+  Vec3 center{0.5, 0, 0}, center_t1{0.6, 0.3, 0};
+
+  TurningBody() {
+    const Eigen::AngleAxisd turn(2, Vec3(1, 2, 2) / 3);
+    m.x_t0 = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+    for (const Vec3& x : m.x_t0) m.x_t1.emplace_back(center_t1 + turn * (x - center));
+    m.velocity.assign(3, Vec3::Zero());
+    m.inverse_mass.assign(3, 0);
+    m.body.emplace();
+    m.body->center_t0 = center;
+    m.body->center_t1 = center_t1;
+    clear();
+  }
+  /// As contact does that finds nothing.
+  void clear() {
+    m.impulse.assign(3, Vec3::Zero());
+    m.moved.assign(3, 0);
+    m.touched.clear();
+  }
+  void hold() {
+    m.x_t1 = m.x_t0;
+    m.body->center_t1 = m.body->center_t0;
+    m.moved.assign(3, 1);
+    m.touched = {0, 1, 2};
+  }
+  /// By how much lengths and arms differ from those at the start.
+  double deformation() const {
+    const Vec3 &a = m.x_t1[0], &b = m.x_t1[1], &c = m.x_t1[2], &o = m.body->center_t1;
+    double largest = std::abs((a - o).norm() - 0.5);
+    largest = std::max(largest, std::abs((b - o).norm() - 0.5));
+    largest = std::max(largest, std::abs((c - o).norm() - std::sqrt(1.25)));
+    largest = std::max(largest, std::abs((b - a).norm() - 1));
+    return std::max(largest, std::abs((b - a).dot(c - a)));
+  }
+};
+
+TEST(SurfacePaths, a_body_that_turns_keeps_its_shape_in_every_part) {
+  TurningBody body;
+  const std::vector<Vec3> end = body.m.x_t1;
+  SurfaceMotion* const surfaces[] = {&body.m};
+  SurfacePaths paths;
+  paths.begin(surfaces, 4, 1);
+  for (int part = 0; part < 4; ++part) {
+    paths.next();
+    EXPECT_LT(body.deformation(), 1e-14) << "part " << part;
+    const Vec3 arm = body.m.x_t0[2] - body.m.body->center_t0;
+    const Vec3 turned = Eigen::AngleAxisd(0.5, Vec3(1, 2, 2) / 3) * arm;
+    EXPECT_TRUE((body.m.x_t1[2] - body.m.body->center_t1).isApprox(turned, 1e-14)) << "part " << part;
+    body.clear();
+  }
+  EXPECT_EQ(body.m.x_t1, end);
+  EXPECT_TRUE(body.m.body->center_t1.isApprox(body.center_t1, 1e-15));
+  paths.end();
+  EXPECT_TRUE(body.m.touched.empty());
+  EXPECT_EQ(body.m.body->center_t0, body.center);
+}
+
+TEST(SurfacePaths, a_body_that_is_held_in_the_last_part_keeps_its_shape) {
+  TurningBody body;
+  SurfaceMotion* const surfaces[] = {&body.m};
+  SurfacePaths paths;
+  paths.begin(surfaces, 3, 1);
+  paths.next();
+  body.hold();
+  paths.next();
+  body.clear();
+  const Eigen::AngleAxisd half(1, Vec3(1, 2, 2) / 3);  // it caught up in the second part
+  const Vec3 center = 0.5 * (body.center + body.center_t1);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_TRUE(body.m.x_t1[i].isApprox(center + half * (body.m.x_t0[i] - body.center), 1e-14));
+  paths.next();
+  body.hold();
+  paths.end();
+  EXPECT_LT(body.deformation(), 1e-14);
+  EXPECT_EQ(body.m.moved, (std::vector<std::uint8_t>{1, 1, 1}));
+}
+
+TEST(SurfacePaths, a_body_whose_host_changes_its_shape_does_so_evenly) {
+  SurfaceMotion m = TurningBody().m;
+  for (Vec3& x : m.x_t1) x = m.body->center_t1 + 2 * (x - m.body->center_t1);
+  SurfaceMotion* const surfaces[] = {&m};
+  SurfacePaths paths;
+  paths.begin(surfaces, 2, 1);
+  paths.next();
+  EXPECT_NEAR((m.x_t1[1] - m.x_t1[0]).norm(), 1.5, 1e-14);
+  EXPECT_NEAR((m.x_t1[2] - m.x_t1[0]).norm(), 1.5, 1e-14);
 }
 
 }  // namespace
