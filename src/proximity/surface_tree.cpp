@@ -21,16 +21,19 @@ namespace {
 using Aabb = fcl::AABB<double>;
 using Model = fcl::BVHModel<Aabb>;
 
-/// Boxes that share a traversal. Consecutive particles of a sorted fluid lie in a few cells.
+/// Boxes that share a traversal, at most. Consecutive particles of a sorted fluid lie in a few cells.
 constexpr std::size_t block_size = 16;
+/// Leaves of mean size that the box of a block covers, at most; 8 to 24 take about the same time.
+constexpr double leaves_of_block = 16;
 /// Blocks per chunk of a thread, at least. Queries of a tree of few triangles are not worth a task.
 constexpr std::size_t smallest_chunk = 2, smallest_chunk_of_small_tree = 64;
 constexpr std::size_t small_tree = 256;
 /// Triangles per chunk.
 constexpr std::size_t triangle_chunk = 512;
-/// A block that overlaps more triangles is far larger than its members (long sweeps, or particles that are
-/// not neighbours). Then a traversal per member is faster than testing all triangles for each.
+/// A block that overlaps more triangles has triangles much smaller than the mean. Then a traversal per member
+/// is faster than testing all triangles for each.
 constexpr std::size_t block_limit = 48;
+constexpr std::size_t no_limit = std::numeric_limits<std::size_t>::max();
 
 constexpr double rebuild_growth = 2;
 
@@ -92,6 +95,7 @@ struct SurfaceTree::Impl {
   bool is_fitted_to(Span<const Vec3> x_t0, Span<const Vec3> x_t1) const;
   bool collect(const Box& box, std::size_t limit, Scratch& scratch) const;
   bool collect_from_model(const Box& box, std::size_t limit, Scratch& scratch) const;
+  std::size_t size_of_block(Span<const Box> next) const;
   void query_block(Span<const Box> block, Scratch& scratch, std::uint32_t* counts,
                    std::vector<std::uint32_t>& triangles_out) const;
 };
@@ -175,13 +179,27 @@ bool SurfaceTree::Impl::collect_from_model(const Box& box, std::size_t limit, Sc
   return true;
 }
 
+/// How many of `next`, at least one, share a traversal: together they may overlap few triangles.
+std::size_t SurfaceTree::Impl::size_of_block(Span<const Box> next) const {
+  const double side = flat.size_of_leaves() / (3 * static_cast<double>(boxes.size()));
+  Box all;
+  for (std::size_t k = 0; k < next.size(); ++k) {
+    if (is_empty(next[k])) continue;
+    all.add(next[k]);
+    // A surface passes through a box along the two longest of its sides.
+    const Vec3 leaves = (all.max - all.min) / side + Vec3::Ones();
+    if (k > 0 && leaves.prod() > leaves_of_block * leaves.minCoeff()) return k;
+  }
+  return next.size();
+}
+
 void SurfaceTree::Impl::query_block(Span<const Box> block, Scratch& scratch, std::uint32_t* counts,
                                     std::vector<std::uint32_t>& out) const {
   OILSKIN_ASSERT(block.size() <= block_size);
   Box all;
   for (const Box& b : block)
     if (!is_empty(b)) all.add(b);
-  const bool shared = collect(all, block_limit, scratch);
+  const bool shared = collect(all, block.size() > 1 ? block_limit : no_limit, scratch);
   if (shared) std::sort(scratch.found.begin(), scratch.found.end());
   for (std::size_t i = 0; i < block.size(); ++i) {
     const std::size_t before = out.size();
@@ -191,7 +209,7 @@ void SurfaceTree::Impl::query_block(Span<const Box> block, Scratch& scratch, std
       for (std::uint32_t t : scratch.found)
         if (boxes[t].overlaps(block[i])) out.push_back(t);
     } else {
-      collect(block[i], std::numeric_limits<std::size_t>::max(), scratch);
+      collect(block[i], no_limit, scratch);
       std::sort(scratch.found.begin(), scratch.found.end());
       out.insert(out.end(), scratch.found.begin(), scratch.found.end());
     }
@@ -259,7 +277,7 @@ Box SurfaceTree::bounds() const {
 
 void SurfaceTree::query(const Box& box, std::vector<std::uint32_t>& triangles) const {
   Scratch scratch;
-  impl_->collect(box, std::numeric_limits<std::size_t>::max(), scratch);
+  impl_->collect(box, no_limit, scratch);
   std::sort(scratch.found.begin(), scratch.found.end());
   triangles.insert(triangles.end(), scratch.found.begin(), scratch.found.end());
 }
@@ -279,9 +297,9 @@ void SurfaceTree::query(Span<const Box> boxes, const Workers& workers, Candidate
   std::vector<std::vector<std::uint32_t>> found((n + chunk_size - 1) / chunk_size);
   workers.for_chunks(n, chunk_size, [&](std::size_t begin, std::size_t end, std::size_t chunk) {
     Scratch scratch;
-    for (std::size_t i = begin; i < end; i += block_size) {
-      const Span<const Box> block(boxes.data() + i, std::min(block_size, end - i));
-      impl_->query_block(block, scratch, candidates.begin.data() + i + 1, found[chunk]);
+    for (std::size_t i = begin, size = 0; i < end; i += size) {
+      size = impl_->size_of_block({boxes.data() + i, std::min(block_size, end - i)});
+      impl_->query_block({boxes.data() + i, size}, scratch, candidates.begin.data() + i + 1, found[chunk]);
     }
   });
   std::size_t total = 0;
