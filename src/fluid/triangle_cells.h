@@ -61,15 +61,18 @@ class TriangleCells {
   };
 
   void read_triangles(Span<SurfaceMotion* const> surfaces, Span<const MeshTopology* const> topologies,
-                      Span<const TriangleList> near, const Workers& workers);
+                      Span<const TriangleList> near, double support_radius, const Workers& workers);
   void find_groups(Span<const Vec3> x, const Neighbours& neighbours, const Workers& workers);
-  void touch(Span<const Vec3> x, std::uint32_t triangle, double support_radius, const Neighbours& neighbours,
-             std::vector<Touch>& found);
+  std::uint32_t end_of_block(std::uint32_t first, std::uint32_t end, double support_radius) const;
+  void touch(Span<const Vec3> x, std::uint32_t first, std::uint32_t last, double support_radius,
+             const Neighbours& neighbours, std::vector<Touch>& found);
+  bool touch(Span<const Vec3> x, std::uint32_t triangle, const Cell& group, double support_radius);
   void sort_by_cell(std::size_t chunks, const Workers& workers);
 
   bool is_found_ = false;
   std::vector<NearbyTriangle> triangles_;
   std::vector<Corners> corners_;
+  std::vector<Box> boxes_;  // of triangles_, inflated by H
   std::vector<Cell> cells_;
   std::vector<Cell> groups_;               // with and without triangles
   std::vector<std::uint32_t> group_of_;    // per cell of the neighbours
