@@ -9,7 +9,7 @@ namespace oilskin::fluid {
 
 namespace {
 
-constexpr std::size_t sort_chunk = 8192, cell_chunk = 1024;
+constexpr std::size_t sort_chunk = 8192, cell_chunk = 1024, row_chunk = 64;
 constexpr int most_digit_bits = 10;
 
 /// The record of the padding: far from everything, and its square is a finite float.
@@ -233,29 +233,33 @@ void Neighbours::find_cells(const Workers& workers) {
 
 void Neighbours::find_runs(const Workers& workers) {
   runs_.resize(cell_key_.size());
-  workers.for_each(row_key_.size(), 16, [&](std::size_t row) { runs_of_row(row); });
+  workers.for_chunks(row_key_.size(), row_chunk, [&](std::size_t begin, std::size_t end, std::size_t) {
+    // Of each plane the first row that is not before those around. It ascends with the rows.
+    std::array<std::size_t, 3> around{};
+    for (std::size_t k = 0; k < 3; ++k) around[k] = first_row(row_around(begin, k, 0));
+    for (std::size_t row = begin; row < end; ++row) {
+      for (std::size_t k = 0; k < 3; ++k)
+        while (around[k] < row_key_.size() && row_key_[around[k]] < row_around(row, k, 0)) ++around[k];
+      runs_of_row(row, around);
+    }
+  });
 }
 
-void Neighbours::runs_of_row(std::size_t row) {
+void Neighbours::runs_of_row(std::size_t row, const std::array<std::size_t, 3>& around) {
   const std::uint64_t x_mask = (std::uint64_t{1} << bits_[0]) - 1;
-  std::size_t slot = 0;
-  for (int dz = -1; dz <= 1; ++dz)
-    for (int dy = -1; dy <= 1; ++dy, ++slot) {
-      const std::uint64_t other =
-          row_key_[row] + (static_cast<std::uint64_t>(dz) << bits_[1]) + static_cast<std::uint64_t>(dy);
-      const auto found = std::lower_bound(row_key_.begin(), row_key_.end(), other);
-      const bool exists = found != row_key_.end() && *found == other;
-      const std::size_t r = exists ? static_cast<std::size_t>(found - row_key_.begin()) : 0;
-      const std::size_t stop = exists ? row_begin_[r + 1] : 0;
-      std::size_t first = exists ? row_begin_[r] : 0, last = first;
-      for (std::size_t c = row_begin_[row]; c < row_begin_[row + 1]; ++c) {
-        const std::uint64_t x = cell_key_[c] & x_mask;  // ≥ 1
-        while (first < stop && (cell_key_[first] & x_mask) < x - 1) ++first;
-        last = std::max(last, first);
-        while (last < stop && (cell_key_[last] & x_mask) <= x + 1) ++last;
-        runs_[c][slot] = {cell_begin_[first], cell_begin_[last]};
-      }
+  for (std::size_t slot = 0, r = 0; slot < 9; ++slot) {
+    if (slot % 3 == 0) r = around[slot / 3];
+    const bool exists = r < row_key_.size() && row_key_[r] == row_around(row, slot / 3, slot % 3);
+    const std::size_t stop = exists ? row_begin_[r + 1] : 0;
+    std::size_t first = exists ? row_begin_[r++] : 0, last = first;
+    for (std::size_t c = row_begin_[row]; c < row_begin_[row + 1]; ++c) {
+      const std::uint64_t x = cell_key_[c] & x_mask;  // ≥ 1
+      while (first < stop && (cell_key_[first] & x_mask) < x - 1) ++first;
+      last = std::max(last, first);
+      while (last < stop && (cell_key_[last] & x_mask) <= x + 1) ++last;
+      runs_[c][slot] = {cell_begin_[first], cell_begin_[last]};
     }
+  }
 }
 
 std::size_t Neighbours::first_row(std::uint64_t row_key) const {

@@ -107,7 +107,12 @@ class Neighbours {
   void make_records(Span<const Vec3> positions, const Workers& workers);
   void find_cells(const Workers& workers);
   void find_runs(const Workers& workers);
-  void runs_of_row(std::size_t row);
+  /// `around`: the first rows that are not before those around the row in the planes z − 1, z and z + 1.
+  void runs_of_row(std::size_t row, const std::array<std::size_t, 3>& around);
+  /// The key of the row at y − 1 + dy and z − 1 + dz of a row. Indices in keys are ≥ 1.
+  std::uint64_t row_around(std::size_t row, std::uint64_t dz, std::uint64_t dy) const {
+    return row_key_[row] + (dz << bits_[1]) + dy - (std::uint64_t{1} << bits_[1]) - 1;
+  }
   void check_crowds(const Workers& workers) const;
   void search_chunk(std::size_t begin, std::size_t end, std::size_t chunk);
   void collect(const PairKernels& kernels, std::size_t cell, Around& c) const;
