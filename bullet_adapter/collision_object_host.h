@@ -32,7 +32,7 @@ class CollisionObjectHost : public SurfaceHost {
   /// What the host remembers from step to step.
   struct State {
     bool forget_motion = true;
-    btTransform start = btTransform::getIdentity();  ///< of a dynamic body, as the last step left it
+    btTransform start = btTransform::getIdentity();  ///< of a rigid body, as the last step left it
   };
   virtual State state() const { return {forget_motion_, btTransform::getIdentity()}; }
   virtual void set_state(const State& state) { forget_motion_ = state.forget_motion; }

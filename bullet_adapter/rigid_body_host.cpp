@@ -36,9 +36,13 @@ bool RigidBodyHost::is_dynamic() const {
 }
 
 Gathered RigidBodyHost::gather(double dt, SurfaceMotion& motion) {
+  const bool is_teleport = dt == 0 || state().forget_motion;
   Gathered gathered = CollisionObjectHost::gather(dt, motion);
   motion.body.reset();
-  if (!gathered.status.ok() || !is_dynamic()) return gathered;
+  if (!gathered.status.ok()) return gathered;
+  start_ = is_teleport || gathered.new_surface ? body_->getWorldTransform() : end_;
+  end_ = body_->getWorldTransform();
+  if (!is_dynamic()) return gathered;
   gathered.unchanged = false;
   motion.revision = 0;
   motion.body = motion_of(*body_);
@@ -47,7 +51,6 @@ Gathered RigidBodyHost::gather(double dt, SurfaceMotion& motion) {
     motion.velocity[i] = velocity_at(*motion.body, motion.x_t1[i] - motion.body->center_t1);
   motion.holdable.assign(motion.x_t1.size(), 1);
   proposed_ = motion.x_t1;
-  if (dt == 0) start_ = body_->getWorldTransform();
   return gathered;
 }
 
@@ -60,19 +63,20 @@ void RigidBodyHost::scatter(SurfaceMotion& motion) {
     body_->applyTorqueImpulse(to_bt(to_vec3(body_->getAngularFactor()).cwiseProduct(body.angular_impulse)));
   }
   if (motion.x_t1 != proposed_) follow_nodes(motion);
-  start_ = body_->getWorldTransform();
+  end_ = body_->getWorldTransform();
 }
 
 /// The certified nodes remain where they are: the transform follows them to rounding.
 void RigidBodyHost::follow_nodes(const SurfaceMotion& motion) {
-  btTransform end = start_;
+  // World::reset_motion() lets the nodes start where they are proposed.
+  btTransform end = motion.x_t0 == proposed_ ? end_ : start_;
   if (motion.x_t1 != motion.x_t0) {
     const BodyPath path = path_of_body(motion);
-    end.setOrigin(to_bt(path.end_of(to_vec3(start_.getOrigin()))));
+    end.setOrigin(to_bt(path.end_of(to_vec3(end.getOrigin()))));
     btMatrix3x3 rotation;
     for (int row = 0; row < 3; ++row) rotation[row] = to_bt(path.rotation.row(row).transpose());
     btQuaternion turned;
-    (rotation * start_.getBasis()).getRotation(turned);
+    (rotation * end.getBasis()).getRotation(turned);
     end.setRotation(turned.normalized());
   }
   body_->setCenterOfMassTransform(end);

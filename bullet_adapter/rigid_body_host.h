@@ -20,10 +20,10 @@ class RigidBodyHost : public CollisionObjectHost {
   /// Wakes the body where it received an impulse.
   void scatter(SurfaceMotion& motion) override;
 
-  State state() const override { return {CollisionObjectHost::state().forget_motion, start_}; }
+  State state() const override { return {CollisionObjectHost::state().forget_motion, end_}; }
   void set_state(const State& state) override {
     CollisionObjectHost::set_state(state);
-    start_ = state.start;
+    end_ = state.start;
   }
 
  private:
@@ -31,8 +31,9 @@ class RigidBodyHost : public CollisionObjectHost {
   void follow_nodes(const SurfaceMotion& motion);
 
   btRigidBody* body_;
-  btTransform start_ = btTransform::getIdentity();  // as the last step left it
-  std::vector<Vec3> proposed_;                      // positions at the end of this step
+  btTransform start_ = btTransform::getIdentity();  // of the nodes at x_t0
+  btTransform end_ = btTransform::getIdentity();    // of those at x_t1: as proposed, then as the step left it
+  std::vector<Vec3> proposed_;                      // x_t1 as gather() filled it in
 };
 
 }  // namespace oilskin::bullet

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/body_path.h"
 #include "core/inverse_mass.h"
 #include "core/refuse.h"
 
@@ -77,7 +78,10 @@ bool is_free(const BodyMotion& body) {
 void start_body(SurfaceMotion& m, const std::optional<BodyMotion>& before, bool is_new, double dt) {
   if (!m.body) return;
   m.body->host_step = dt;
-  m.body->center_t0 = is_new || !before ? m.body->center_t1 : before->center_t1;
+  if (is_new)
+    m.body->center_t0 = m.body->center_t1;
+  else
+    m.body->center_t0 = before ? before->center_t1 : center_at_start(m);
   m.body->impulse.setZero();
   m.body->angular_impulse.setZero();
 }

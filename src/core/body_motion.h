@@ -65,7 +65,7 @@ Eigen::Matrix3d inertia_of(const BodyMotion& body);
 bool is_free(const BodyMotion& body);
 
 /// What the caller of contact fills in of a body for a step of dt [s]. `before`: the body as the last step
-/// left it; a new surface starts where it ends.
+/// left it, if it was one; a new surface starts where it ends.
 void start_body(SurfaceMotion& surface, const std::optional<BodyMotion>& before, bool is_new, double dt);
 
 /// Refuses numbers that are not finite or beyond 1e15, and masses and inertias that make no sense.

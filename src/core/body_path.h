@@ -23,4 +23,7 @@ BodyPath path_of_body(const SurfaceMotion& surface, const Vec3* displacement);
 /// To where contact left the nodes, x_t1.
 BodyPath path_of_body(const SurfaceMotion& surface);
 
+/// Where the centre of mass was at the start, by the nodes: of a surface that has become a body's.
+Vec3 center_at_start(const SurfaceMotion& surface);
+
 }  // namespace oilskin

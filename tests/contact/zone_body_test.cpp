@@ -43,6 +43,39 @@ TEST(BodyPath, is_the_rotation_of_the_nodes_also_of_flat_bodies) {
   }
 }
 
+TEST(BodyPath, has_the_centre_where_the_nodes_say_also_if_it_is_not_their_mean) {
+  Random random(18);
+  for (int turn = 0; turn < 100; ++turn) {
+    MockBody body = random_body(random);
+    SurfaceMotion s = surface_of(body);
+    const Eigen::Matrix3d r = Eigen::AngleAxisd(random.uniform(0, 3), random.direction()).toRotationMatrix();
+    const Vec3 center = s.x_t0[0] + random.in_cube(0.1), shift = random.in_cube(1);
+    for (std::size_t i = 0; i < s.x_t0.size(); ++i) s.x_t1[i] = shift + r * s.x_t0[i];
+    s.body->center_t1 = shift + r * center;
+    EXPECT_LE((center_at_start(s) - center).norm(), 1e-12) << "turn " << turn;
+  }
+}
+
+TEST(BodyPath, has_parts_that_follow_each_other) {
+  Random random(19);
+  for (int turn = 0; turn < 100; ++turn) {
+    BodyPath path = {random.in_cube(1), random.in_cube(1), {}};
+    path.rotation = Eigen::AngleAxisd(random.uniform(0, 3), random.direction()).toRotationMatrix();
+    BodyPath third = path.part(1.0 / 3);
+    const Vec3 x = random.in_cube(1);
+    Vec3 end = x;
+    for (int k = 0; k < 3; ++k) {
+      end = third.end_of(end);
+      third.center_t1 += third.center_t1 - third.center_t0;
+      third.center_t0 += (path.center_t1 - path.center_t0) / 3;
+    }
+    EXPECT_LE((end - path.end_of(x)).norm(), 1e-12) << "turn " << turn;
+    EXPECT_LE((path.start_of(path.end_of(x)) - x).norm(), 1e-12);
+    EXPECT_LE((path.part(1).end_of(x) - path.end_of(x)).norm(), 1e-12);
+    EXPECT_EQ(path.part(0).end_of(x), path.center_t0 + (x - path.center_t0));
+  }
+}
+
 double kinetic_energy(const BodyMotion& b, double mass) {
   return 0.5 * (mass * b.velocity.squaredNorm() + b.angular_velocity.dot(inertia_of(b) * b.angular_velocity));
 }
