@@ -157,7 +157,10 @@ const SurfaceMotion* btFluidCoupling::Impl::surface(const btCollisionObject* obj
 /// info.
 Status btFluidCoupling::Impl::follow_gravity() {
   const std::optional<Vec3> before = std::exchange(followed_gravity, gravity_of_cloth());
-  if (!followed_gravity) return Status::accepted();
+  if (!followed_gravity) {
+    note_gravity();
+    return Status::accepted();
+  }
   for (World* w : worlds()) {
     const Vec3 present = w->settings().gravity;
     if (before && present != *before)
@@ -369,6 +372,7 @@ const StepReport& btFluidCoupling::couple(double dt, bool updateNormals) {
   if (worlds.size() > 1) m_impl->joint = World::step_together(worlds, dt);
   const StepReport& report = m_impl->joint ? *m_impl->joint : worlds[0]->step(dt);
   m_impl->note_report(report);
+  m_impl->note_bodies();
   m_impl->hear(report);
   return report;
 }

@@ -78,6 +78,8 @@ struct btFluidCoupling::Impl {
   void note(const std::string& message);
   void note_drivers(bool by_solver);
   void note_report(const StepReport& report);
+  void note_gravity();
+  void note_bodies();
   void forget_motion(const btCollisionObject* object);
   const SurfaceMotion* surface(const btCollisionObject* object);
   Status follow_gravity();

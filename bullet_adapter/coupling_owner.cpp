@@ -1,6 +1,8 @@
 // Messages to the owner of a coupling, and objects that the owner deleted.
 #include <algorithm>
+#include <sstream>
 
+#include "convert.h"
 #include "coupling_impl.h"
 
 namespace oilskin::bullet {
@@ -31,6 +33,57 @@ void btFluidCoupling::Impl::note_drivers(bool by_solver) {
         "btFluidSoftBodySolver couples in each sub-step, and step() was called, too: the fluid runs ahead of "
         "its world");
   stepped_by_solver = by_solver;
+}
+
+namespace {
+
+/// The gravity of the first body that the water moves and that has one.
+std::optional<Vec3> gravity_of_bodies(const std::vector<Attachment>& attachments) {
+  for (const Attachment& a : attachments) {
+    const btRigidBody* body = a.takes_impulses ? btRigidBody::upcast(a.object) : nullptr;
+    if (body && body->getInvMass() > 0 && !body->getGravity().isZero()) return to_vec3(body->getGravity());
+  }
+  return {};
+}
+
+bool is_dynamic(const btCollisionObject& object) {
+  const btRigidBody* body = btRigidBody::upcast(&object);
+  return body && !body->isStaticOrKinematicObject() && body->getInvMass() > 0;
+}
+
+}  // namespace
+
+/// Without a cloth the fluid keeps its own gravity. Who has not set it may expect that of the world.
+void btFluidCoupling::Impl::note_gravity() {
+  const Vec3 usual = WorldSettings().gravity;
+  const std::optional<Vec3> of_bodies = gravity_of_bodies(attachments);
+  if (!use_cloth_gravity || !of_bodies || (*of_bodies - usual).norm() < 0.05 * usual.norm()) return;
+  for (World* w : worlds())
+    if (w->settings().gravity == usual) {
+      std::ostringstream text;
+      text << "the gravity of the fluid is (" << usual.transpose() << ") m/s², that of the bodies ("
+           << of_bodies->transpose()
+           << "): without a cloth the fluid keeps its own; call btFluid::setGravity()";
+      return note(text.str());
+    }
+}
+
+void btFluidCoupling::Impl::note_bodies() {
+  for (const Attachment& a : attachments) {
+    if (a.cloth || a.sensor) continue;
+    const std::string object = "surface " + std::to_string(a.id().value) + ", a rigid body, ";
+    if (!a.takes_impulses && is_dynamic(*a.object))
+      note(object +
+           "was attached by addCollisionObject() and is dynamic now, so the water does not move it: attach "
+           "it by addRigidBody()");
+    const double jump = a.takes_impulses ? static_cast<const RigidBodyHost&>(*a.rigid).unexplained() : 0;
+    if (jump > finest_spacing()) {
+      std::ostringstream text;
+      text << object << "moved by " << jump
+           << " m in a step, which its velocity does not explain: if it was placed there, call resetMotion()";
+      note(text.str());
+    }
+  }
 }
 
 /// Does not touch the object.

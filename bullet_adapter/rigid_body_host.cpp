@@ -1,5 +1,7 @@
 #include "rigid_body_host.h"
 
+#include <algorithm>
+
 #include "convert.h"
 #include "core/body_motion.h"
 #include "core/body_path.h"
@@ -36,12 +38,14 @@ bool RigidBodyHost::is_dynamic() const {
 }
 
 Gathered RigidBodyHost::gather(double dt, SurfaceMotion& motion) {
+  const double speed_before = motion.body ? motion.body->velocity.norm() : 0;
   const bool is_teleport = dt == 0 || state().forget_motion;
   Gathered gathered = CollisionObjectHost::gather(dt, motion);
   motion.body.reset();
   if (!gathered.status.ok()) return gathered;
   start_ = is_teleport || gathered.new_surface ? body_->getWorldTransform() : end_;
   end_ = body_->getWorldTransform();
+  unexplained_ = 0;
   if (!is_dynamic()) return gathered;
   gathered.unchanged = false;
   motion.revision = 0;
@@ -51,6 +55,11 @@ Gathered RigidBodyHost::gather(double dt, SurfaceMotion& motion) {
     motion.velocity[i] = velocity_at(*motion.body, motion.x_t1[i] - motion.body->center_t1);
   motion.holdable.assign(motion.x_t1.size(), 1);
   proposed_ = motion.x_t1;
+  // Between two sub-steps of Bullet a collision may have changed the velocity.
+  const double fastest =
+      std::max(speed_before, motion.body->velocity.norm()) + dt * motion.body->gravity.norm();
+  const double moved = static_cast<double>((end_.getOrigin() - start_.getOrigin()).length());
+  unexplained_ = std::max(0.0, moved - 2 * dt * fastest);
   return gathered;
 }
 

@@ -20,6 +20,10 @@ class RigidBodyHost : public CollisionObjectHost {
   /// Wakes the body where it received an impulse.
   void scatter(SurfaceMotion& motion) override;
 
+  /// How far the last step moved the body beyond what its velocity explains [m]; 0 after
+  /// forget_motion(), and unless the body is dynamic.
+  double unexplained() const { return unexplained_; }
+
   State state() const override { return {CollisionObjectHost::state().forget_motion, end_}; }
   void set_state(const State& state) override {
     CollisionObjectHost::set_state(state);
@@ -34,6 +38,7 @@ class RigidBodyHost : public CollisionObjectHost {
   btTransform start_ = btTransform::getIdentity();  // of the nodes at x_t0
   btTransform end_ = btTransform::getIdentity();    // of those at x_t1: as proposed, then as the step left it
   std::vector<Vec3> proposed_;                      // x_t1 as gather() filled it in
+  double unexplained_ = 0;                          // [m]
 };
 
 }  // namespace oilskin::bullet

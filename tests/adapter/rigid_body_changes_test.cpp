@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include "wet_world.h"
 
@@ -101,6 +103,59 @@ TEST(RigidBody, that_is_teleported_and_carried_is_where_its_hull_is) {
       EXPECT_LT(distance_from_hull(w, *light), close_by) << "step " << k;
       w.run(dt, dt);
     }
+  }
+}
+
+bool any_contains(const std::vector<std::string>& messages, const std::string& text) {
+  return std::any_of(messages.begin(), messages.end(),
+                     [&](const std::string& m) { return m.find(text) != std::string::npos; });
+}
+
+TEST(RigidBody, that_is_placed_elsewhere_is_said_to_need_a_reset) {
+  WetWorld w(down);
+  btRigidBody* body = w.add_box(0.1, {bt(0.03), bt(0.03), bt(0.03)}, {0, bt(1), 0});
+  body->setLinearVelocity({3, 0, 0});
+  ASSERT_TRUE(w.solver.addRigidBody(body, bt(0.001)).ok());
+  w.run(0.3, 1.0 / 60);  // it falls
+  EXPECT_FALSE(any_contains(w.solver.takeMessages(), "resetMotion()"));
+  for (const bool says_so : {true, false}) {
+    btTransform at = body->getWorldTransform();
+    at.setOrigin(at.getOrigin() + btVector3(0, bt(0.5), 0));
+    body->setWorldTransform(at);
+    if (says_so) w.solver.resetMotion(body);
+    w.run(1.0 / 60, 1.0 / 60);
+    EXPECT_EQ(any_contains(w.solver.takeMessages(), "call resetMotion()"), !says_so);
+    w.run(0.1, 1.0 / 60);
+    EXPECT_FALSE(any_contains(w.solver.takeMessages(), "resetMotion()"));
+  }
+}
+
+TEST(RigidBody, that_becomes_dynamic_as_a_collision_object_is_said_not_to_move) {
+  WetWorld w(down);
+  btRigidBody* body = w.add_box(0, {bt(0.03), bt(0.03), bt(0.03)}, {0, bt(1), 0});
+  ASSERT_TRUE(w.solver.addCollisionObject(body, bt(0.001)).ok());
+  w.run(0.02, 0.01);
+  EXPECT_TRUE(w.solver.takeMessages().empty());
+  body->setMassProps(1, btVector3(1, 1, 1));
+  body->setCollisionFlags(0);
+  w.run(0.01, 0.01);
+  EXPECT_TRUE(any_contains(w.solver.takeMessages(), "addRigidBody()"));
+}
+
+TEST(Gravity, of_bodies_that_differs_from_that_of_the_fluid_is_reported_once_per_take) {
+  const btVector3 along_z(0, 0, bt(-9.81));
+  for (const bool is_set : {false, true}) {
+    SoftWorld bullet(along_z);
+    btFluid water(bt(0.01));
+    if (is_set) ASSERT_TRUE(water.setGravity(along_z).ok());
+    btFluidCoupling coupling(&water);
+    btBoxShape box(btVector3(bt(0.03), bt(0.03), bt(0.03)));
+    btRigidBody body(btScalar(0.1), nullptr, &box, btVector3(1, 1, 1));
+    bullet.world.addRigidBody(&body);
+    EXPECT_TRUE(coupling.addRigidBody(&body, bt(0.001)).ok());
+    for (int k = 0; k < 2; ++k) EXPECT_TRUE(coupling.step(bt(0.001)).status.ok());
+    EXPECT_EQ(coupling.takeMessages().size(), is_set ? 0u : 1u);
+    bullet.world.removeRigidBody(&body);
   }
 }
 
