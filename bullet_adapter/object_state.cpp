@@ -52,7 +52,8 @@ void RigidState::visit(Archive& archive) {
 
 Status RigidState::check(const btRigidBody& body) const {
   const bool same = body.getInvMass() == inverse_mass && body.getInvInertiaDiagLocal() == inverse_inertia;
-  return same ? Status::accepted() : Status::refused("has another mass or inertia than the saved one");
+  return same ? Status::accepted()
+              : Status::refused("has another mass or inertia than the saved one: set that first");
 }
 
 /// Bullet adds forces times the factors of the axes; those of the state have been multiplied already.

@@ -138,7 +138,7 @@ TEST(RefusedState, of_another_scene) {
   EXPECT_EQ(refused_by([](StateOptions& o) { o.cloth_nodes = 8; }),
             "object 2 has 64 nodes, the saved cloth 81");
   EXPECT_EQ(refused_by([](StateOptions& o) { o.mass = 0.2; }),
-            "object 3 has another mass or inertia than the saved one");
+            "object 3 has another mass or inertia than the saved one: set that first");
   EXPECT_TRUE(has(refused_by([](StateOptions& o) { o.sensor_first = true; }),
                   "object 3 is a sensor, and was a rigid body in the saved state"));
   EXPECT_EQ(refused_by([](StateOptions& o) { o.is_rain = false; }),

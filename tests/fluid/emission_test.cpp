@@ -253,7 +253,8 @@ TEST(Emission, refuses_invalid_settings_with_a_message) {
   BoxEmitter box;
   refused([&](BoxEmitter&) {}, box, "box.min");
   box.box = {Vec3::Zero(), Vec3(1, 1, 0.001)};
-  refused([&](BoxEmitter&) {}, box, "no emission site");
+  refused([&](BoxEmitter&) {}, box, "no particle fits in");
+  refused([&](BoxEmitter& e) { std::swap(e.box.min, e.box.max); }, box, "at least box.min");
   refused([&](BoxEmitter& e) { e.box.max = Vec3::Constant(1e6); }, box, "5e7");
   refused([&](RainEmitter& e) { e.drops_per_second = 0; }, RainEmitter{}, "drops_per_second");
   refused([&](RainEmitter& e) { e.edge_u.z() = nan; }, RainEmitter{}, "edge_u");
@@ -264,7 +265,7 @@ TEST(Emission, refuses_invalid_settings_with_a_message) {
   mesh.triangles = {{0, 1, 3}};
   refused([&](MeshEmitter&) {}, mesh, "vertex 3");
   mesh.triangles = {{0, 1, 2}};
-  refused([&](MeshEmitter&) {}, mesh, "no emission site");
+  refused([&](MeshEmitter&) {}, mesh, "no point of the lattice");
   refused([&](MeshEmitter& e) { e.vertices[1].y() = infinity; }, mesh, "vertex 1");
   EXPECT_TRUE(emission.due(0, 1).empty());
 }

@@ -68,6 +68,20 @@ TEST(Emitters, the_volume_is_that_of_the_ledger_and_the_flow_what_is_asked) {
   EXPECT_NEAR(volume / asked, 1, 0.005);
 }
 
+TEST(Emitters, a_message_says_how_many_starts_lie_outside_of_the_kill_box) {
+  FluidSettings coarse;
+  coarse.spacing = 0.1;
+  World w(weightless(), coarse);
+  BoxEmitter box;
+  box.box = {Vec3::Zero(), Vec3(4, 0.2, 0.2)};  // the kill box ends at 3 m
+  ASSERT_TRUE(w.add_emitter(box).ok());
+  const StepReport& r = w.step(0.004);
+  EXPECT_EQ(w.particle_count(), 120u);
+  ASSERT_EQ(r.messages.size(), 1u);
+  EXPECT_NE(r.messages[0].find("40 starts"), std::string::npos) << r.messages[0];
+  EXPECT_NE(r.messages[0].find("kill_box"), std::string::npos) << r.messages[0];
+}
+
 TEST(Emitters, what_does_not_enter_the_fluid_is_not_counted) {
   World w(weightless());
   w.set_max_particles(100);

@@ -125,9 +125,11 @@ Status make_source(const BoxEmitter& e, const SourceMaterial& material, Source& 
   if (!s.ok()) return s;
   if (!std::isfinite(e.start)) return refuse_value("box emitter: start", e.start, "a finite time");
   const Eigen::Array3d cells = ((e.box.max - e.box.min).array() / material.spacing + 1e-6).floor();
+  if (!(e.box.min.array() <= e.box.max.array()).all())
+    return refuse_value("box emitter: box.max", e.box.max.transpose(), "at least box.min on every axis");
   if (!(cells >= 1).all()) {
     return refuse_value("box emitter: size", (e.box.max - e.box.min).transpose(),
-                        "at least one spacing of the fluid on every axis; it has no emission site");
+                        "at least one spacing of the fluid on every axis; no particle fits in");
   }
   if (cells.prod() > max_points)
     return refuse_value("box emitter: number of particles", cells.prod(), "at most 5e7");
@@ -145,8 +147,7 @@ Status make_source(const MeshEmitter& e, const SourceMaterial& material, Source&
   if (!s.ok()) return s;
   if (source.sites.empty()) {
     return Status::refused(
-        "mesh emitter: it has no emission site: no point of the lattice lies inside; use a larger mesh or a "
-        "smaller "
+        "mesh emitter: no point of the lattice of particles lies inside; use a larger mesh or a smaller "
         "spacing");
   }
   source.schedule.begin_at(e.start, infinity);
