@@ -162,7 +162,7 @@ void CommandLine::add_mesh() {
       ->delimiter(',')
       ->allow_extra_args(false);
   mesh->add_option("--channels", m.channels,
-                   "velocity,speed,wetness,id: of the vertices (default: the run's, or velocity)")
+                   "velocity,speed,thickness,wetness,id: of the vertices (default: the run's, or velocity)")
       ->delimiter(',')
       ->allow_extra_args(false);
   mesh->add_option("--spacing", m.spacing, "of the particles [m] (default: as DIR/report.json says)");

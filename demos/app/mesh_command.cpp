@@ -105,7 +105,7 @@ struct Task {
   std::vector<std::string> formats;
 };
 
-/// One that was made with other options would not fit the others.
+/// One that was made with other options would not fit the others. A copy that was cut off is made again.
 std::vector<std::string> missing_formats(const MeshOptions& options, const Output& output, int number) {
   std::vector<std::string> missing;
   for (const std::string& format : output.formats) {
@@ -116,6 +116,7 @@ std::vector<std::string> missing_formats(const MeshOptions& options, const Outpu
     }
     const std::string there = surface_made_with(path, format);
     if (there != output.made_with) throw made_with_other_options(path, there, output.made_with);
+    if (!surface_is_whole(path, format)) missing.push_back(format);
   }
   return missing;
 }

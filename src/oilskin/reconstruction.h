@@ -134,7 +134,8 @@ struct ObstacleMesh {
 
 /// Particles and obstacles.
 struct ReconstructionInput {
-  /// [m]; particles that are not finite or 2²⁰ cells away or more are skipped.
+  /// [m]; particles 2²⁰ cells away or more, and those of which position or velocity is not finite, are
+  /// skipped.
   Span<const Vec3> positions;
   /// [m/s], as many as positions, or none.
   Span<const Vec3> velocities;

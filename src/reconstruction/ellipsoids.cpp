@@ -73,7 +73,7 @@ class EllipsoidMaker {
         cell_(cell_of_spacing * options.spacing),
         reach_(options.reach * options.spacing),
         obstacles_(input.obstacles) {
-    sort_into_blocks(input.positions, input.volumes, cell_, workers_, particles_);
+    sort_into_blocks(input, cell_, workers_, particles_);
     if (obstacles_.empty()) return;
     obstacles_.prepare_queries(workers_);
     obstacles_.prepare_normals(workers_);

@@ -30,15 +30,15 @@ struct BlocksByAppearance {
   std::vector<std::uint32_t> block_of;  // per position; none: skipped
   std::size_t skipped = 0;
 
-  BlocksByAppearance(Span<const Vec3> positions, Span<const double> volumes, double per_cell)
-      : block_of(positions.size(), none) {
+  BlocksByAppearance(const ReconstructionInput& input, double per_cell)
+      : block_of(input.positions.size(), none) {
     KeyMap numbers;
     std::uint64_t last_key = no_block;
     std::uint32_t last = none;
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-      if (!volumes.empty() && !(volumes[i] > 0)) continue;
-      const std::uint64_t key = block_key(positions[i], per_cell);
-      if (key == no_block) {
+    for (std::size_t i = 0; i < input.positions.size(); ++i) {
+      if (!input.volumes.empty() && !(input.volumes[i] > 0)) continue;
+      const std::uint64_t key = block_key(input.positions[i], per_cell);
+      if (key == no_block || (!input.velocities.empty() && !input.velocities[i].allFinite())) {
         ++skipped;
         continue;
       }
@@ -79,13 +79,15 @@ void order_by_key(const BlocksByAppearance& found, ParticleBlocks& out) {
 
 }  // namespace
 
-void sort_into_blocks(Span<const Vec3> positions, Span<const double> volumes, double cell,
-                      const Workers& workers, ParticleBlocks& out) {
+void sort_into_blocks(const ReconstructionInput& input, double cell, const Workers& workers,
+                      ParticleBlocks& out) {
+  const Span<const Vec3> positions = input.positions;
   OILSKIN_ASSERT(cell > 0 && positions.size() < none);
-  OILSKIN_ASSERT(volumes.empty() || volumes.size() == positions.size());
+  OILSKIN_ASSERT(input.volumes.empty() || input.volumes.size() == positions.size());
+  OILSKIN_ASSERT(input.velocities.empty() || input.velocities.size() == positions.size());
   const double per_cell = 1 / cell;
   {
-    const BlocksByAppearance found(positions, volumes, per_cell);
+    const BlocksByAppearance found(input, per_cell);
     out.skipped = found.skipped;
     order_by_key(found, out);
   }

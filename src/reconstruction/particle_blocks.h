@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/parallel.h"
+#include "oilskin/reconstruction.h"
 #include "reconstruction/grid.h"
 
 namespace oilskin::reconstruction {
@@ -24,10 +25,10 @@ struct ParticleBlocks {
   Box bounds() const;  ///< of the blocks [cells]
 };
 
-/// Fills `out`. Skips particles that are not finite or have a coordinate of 2²⁰ cells or more, and leaves out
-/// those with a volume of 0; without `volumes` all have water.
-void sort_into_blocks(Span<const Vec3> positions, Span<const double> volumes, double cell,
-                      const Workers& workers, ParticleBlocks& out);
+/// Fills `out`. Skips particles of which position or velocity is not finite, or a coordinate is 2²⁰ cells or
+/// more, and leaves out those with a volume of 0; without volumes all have water.
+void sort_into_blocks(const ReconstructionInput& input, double cell, const Workers& workers,
+                      ParticleBlocks& out);
 
 /// Particles around one block, relative to its origin, padded with distant particles to a multiple of 8. The
 /// vectors only grow: what lies behind the padding is left from earlier uses.

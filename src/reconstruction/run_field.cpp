@@ -50,7 +50,7 @@ Status Reconstruction::find_narrow_band() {
   for (const ObstacleMesh& o : input.obstacles) triangles += o.triangles.size();
   memory.add(28.0 * double(input.positions.size()) + 100.0 * double(triangles));
   if (!memory.fits()) return memory.refusal("sorting the particles");
-  sort_into_blocks(input.positions, input.volumes, cell, workers, particles);
+  sort_into_blocks(input, cell, workers, particles);
   report.particles_skipped = particles.skipped;
   if (Status s = gather_obstacles(); !s.ok()) return s;
   space.memory.keep({cell, contact.band, contact.reach, contact.promises(), contact.mode, contact.wet}, grid);

@@ -63,6 +63,20 @@ TEST_F(Mesh, existing_meshes_are_kept_unless_their_options_differ) {
   expect_refused({"--cell", "0.004"}, {"surface_0001.ply", "unknown options"});
 }
 
+TEST_F(Mesh, a_file_that_was_cut_off_is_made_again) {
+  for (const std::string format : {"ply", "glb"}) {
+    const Outcome made = mesh({"--formats", format});
+    if (made.err.find("libtinygltf-dev") != std::string::npos) continue;
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    const std::string name = "run/surface_0001." + format, whole = folder.read(name);
+    std::filesystem::resize_file(folder.path(name), whole.size() - 1);
+    EXPECT_EQ(mesh({"--missing", "--formats", format}).out, "1\n");
+    EXPECT_EQ(mesh({"--formats", format}).exit_code, 0);
+    EXPECT_EQ(folder.read(name), whole);
+    EXPECT_EQ(mesh({"--missing", "--formats", format}).out, "");
+  }
+}
+
 TEST_F(Mesh, surfaces_of_the_run_itself_are_ones_of_its_options) {
   const Outcome run =
       oilskin({"run", folder.path("pool.json"), "--out", folder.path("run"), "--frames-per-second", "100",

@@ -153,6 +153,14 @@ TEST(Input, particles_that_are_not_finite_or_far_out_are_skipped_and_counted) {
   EXPECT_EQ(report.particles_skipped, 3u);
   EXPECT_EQ(mesh.positions, plain.positions);
   EXPECT_EQ(mesh.triangles, plain.triangles);
+  std::vector<Vec3> velocities(3, Vec3::UnitX());
+  velocities[1].z() = std::nan("");
+  const std::vector<Vec3> three = {Vec3(0, 0, 0), Vec3(0.002, 0.001, 0), Vec3(0.004, 0, 0)};
+  ReconstructionInput moving = input_of(three);
+  moving.velocities = velocities;
+  const WaterMesh of_moving = test::reconstruct(moving, options, &report);
+  EXPECT_EQ(report.particles_skipped, 1u);
+  EXPECT_EQ(of_moving.positions, plain.positions);
 }
 
 TEST(Input, more_memory_than_allowed_is_refused_with_the_numbers) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -168,6 +169,14 @@ std::string gltf_made_with(const std::string& path) {
   return !json.is_discarded() && json.contains(where) && json[where].is_string()
              ? json[where].get<std::string>()
              : "";
+}
+
+bool gltf_is_whole(const std::string& path) {
+  std::uint32_t head[3] = {};  // magic number, version, length
+  std::ifstream in(path, std::ios::binary);
+  std::error_code error;
+  return in.read(reinterpret_cast<char*>(head), sizeof head) &&
+         std::filesystem::file_size(path, error) == head[2] && !error;
 }
 
 }  // namespace oilskin::demo

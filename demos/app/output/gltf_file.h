@@ -19,5 +19,7 @@ void write_gltf(const std::string& path, const SurfaceFile& file);
 
 /// asset.extras.made_with of the file; empty if it has none.
 std::string gltf_made_with(const std::string& path);
+/// Whether the file is as long as its header says. A copy may have been cut off.
+bool gltf_is_whole(const std::string& path);
 
 }  // namespace oilskin::demo

@@ -17,4 +17,8 @@ std::string gltf_made_with(const std::string&) {
   throw std::logic_error("require_formats() refuses glb");
 }
 
+bool gltf_is_whole(const std::string&) {
+  throw std::logic_error("require_formats() refuses glb");
+}
+
 }  // namespace oilskin::demo

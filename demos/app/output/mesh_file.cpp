@@ -1,7 +1,9 @@
 #include "output/mesh_file.h"
 
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "output/write_file.h"
 
@@ -90,6 +92,24 @@ std::string ply_made_with(const std::string& path) {
   for (int lines = 0; lines < 20 && std::getline(in, line) && line != "end_header"; ++lines)
     if (line.compare(0, comment.size(), comment) == 0) return line.substr(comment.size());
   return "";
+}
+
+bool ply_is_whole(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string line;
+  std::uint64_t vertices = 0, faces = 0, properties = 0;
+  while (std::getline(in, line) && line != "end_header") {
+    std::istringstream words(line);
+    std::string word, name;
+    words >> word >> name;
+    if (word == "element") words >> (name == "vertex" ? vertices : faces);
+    if (word == "property" && name != "list") ++properties;
+  }
+  if (line != "end_header") return false;
+  const auto header = static_cast<std::uint64_t>(in.tellg());
+  std::error_code error;
+  const std::uint64_t size = std::filesystem::file_size(path, error);
+  return !error && size == header + vertices * 4 * properties + faces * 13;
 }
 
 }  // namespace oilskin::demo

@@ -18,5 +18,7 @@ void write_wet_mesh(const std::string& path, const SurfaceMotion& motion, Span<c
 
 /// The comment `made_with` of the file; empty if there is none.
 std::string ply_made_with(const std::string& path);
+/// Whether a file of write_ply() is as long as its header says. A copy may have been cut off.
+bool ply_is_whole(const std::string& path);
 
 }  // namespace oilskin::demo

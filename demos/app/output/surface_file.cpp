@@ -19,16 +19,22 @@ struct Format {
   bool (*available)();
   void (*write)(const std::string& path, const SurfaceFile& file);
   std::string (*made_with)(const std::string& path);
+  bool (*is_whole)(const std::string& path);
 };
 
 bool always() {
   return true;
 }
 
+/// OpenVDB's files do not say how long they are.
+bool is_assumed_whole(const std::string&) {
+  return true;
+}
+
 constexpr Format table[] = {
-    {"ply", "", always, write_ply, ply_made_with},
-    {"glb", "TinyGLTF (Debian: libtinygltf-dev)", gltf_available, write_gltf, gltf_made_with},
-    {"vdb", "OpenVDB (Debian: libopenvdb-dev)", vdb_available, write_vdb, vdb_made_with},
+    {"ply", "", always, write_ply, ply_made_with, ply_is_whole},
+    {"glb", "TinyGLTF (Debian: libtinygltf-dev)", gltf_available, write_gltf, gltf_made_with, gltf_is_whole},
+    {"vdb", "OpenVDB (Debian: libopenvdb-dev)", vdb_available, write_vdb, vdb_made_with, is_assumed_whole},
 };
 
 const Format& format_of(const std::string& name) {
@@ -63,6 +69,10 @@ void write_surface(const std::string& directory, int number, const std::vector<s
 
 std::string surface_made_with(const std::string& path, const std::string& format) {
   return format_of(format).made_with(path);
+}
+
+bool surface_is_whole(const std::string& path, const std::string& format) {
+  return format_of(format).is_whole(path);
 }
 
 }  // namespace oilskin::demo

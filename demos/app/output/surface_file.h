@@ -33,5 +33,7 @@ void write_surface(const std::string& directory, int number, const std::vector<s
 
 /// The line `made_with` of a file of that format; empty if it has none.
 std::string surface_made_with(const std::string& path, const std::string& format);
+/// Whether a file of write_surface() is as long as it says; of VDB always.
+bool surface_is_whole(const std::string& path, const std::string& format);
 
 }  // namespace oilskin::demo
