@@ -46,9 +46,8 @@ std::optional<Vec3> gravity_of_bodies(const std::vector<Attachment>& attachments
   return {};
 }
 
-bool is_dynamic(const btCollisionObject& object) {
-  const btRigidBody* body = btRigidBody::upcast(&object);
-  return body && !body->isStaticOrKinematicObject() && body->getInvMass() > 0;
+std::string name_of_body(const Attachment& a) {
+  return "surface " + std::to_string(a.id().value) + ", a rigid body, ";
 }
 
 }  // namespace
@@ -71,18 +70,19 @@ void btFluidCoupling::Impl::note_gravity() {
 void btFluidCoupling::Impl::note_bodies() {
   for (const Attachment& a : attachments) {
     if (a.cloth || a.sensor) continue;
-    const std::string object = "surface " + std::to_string(a.id().value) + ", a rigid body, ";
-    if (!a.takes_impulses && is_dynamic(*a.object))
-      note(object +
-           "was attached by addCollisionObject() and is dynamic now, so the water does not move it: attach "
-           "it by addRigidBody()");
-    const double jump = a.takes_impulses ? static_cast<const RigidBodyHost&>(*a.rigid).unexplained() : 0;
-    if (jump > finest_spacing()) {
-      std::ostringstream text;
-      text << object << "moved by " << jump
-           << " m in a step, which its velocity does not explain: if it was placed there, call resetMotion()";
-      note(text.str());
+    if (!a.takes_impulses) {
+      if (!a.object->isStaticOrKinematicObject())
+        note(name_of_body(a) +
+             "was attached by addCollisionObject() and is dynamic now, so the water does not move it: attach "
+             "it by addRigidBody()");
+      continue;
     }
+    const double jump = static_cast<const RigidBodyHost&>(*a.rigid).unexplained();
+    if (jump == 0 || jump <= finest_spacing()) continue;
+    std::ostringstream text;
+    text << name_of_body(a) << "moved by " << jump
+         << " m in a step, which its velocity does not explain: if it was placed there, call resetMotion()";
+    note(text.str());
   }
 }
 

@@ -15,9 +15,11 @@ using world::StepContext;
 namespace {
 
 /// An emitter that was moved, or a volume that is larger than the kill box, would give less water than asked.
-void note_starts_outside(const std::vector<fluid::Start>& starts, const Box& kill_box, StepReport& report) {
-  const auto outside = std::count_if(starts.begin(), starts.end(),
-                                     [&](const fluid::Start& s) { return !kill_box.contains(s.position); });
+void note_starts_outside(const std::vector<fluid::Start>& starts, const std::vector<fluid::Outcome>& outcomes,
+                         const Box& kill_box, StepReport& report) {
+  std::size_t outside = 0;
+  for (std::size_t k = 0; k < starts.size(); ++k)
+    outside += outcomes[k] == fluid::Outcome::blocked && !kill_box.contains(starts[k].position);
   if (outside > 0)
     add_message(std::to_string(outside) +
                     " starts of emitters were left out, since they lie outside of the kill box: enlarge "
@@ -40,7 +42,7 @@ void World::Impl::emit(IntervalContext& interval) {
   const std::vector<fluid::Start>& starts = emission->due(interval.begin, interval.dt);
   std::vector<fluid::Outcome> outcomes =
       world::judge_starts(starts, fluid_settings, settings.kill_box, step.surfaces, particles, *workers);
-  note_starts_outside(starts, settings.kill_box, step.report);
+  note_starts_outside(starts, outcomes, settings.kill_box, step.report);
   const std::uint64_t limit = world::particle_limit(settings);
   for (std::size_t k = 0; k < starts.size(); ++k) {
     const fluid::Start& start = starts[k];

@@ -114,10 +114,9 @@ void SurfacePaths::next() {
 /// On straight lines the hull would be smaller in between, and would stay so where contact holds the body.
 void SurfacePaths::move_body(const Path& path) const {
   SurfaceMotion& m = *path.motion;
-  std::vector<Vec3> displacement;
-  for (std::size_t i = 0; i < path.target.size(); ++i) displacement.push_back(path.target[i] - m.x_t0[i]);
+  m.x_t1 = path.target;
   m.body->center_t1 = path.center_target;
-  const BodyPath whole = path_of_body(m, displacement.data()), part = whole.part(1.0 / left_);
+  const BodyPath whole = path_of_body(m), part = whole.part(1.0 / left_);
   for (std::size_t i = 0; i < path.target.size(); ++i) {
     const Vec3 unturned = whole.start_of(path.target[i]);  // x_t0, unless the host changed the shape
     m.x_t1[i] = stored(part.end_of(m.x_t0[i] + (unturned - m.x_t0[i]) / left_), m.storage);
