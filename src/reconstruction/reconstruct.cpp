@@ -8,6 +8,7 @@
 #include "reconstruction/pieces.h"
 #include "reconstruction/run.h"
 #include "reconstruction/smoothing.h"
+#include "reconstruction/untangle.h"
 #include "reconstruction/vertex_data.h"
 #include "reconstruction/volume_fit.h"
 
@@ -94,8 +95,6 @@ std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<flo
   const std::vector<std::uint8_t> missing = far_from_water(particles, film, grid, workers);
   for (std::size_t p = 0; p < missing.size(); ++p)
     if (missing[p]) water.make_drop(p);
-  const std::vector<std::array<float, 3>> start =
-      keeps_gap() ? raw.positions : std::vector<std::array<float, 3>>();
   FilmVertices films =
       thin_films(film, contact.film_mode(), particles, grid, polygonised, options.clip, raw, workers);
   FitLimits limits;
@@ -109,7 +108,6 @@ std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<flo
   limits.gap = options.gap;
   if (contact.promises()) limits.known = obstacle_region;
   fit_volume(limits, particles, water, film, grid, obstacles, polygonised, films, blocks, raw, workers);
-  if (keeps_gap()) put_back_what_fails(start, raw);
   return std::move(films.thickness);
 }
 
@@ -175,7 +173,15 @@ void Reconstruction::finish(RawMesh& raw, WaterMesh& mesh) {
                              .held;
   const SurfaceBlocks blocks(grid, raw);
   mesh.thickness.clear();
-  if (keeps) mesh.thickness = fit_to_water(moves ? polygonised : raw.positions, blocks, raw);
+  if (keeps || options.smoothing_iterations > 0) {
+    const std::vector<std::array<float, 3>> start =
+        keeps_gap() ? raw.positions : std::vector<std::array<float, 3>>();
+    if (keeps)
+      mesh.thickness = fit_to_water(moves ? polygonised : raw.positions, blocks, raw);
+    else
+      untangle(cell, options.clip, keeps_gap() ? &obstacles : nullptr, options.gap, blocks, raw, workers);
+    if (keeps_gap()) put_back_what_fails(start, raw);
+  }
   for (float& t : mesh.thickness) t *= static_cast<float>(cell);
   interpolate(input, particles, field, obstacles, contact.uses_visibility(), options.nearest, grid, raw, mesh,
               workers);

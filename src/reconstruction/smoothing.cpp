@@ -145,15 +145,28 @@ void move(double factor, const Neighbours& neighbours, const std::vector<Float3>
   });
 }
 
+/// Calls f for the numbers given, or for all below n.
+template <class F>
+void for_numbers(const std::vector<std::uint32_t>* only, std::size_t n, const F& f) {
+  if (only)
+    for (const std::uint32_t k : *only) f(k);
+  else
+    for (std::uint32_t k = 0; k < n; ++k) f(k);
+}
+
+/// What put_back() knows of a vertex that it has put back: in this round, or earlier.
+constexpr std::uint8_t fresh = 1, old = 2;
+
 }  // namespace
 
 /// A vertex put back may make a neighbouring triangle fail, so this repeats until all pass.
 std::size_t put_back(const Obstacles& obstacles, double gap, const std::vector<std::uint32_t>* only,
                      const std::vector<Float3>& start, RawMesh& mesh, const Workers& workers) {
-  std::vector<std::uint8_t> held(mesh.positions.size(), 0);
-  for (;;) {
-    std::vector<std::uint8_t> failed(mesh.triangles.size(), 0);
-    for_near_pairs(mesh.positions, mesh.triangles, only, obstacles, 1.01 * gap + 1e-30, workers,
+  std::vector<std::uint8_t> held(mesh.positions.size(), 0), failed(mesh.triangles.size(), 0);
+  std::size_t count = 0;
+  std::vector<std::uint32_t> again;
+  for (const std::vector<std::uint32_t>* tested = only;; tested = &again) {
+    for_near_pairs(mesh.positions, mesh.triangles, tested, obstacles, 1.01 * gap + 1e-30, workers,
                    [&](std::uint32_t t, Span<const std::uint32_t> candidates) {
                      const Corners own = stored_corners(mesh.positions, mesh.triangles[t]);
                      for (std::uint32_t c : candidates) {
@@ -161,18 +174,29 @@ std::size_t put_back(const Obstacles& obstacles, double gap, const std::vector<s
                        if (!certified_apart(own, other, gap + obstacles.rounding(c))) failed[t] = 1;
                      }
                    });
-    bool changed = false;
-    for (std::size_t t = 0; t < failed.size(); ++t) {
-      if (!failed[t]) continue;
+    const std::size_t before = count;
+    for_numbers(tested, mesh.triangles.size(), [&](std::uint32_t t) {
+      if (!failed[t]) return;
+      failed[t] = 0;
       for (std::uint32_t v : mesh.triangles[t]) {
-        changed |= !held[v];
-        held[v] = 1;
+        if (held[v]) continue;
+        held[v] = fresh;
+        ++count;
         mesh.positions[v] = start[v];
       }
-    }
-    if (!changed) break;
+    });
+    if (count == before) return count;
+    // The others are as they were when they passed.
+    std::vector<std::uint32_t> next;
+    for_numbers(only, mesh.triangles.size(), [&](std::uint32_t t) {
+      const Triangle& c = mesh.triangles[t];
+      if (held[c[0]] == fresh || held[c[1]] == fresh || held[c[2]] == fresh) next.push_back(t);
+    });
+    for (const std::uint32_t t : next)
+      for (const std::uint32_t v : mesh.triangles[t])
+        if (held[v] == fresh) held[v] = old;
+    again.swap(next);
   }
-  return static_cast<std::size_t>(std::count(held.begin(), held.end(), 1));
 }
 
 SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, double cell,

@@ -6,6 +6,8 @@
 #include "core/assert.h"
 #include "reconstruction/cube_lattice.h"
 #include "reconstruction/pieces.h"
+#include "reconstruction/smoothing.h"
+#include "reconstruction/untangle.h"
 #include "reconstruction/vertex_data.h"
 #include "reconstruction/water_in_cubes.h"
 
@@ -365,12 +367,18 @@ void fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const 
   OILSKIN_ASSERT(mesh.distances.size() == mesh.positions.size());
   Fit fit(limits, grid, obstacles, polygonised, films, blocks, mesh, workers);
   if (!limits.clip) fit.fit_cubes(particles, water, polygonised);
+  const Obstacles* const keep_off = limits.known && !obstacles.empty() ? &obstacles : nullptr;
+  const std::vector<std::uint32_t> untangled =
+      untangle(limits.cell, limits.clip, keep_off, limits.gap, blocks, mesh, workers);
+  const std::vector<Float3> before = keep_off && !untangled.empty() ? mesh.positions : std::vector<Float3>();
   const SmallPieces pieces = small_pieces(mesh, limits.small_piece * std::pow(limits.cell, 3));
   std::vector<double> in_pieces =
       water_in_pieces(particles, water, film, grid, obstacles, mesh, pieces, workers);
   if (limits.clip) fit.leave_clipped_pieces(pieces, in_pieces);
   fit.fit_pieces(pieces.of_vertex, in_pieces);
   if (pieces.count > 0) fit.scale_pieces(pieces.of_vertex, in_pieces);
+  // The limits of vertices are those at the places from which they moved along the surface.
+  if (!before.empty()) put_back(obstacles, limits.gap, &untangled, before, mesh, workers);
 }
 
 }  // namespace oilskin::reconstruction

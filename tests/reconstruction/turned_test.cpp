@@ -1,0 +1,79 @@
+// Triangles that face against the mesh around them (R.39). Marching cubes makes none. Smoothing beside
+// obstacles, films and the fit of the volume move vertices past each other.
+#include <gtest/gtest.h>
+
+#include "reconstruction/promise.h"
+#include "reconstruction/runs.h"
+#include "reconstruction/scenes.h"
+#include "support/record.h"
+
+namespace oilskin {
+namespace {
+
+using test::WaterScene;
+
+/// The part of the area whose triangles face against the mean of their corners' normals.
+double part_turned(const WaterMesh& mesh) {
+  double turned = 0, all = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 a = test::position(mesh, t[0]), b = test::position(mesh, t[1]), c = test::position(mesh, t[2]);
+    const Vec3 area = (b - a).cross(c - a);
+    Vec3 normal = Vec3::Zero();
+    for (const std::uint32_t v : t)
+      normal += Vec3(mesh.normals[v][0], mesh.normals[v][1], mesh.normals[v][2]);
+    all += area.norm();
+    if (area.dot(normal) < 0) turned += area.norm();
+  }
+  return all > 0 ? turned / all : 0;
+}
+
+struct Case {
+  const char* name;
+  ObstacleMode mode;
+  double cell;
+  int smoothing;
+  bool keep_volume;
+  double most;  ///< part of the area
+};
+
+std::string case_name(const ::testing::TestParamInfo<Case>& info) {
+  return info.param.name;
+}
+
+class TurnedTriangles : public ::testing::TestWithParam<Case> {
+ protected:
+  void expect_few(const WaterScene& s) const {
+    ReconstructionOptions options = test::options_for(s, GetParam().cell, 0, GetParam().mode);
+    options.smoothing_iterations = GetParam().smoothing;
+    options.keep_volume = GetParam().keep_volume;
+    const WaterMesh mesh = test::reconstruct(s.input(), options);
+    EXPECT_GT(mesh.triangles.size(), 1000u);
+    test::record("part turned", part_turned(mesh));
+    EXPECT_LT(part_turned(mesh), GetParam().most);
+    test::expect_promise(s, mesh, options.gap);
+  }
+};
+
+TEST_P(TurnedTriangles, at_a_wavy_sheet_are_few) {
+  expect_few(test::wavy_scene(true));
+}
+
+TEST_P(TurnedTriangles, in_a_v_are_few) {
+  expect_few(test::vee_scene());
+}
+
+TEST_P(TurnedTriangles, at_folds_are_few) {
+  expect_few(test::crumple_scene());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Modes, TurnedTriangles,
+    ::testing::Values(Case{"touch", ObstacleMode::touch, 0.5, 10, true, 5e-4},
+                      Case{"touch_without_smoothing", ObstacleMode::touch, 0.5, 0, true, 3e-4},
+                      Case{"gap", ObstacleMode::gap, 0.5, 10, true, 9e-4},
+                      Case{"gap_with_large_cells", ObstacleMode::gap, 0.8, 10, true, 8.5e-4},
+                      Case{"gap_without_volume", ObstacleMode::gap, 0.5, 10, false, 4e-4}),
+    case_name);
+
+}  // namespace
+}  // namespace oilskin
