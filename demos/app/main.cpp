@@ -165,7 +165,16 @@ void CommandLine::add_mesh() {
                    "velocity,speed,thickness,wetness,id: of the vertices (default: the run's, or velocity)")
       ->delimiter(',')
       ->allow_extra_args(false);
+  mesh->add_option(
+          "--set", m.set,
+          "surface.KEY=VALUE, one key of the scene's surface, e.g. surface.keep_volume=false; may be "
+          "repeated; the options above win")
+      ->expected(1)
+      ->take_all();
   mesh->add_option("--spacing", m.spacing, "of the particles [m] (default: as DIR/report.json says)");
+  mesh->add_option("--density", m.density,
+                   "of the water [kg/m3]: a particle with a mass has mass/density of water (default: as "
+                   "DIR/report.json says)");
   mesh->add_option("--out", m.out, "folder for surface_NNNN.* (default: DIR)");
   mesh->add_option("--threads", m.threads, "0 = all hardware threads")->check(CLI::Range(0, 1024));
   mesh->add_flag("--overwrite", m.overwrite, "make surfaces that are there already again");

@@ -47,17 +47,39 @@ void read_report(const std::string& report, Plan& plan) {
   }
 }
 
+/// Keys of the scene's surface from --set.
+Json surface_keys(const std::vector<std::string>& assignments) {
+  Json scene = {{"surface", Json::object()}};
+  for (const std::string& assignment : assignments) {
+    apply_override(scene, assignment);
+    if (scene.size() > 1 || !scene["surface"].is_object())
+      throw SceneError("--set " + assignment +
+                       ": only keys of the surface count here, as surface.min_blob=2");
+  }
+  return scene["surface"];
+}
+
+void check_positive(const char* option, const std::optional<double>& value, const std::string& unit) {
+  if (value && !(*value > 0))
+    throw SceneError(std::string(option) + ": is " + std::to_string(*value) + ", must be > 0 " + unit);
+}
+
 /// Settings of the command line, and those of the run's report where it gives none.
 Plan make_plan(const MeshOptions& options) {
   Plan plan;
   const std::string report = options.directory + "/report.json";
   if (fs::exists(report)) read_report(report, plan);
-  if (options.spacing && !(*options.spacing > 0))
-    throw SceneError("--spacing: is " + std::to_string(*options.spacing) + ", must be > 0 m");
+  check_positive("--spacing", options.spacing, "m");
+  check_positive("--density", options.density, "kg/m3");
   if (options.spacing) plan.spacing = *options.spacing;
+  if (options.density) plan.rest_density = *options.density;
   if (!(plan.spacing > 0))
     throw SceneError("--spacing: is needed, in metres, where " + report +
                      " does not tell the particles' spacing");
+  const Json keys = surface_keys(options.set);
+  Fields set = Fields::reader(keys, "--set surface");
+  describe(set, plan.mesh);
+  set.finish();
   Json given = Json::object();
   if (options.cell) given["cell"] = *options.cell;
   if (options.gap) given["gap"] = *options.gap;
@@ -140,13 +162,13 @@ StoredFrame read_frame(const StoredFrames& stored, int number, const Plan& plan,
   return frame;
 }
 
-/// The water of each particle [m³]; none where the report does not tell.
+/// The water of each particle [m³]; none where its mass or the density is unknown.
 std::vector<double> volumes_of(const StoredFrame& frame, const Plan& plan) {
-  if (!(plan.rest_density > 0 && plan.particle_mass > 0)) return {};
-  std::vector<double> volumes =
-      water_volumes(frame.position.size(), {}, plan.particle_mass, plan.rest_density);
-  for (std::size_t i = 0; i < frame.mass.size(); ++i) volumes[i] = frame.mass[i] / plan.rest_density;
-  return volumes;
+  if (!(plan.rest_density > 0)) return {};
+  std::vector<double> volumes;
+  for (const double mass : frame.mass) volumes.push_back(mass / plan.rest_density);
+  if (!volumes.empty() || !(plan.particle_mass > 0)) return volumes;
+  return water_volumes(frame.position.size(), {}, plan.particle_mass, plan.rest_density);
 }
 
 ReconstructionInput input_of(const StoredFrame& frame, Span<const double> volumes) {
@@ -199,6 +221,8 @@ bool make_frame(const StoredFrames& stored, const Task& task, const Plan& plan, 
   write_surface(output.directory, task.number, task.formats,
                 surface_file(made.mesh, input, frame.id, plan.mesh, plan.spacing));
   if (!options.quiet) print_frame(task.number, made);
+  if (!options.quiet && !frame.mass.empty() && volumes.empty())
+    std::printf("  the masses of the particles do not count: --density gives that of the water\n");
   return made.as_promised(wanted.contact);
 }
 

@@ -15,6 +15,8 @@ struct MeshOptions {
   std::string mode;                          ///< empty: likewise
   std::optional<int> smoothing;
   std::vector<std::string> formats, channels;  ///< empty: likewise
+  std::vector<std::string> set;                ///< surface.KEY=VALUE; the options above win
+  std::optional<double> density;               ///< of the water [kg/m³]; absent: likewise
   int threads = 0;
   bool overwrite = false, quiet = false;
   bool missing = false;  ///< only print the frames that lack a file

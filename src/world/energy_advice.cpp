@@ -11,6 +11,9 @@ namespace {
 
 constexpr double frame = 1.0 / 60;  // [s]
 
+/// A frame of a program for graphics has no time for more.
+constexpr double most_steps = 100;
+
 /// What a surface took in a step.
 struct Load {
   std::size_t surface = 0;
@@ -36,11 +39,16 @@ Load load_on(const SurfaceMotion& m) {
   return load;
 }
 
-/// Two digits.
+/// Two digits, and no exponent below a million.
 std::string rounded(double value) {
   std::ostringstream s;
-  s.precision(2);
-  s << value;
+  if (value >= 100 && value < 1e6) {
+    const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+    s << std::round(value / unit) * unit;
+  } else {
+    s.precision(2);
+    s << value;
+  }
   return s.str();
 }
 
@@ -50,8 +58,12 @@ std::string about_cloth(const Load& load, double dt, double gravity, double max_
   s << "the cloth (surface " << load.surface + 1 << ") ";
   if (gravity > 0) s << "carries " << rounded(load.kick() / (gravity * dt)) << " × its mass";
   if (!(gravity > 0)) s << "takes " << rounded(load.kick()) << " m/s a step";
-  s << " at " << rounded(1e3 * dt) << " ms: " << std::ceil(frame / (dt / ratio))
-    << " steps a frame of 1/60 s, or ≥ " << rounded(load.mass * ratio) << " kg";
+  s << " at " << rounded(1e3 * dt) << " ms: ";
+  const double steps = std::ceil(frame / (dt / ratio));
+  if (steps <= most_steps)
+    s << steps << " steps a frame of 1/60 s, or ≥ " << rounded(load.mass * ratio) << " kg";
+  else
+    s << "this is an impact that no usual step resolves; less speed or water at once, or more mass";
   return s.str();
 }
 

@@ -136,7 +136,46 @@ TEST_F(Mesh, channels_are_chosen_and_part_of_the_options) {
             std::string::npos);
   expect_refused({}, {"\"channels\":[\"speed\",\"id\"]", "--overwrite"});
   expect_refused({"--channels", "speed,speed"}, {"channels", "twice"});
-  expect_refused({"--channels", "depth"}, {"channels", "depth", "velocity, speed, wetness, id"});
+  expect_refused({"--channels", "depth"}, {"channels", "depth", "velocity, speed, wetness, thickness, id"});
+}
+
+TEST_F(Mesh, keys_of_the_surface_are_set_and_the_options_win) {
+  EXPECT_EQ(mesh({"--set", "surface.keep_volume=false", "--set", "surface.cell=0.004", "--cell", "0.005"})
+                .exit_code,
+            0);
+  const std::string made = folder.read("run/surface_0001.ply");
+  EXPECT_NE(made.find("\"keep_volume\":false"), std::string::npos);
+  EXPECT_NE(made.find("\"cell\":0.005"), std::string::npos);
+  expect_refused({"--set", "surface.min_blb=2"}, {"surface.min_blb"});
+  expect_refused({"--set", "surface.min_blob=-2"}, {"surface.min_blob", "-2"});
+  expect_refused({"--set", "fluid.spacing=0.02"}, {"fluid.spacing", "surface"});
+  expect_refused({"--set", "surface=3"}, {"surface"});
+  expect_refused({"--density", "-1"}, {"--density", "-1"});
+}
+
+/// The volume that the line of a frame states [m³].
+double volume_of(const std::string& line) {
+  const std::size_t at = line.find("volume ");
+  return at == std::string::npos ? 0 : std::stod(line.substr(at + 7));
+}
+
+TEST_F(Mesh, particles_of_another_program_have_the_volume_of_their_masses) {
+  std::filesystem::create_directory(folder.path("other"));
+  folder.write("other/particles_0003.vtp",
+               R"(<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian"><PolyData>
+<Piece NumberOfPoints="2"><Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">
+0 0 0 0.05 0 0</DataArray></Points><PointData><DataArray type="Float64" Name="mass" format="ascii">0.001 0.003
+</DataArray></PointData></Piece></PolyData></VTKFile>)");
+  const std::vector<std::string> other = {"mesh", folder.path("other"), "--spacing", "0.01"};
+  const Outcome plain = oilskin(other);
+  EXPECT_EQ(plain.exit_code, 0) << plain.err;
+  EXPECT_NEAR(volume_of(plain.out), 2e-6, 2e-8);
+  EXPECT_NE(plain.out.find("--density"), std::string::npos) << plain.out;
+  std::vector<std::string> with_density = other;
+  with_density.insert(with_density.end(), {"--density", "1000", "--overwrite"});
+  const Outcome heavy = oilskin(with_density);
+  EXPECT_EQ(heavy.exit_code, 0) << heavy.err;
+  EXPECT_NEAR(volume_of(heavy.out), 4e-6, 4e-8);
 }
 
 TEST_F(Mesh, a_file_that_cannot_be_written_ends_with_three) {

@@ -67,7 +67,8 @@ Outcome run_program_and_signal(const std::string& program, const std::vector<std
 }
 
 Outcome oilskin(const std::vector<std::string>& arguments) {
-  return run_program(OILSKIN_PROGRAM, arguments);
+  const char* const other = std::getenv("OILSKIN_TESTED_PROGRAM");
+  return run_program(other ? other : OILSKIN_PROGRAM, arguments);
 }
 
 Folder::Folder() {

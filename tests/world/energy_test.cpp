@@ -307,5 +307,34 @@ TEST(Energy, closes_in_a_busy_world_bit_for_bit_with_any_number_of_threads) {
   }
 }
 
+/// The advice on energy made when a block of water hits a free cloth with the speed given, if there was any.
+std::string advice_after_impact(double areal_density, double speed) {
+  FluidSettings fluid = plain();
+  fluid.spacing = 0.01;
+  World w(box(10, Vec3(0, -9.81, 0)), fluid);
+  GridShape grid;
+  grid.areal_density = areal_density;
+  MockCloth<double> cloth(grid);
+  for (const std::size_t corner : {0u, 8u, 72u, 80u}) cloth.pin(corner);
+  EXPECT_TRUE(w.attach(cloth, sheet_settings(), nullptr).ok());
+  std::vector<Vec3> x;
+  for (int n = 0; n < 5 * 5 * 5; ++n) x.push_back(0.01 * Vec3(2.5 + n % 5, 1 + n / 5 % 5, 2.5 + n / 25));
+  EXPECT_TRUE(w.add_particles(x, std::vector<Vec3>(x.size(), Vec3(0, -speed, 0))).ok());
+  for (int k = 0; k < 20; ++k) {
+    const StepReport& r = w.step(1.0 / 60);
+    for (const std::string& m : r.messages)
+      if (m.find("energy made: the cloth") != std::string::npos) return m;
+  }
+  return "";
+}
+
+TEST(Energy, advice_names_steps_only_where_a_program_could_take_them) {
+  const std::string light = advice_after_impact(0.02, 1), fast = advice_after_impact(0.2, 30);
+  EXPECT_NE(light.find(" steps a frame of 1/60 s, or ≥ "), std::string::npos) << light;
+  EXPECT_EQ(fast.find("steps a frame"), std::string::npos) << fast;
+  EXPECT_NE(fast.find("impact"), std::string::npos) << fast;
+  EXPECT_EQ(fast.find("e+"), std::string::npos) << fast;
+}
+
 }  // namespace
 }  // namespace oilskin::test
