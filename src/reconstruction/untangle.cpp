@@ -43,19 +43,27 @@ bool faces_against(const std::array<Vec3, 3>& x, const Vec3& mean_normal) {
   return (x[1] - x[0]).cross(x[2] - x[0]).dot(mean_normal) < 0;
 }
 
+/// The triangles with the vertices of some, and `count` rings around them; marks the vertices of all but the
+/// last ring in `inner`, those with all of their triangles.
+std::vector<std::uint32_t> with_rings(const RawMesh& mesh, const std::vector<std::uint32_t>& triangles,
+                                      int count, std::vector<std::uint8_t>& inner, const Workers& workers) {
+  inner.assign(mesh.positions.size(), 0);
+  std::vector<std::uint32_t> found = triangles;
+  for (int ring = 0; ring <= count; ++ring) {
+    for (const std::uint32_t t : found)
+      for (const std::uint32_t v : mesh.triangles[t]) inner[v] = 1;
+    found = triangles_with(mesh, workers,
+                           [&](const Triangle& t) { return inner[t[0]] || inner[t[1]] || inner[t[2]]; });
+  }
+  return found;
+}
+
 /// Part of the mesh: the triangles that are turned over, and those around them.
 class Patch {
  public:
   Patch(const RawMesh& mesh, const std::vector<std::uint32_t>& turned, const Workers& workers) {
-    std::vector<std::uint8_t> in(mesh.positions.size(), 0);
-    const auto mark = [&](const std::vector<std::uint32_t>& triangles) {
-      for (const std::uint32_t t : triangles)
-        for (const std::uint32_t v : mesh.triangles[t]) in[v] = 1;
-    };
-    const auto touches = [&](const Triangle& t) { return in[t[0]] || in[t[1]] || in[t[2]]; };
-    mark(turned);
-    for (int ring = 0; ring < rings; ++ring) mark(triangles_with(mesh, workers, touches));
-    numbers_ = triangles_with(mesh, workers, touches);
+    std::vector<std::uint8_t> inner;
+    numbers_ = with_rings(mesh, turned, rings, inner, workers);
     std::vector<std::uint32_t> place(mesh.positions.size(), none);
     for (const std::uint32_t n : numbers_) {
       Triangle t = mesh.triangles[n];
@@ -63,21 +71,21 @@ class Patch {
         if (place[v] == none) {
           place[v] = static_cast<std::uint32_t>(vertices_.size());
           vertices_.push_back(v);
-          // Only vertices with all of their triangles in the patch have a normal.
-          is_inner_.push_back(in[v]);
+          may_move_.push_back(inner[v]);
+          start_.push_back(vec(mesh.positions[v]));
         }
         v = place[v];
       }
       triangles_.push_back(t);
     }
-    for (const std::uint32_t n : turned)
-      turned_.push_back(static_cast<std::uint32_t>(std::lower_bound(numbers_.begin(), numbers_.end(), n) -
-                                                   numbers_.begin()));
-    find_rings();
-    for (const std::uint32_t v : vertices_) start_.push_back(vec(mesh.positions[v]));
+    const auto place_of = [&](std::uint32_t n) {
+      return std::lower_bound(numbers_.begin(), numbers_.end(), n) - numbers_.begin();
+    };
+    for (const std::uint32_t n : turned) turned_.push_back(static_cast<std::uint32_t>(place_of(n)));
     now_ = start_;
     vertex_seen_.assign(vertices_.size(), 0);
     triangle_seen_.assign(triangles_.size(), 0);
+    find_rings();
     normals_.resize(now_.size());
     workers.for_each(now_.size(), chunk, [&](std::size_t v) { normals_[v] = normal(std::uint32_t(v)); });
   }
@@ -85,7 +93,7 @@ class Patch {
   void hold_sides(const Box& clip, double margin) {
     const Box inner = clip.inflated(-margin);
     for (std::size_t v = 0; v < now_.size(); ++v)
-      if (!inner.contains(now_[v])) is_inner_[v] = 0;
+      if (!inner.contains(now_[v])) may_move_[v] = 0;
   }
   /// Moves the corners of the triangles that are turned over now. Returns whether any moved.
   bool relax(double max_move, const Workers& workers) {
@@ -93,7 +101,7 @@ class Patch {
     ++time_;
     for (const std::uint32_t n : turned_)
       for (const std::uint32_t v : triangles_[n])
-        if (is_inner_[v] && is_new(vertex_seen_[v])) moving.push_back(v);
+        if (may_move_[v] && is_new(vertex_seen_[v])) moving.push_back(v);
     std::vector<Vec3> next(moving.size());
     workers.for_each(moving.size(), chunk, [&](std::size_t m) {
       const std::uint32_t v = moving[m];
@@ -186,9 +194,11 @@ class Patch {
       if (!is_good[n]) turned_[count++] = turned_[n];
     turned_.resize(count);
   }
+  /// And can be mended. A vertex at the border of the patch lacks triangles, so its normal is about right
+  /// only.
   bool is_turned(std::uint32_t n) const {
     const Triangle& t = triangles_[n];
-    return (is_inner_[t[0]] || is_inner_[t[1]] || is_inner_[t[2]]) &&
+    return (may_move_[t[0]] || may_move_[t[1]] || may_move_[t[2]]) &&
            faces_against({now_[t[0]], now_[t[1]], now_[t[2]]},
                          normals_[t[0]] + normals_[t[1]] + normals_[t[2]]);
   }
@@ -209,7 +219,7 @@ class Patch {
 
   std::vector<std::uint32_t> numbers_;   ///< of the triangles in the mesh
   std::vector<std::uint32_t> vertices_;  ///< in the mesh; all else is numbered within the patch
-  std::vector<std::uint8_t> is_inner_;
+  std::vector<std::uint8_t> may_move_;   ///< not at the border of the patch, nor on a side of the clip box
   std::vector<Triangle> triangles_;
   std::vector<std::uint32_t> turned_, begin_;
   std::vector<RingEdge> ring_;
