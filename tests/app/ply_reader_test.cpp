@@ -62,6 +62,29 @@ TEST(PlyReader, reads_the_wetness_of_cloth_as_the_run_wrote_it) {
   EXPECT_THROW(demo::read_ply(folder.path("bad.ply")), demo::SceneError);
 }
 
+TEST(PlyReader, reads_text_as_the_same_mesh) {
+  const Folder folder;
+  const std::string head =
+      "ply\nformat ascii 1.0\ncomment of another program\nelement vertex 4\nproperty double x\nproperty "
+      "float y\n"
+      "property float z\nproperty uchar red\nproperty float wetness\nelement face 2\n"
+      "property list uchar int vertex_indices\nend_header\n";
+  const std::string body = "0 0 0 255 0\n0.1 0 0 7 0.5\n0 0.25 0 7 1\n0 0 -3e0 7 0\n3 0 1 2\n4 0 3 1 2\n";
+  const demo::StoredMesh read = demo::read_ply(folder.write("text.ply", head + body));
+  ASSERT_EQ(read.vertices.size(), 4u);
+  EXPECT_EQ(read.vertices[1], Vec3(0.1, 0, 0));
+  EXPECT_EQ(read.vertices[2], Vec3(0, 0.25f, 0));
+  EXPECT_EQ(read.vertices[3], Vec3(0, 0, -3));
+  EXPECT_EQ(read.wetness, (std::vector<float>{0, 0.5f, 1, 0}));
+  EXPECT_EQ(read.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 3, 1}, {0, 1, 2}}));
+  const std::string wrong[] = {head + body.substr(0, body.size() - 3), head + "0 0 no 255 0\n",
+                               head + "0 0 0 1 0\n0 0 0 1 0\n0 0 0 1 0\n0 0 0 1 0\n3 0 1 -2\n3 0 1 2\n",
+                               head + "0 0 0 1 0\n0 0 0 1 0\n0 0 0 1 0\n0 0 0 1 0\n3 0 1 4\n3 0 1 2\n",
+                               head + "0 0 0 1 0\n0 0 0 1 0\n0 0 0 1 0\n0 0 0 1 0\n1e9 0 1 2\n"};
+  for (const std::string& text : wrong)
+    EXPECT_THROW(demo::read_ply(folder.write("wrong.ply", text)), demo::SceneError) << text;
+}
+
 TEST(PlyReader, every_truncation_is_refused_by_name) {
   const Folder folder;
   const std::string whole = bytes_of_mesh(folder);
@@ -93,6 +116,7 @@ TEST(PlyReader, what_is_no_mesh_is_refused) {
   };
   refuses("", "no PLY file");
   refuses(with("little", "big"), "binary_little_endian");
+  refuses(with("float x", "int32 x"), "without x");
   refuses(with("vertex 4\n", "vertex -4\n"), "number");
   refuses(with("vertex 4\n", "vertex 4000000000\n"), "cut short");
   refuses(with("float z", "float w"), "without z");

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include "scene/fields.h"
@@ -13,11 +14,16 @@ namespace {
 struct Property {
   std::string name, type;
   std::size_t at = 0, size = 0;  // bytes within the vertex
+
+  bool is_float() const {
+    return type == "float" || type == "float32" || type == "double" || type == "float64";
+  }
 };
 
 struct Header {
   std::size_t vertices = 0, faces = 0, stride = 0;
   std::vector<Property> properties;
+  std::string format;
   std::size_t end = 0;  // where the data begins
 };
 
@@ -34,6 +40,7 @@ class PlyReader {
 
   StoredMesh read() {
     read_header();
+    if (header_.format == "ascii") make_binary();
     StoredMesh mesh;
     read_vertices(mesh);
     read_wetness(mesh);
@@ -66,12 +73,12 @@ class PlyReader {
 
   void read_header() {
     if (next_line() != "ply") fail("is no PLY file");
-    bool of_vertices = false, has_list = false, is_little_endian = false;
+    bool of_vertices = false, has_list = false;
     for (std::string line = next_line(); line != "end_header"; line = next_line()) {
       std::istringstream words(line);
       std::string word, type, name;
       words >> word >> type;
-      if (word == "format") is_little_endian = type == "binary_little_endian";
+      if (word == "format") header_.format = type;
       if (word == "element") {
         long long count = -1;
         words >> count;
@@ -94,13 +101,54 @@ class PlyReader {
         has_list = true;
       }
     }
-    if (!is_little_endian) fail("must be in the format binary_little_endian");
+    if (header_.format != "binary_little_endian" && header_.format != "ascii")
+      fail("must be in the format binary_little_endian or ascii");
     if (header_.faces > 0 && !has_list) fail("has faces without vertices");
+  }
+
+  double next_number(std::istream& in) const {
+    double value = 0;
+    if (!(in >> value)) fail("is cut short, or has a word that is no number");
+    return value;
+  }
+  template <class T>
+  static void append(T value, std::string& to) {
+    char bytes[sizeof value];
+    std::memcpy(bytes, &value, sizeof value);
+    to.append(bytes, sizeof value);
+  }
+  /// Of a whole number.
+  template <class T>
+  void append_whole(double value, std::string& to) const {
+    if (!(value >= 0 && value <= double(std::numeric_limits<T>::max()) && value == std::floor(value)))
+      fail("has " + std::to_string(value) + " where a number of corners or a vertex must be");
+    append(static_cast<T>(value), to);
+  }
+  /// The same file as binary little endian. Only floats and doubles keep their values: no other is read.
+  void make_binary() {
+    std::istringstream in(bytes_.substr(header_.end));
+    std::string binary = bytes_.substr(0, header_.end);
+    for (std::size_t i = 0; i < header_.vertices; ++i)
+      for (const Property& p : header_.properties) {
+        const double value = next_number(in);
+        if (p.is_float() && p.size == 8)
+          append(value, binary);
+        else if (p.is_float())
+          append(static_cast<float>(value), binary);
+        else
+          binary.append(p.size, '\0');
+      }
+    for (std::size_t f = 0; f < header_.faces; ++f) {
+      const double corners = next_number(in);
+      append_whole<std::uint8_t>(corners, binary);
+      for (int k = 0; k < int(corners); ++k) append_whole<std::uint32_t>(next_number(in), binary);
+    }
+    bytes_ = std::move(binary);
   }
 
   const Property& coordinate(const char* name) const {
     for (const Property& p : header_.properties)
-      if (p.name == name && p.size >= 4) return p;
+      if (p.name == name && p.is_float()) return p;
     fail(std::string("has vertices without ") + name);
   }
 
