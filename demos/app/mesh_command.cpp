@@ -1,7 +1,10 @@
 #include "mesh_command.h"
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <numeric>
+#include <sstream>
 
 #include "output/frame_path.h"
 #include "output/surface_file.h"
@@ -20,9 +23,10 @@ namespace fs = std::filesystem;
 
 struct Plan {
   WaterMeshSettings mesh;
-  double spacing = 0;        // [m]
-  double particle_mass = 0;  // [kg]; 0: unknown
-  double rest_density = 0;   // [kg/m³]
+  double spacing = 0;                   // [m]
+  double particle_mass = 0;             // [kg]; 0: unknown
+  double rest_density = 0;              // [kg/m³]
+  std::optional<double> other_density;  // of --density, where it is not that of the run
 };
 
 void read_report(const std::string& report, Plan& plan) {
@@ -72,7 +76,8 @@ Plan make_plan(const MeshOptions& options) {
   check_positive("--spacing", options.spacing, "m");
   check_positive("--density", options.density, "kg/m3");
   if (options.spacing) plan.spacing = *options.spacing;
-  if (options.density) plan.rest_density = *options.density;
+  if (options.density && *options.density != plan.rest_density)
+    plan.rest_density = *(plan.other_density = options.density);
   if (!(plan.spacing > 0))
     throw SceneError("--spacing: is needed, in metres, where " + report +
                      " does not tell the particles' spacing");
@@ -163,10 +168,19 @@ StoredFrame read_frame(const StoredFrames& stored, int number, const Plan& plan,
 }
 
 /// The water of each particle [m³]; none where its mass or the density is unknown.
-std::vector<double> volumes_of(const StoredFrame& frame, const Plan& plan) {
+std::vector<double> volumes_of(const StoredFrame& frame, int number, const Plan& plan) {
   if (!(plan.rest_density > 0)) return {};
   std::vector<double> volumes;
-  for (const double mass : frame.mass) volumes.push_back(mass / plan.rest_density);
+  const double most = 1000 * std::pow(plan.spacing, 3);  // what the reconstruction takes
+  for (std::size_t i = 0; i < frame.mass.size(); ++i) {
+    volumes.push_back(frame.mass[i] / plan.rest_density);
+    if (volumes[i] >= 0 && volumes[i] <= most) continue;
+    std::ostringstream text;
+    text << "frame " << number << ": the mass of particle " << i << " is " << frame.mass[i]
+         << " kg; with a density of " << plan.rest_density << " kg/m3 and a spacing of " << plan.spacing
+         << " m it must be 0 to " << most * plan.rest_density << " kg";
+    throw SceneError(text.str());
+  }
   if (!volumes.empty() || !(plan.particle_mass > 0)) return volumes;
   return water_volumes(frame.position.size(), {}, plan.particle_mass, plan.rest_density);
 }
@@ -181,16 +195,30 @@ ReconstructionInput input_of(const StoredFrame& frame, Span<const double> volume
   return input;
 }
 
-void print_frame(int number, const MadeMesh& made) {
+/// Of all particles [m³].
+double water_in(const ReconstructionInput& input, double spacing) {
+  if (input.volumes.empty()) return double(input.positions.size()) * std::pow(spacing, 3);
+  return std::accumulate(input.volumes.begin(), input.volumes.end(), 0.0);
+}
+
+void print_frame(int number, const MadeMesh& made, const ReconstructionInput& input, double spacing) {
   const MeshCheck& c = made.check;
+  std::size_t triangles = 0;
+  for (const ObstacleMesh& obstacle : input.obstacles) triangles += obstacle.triangles.size();
   std::printf(
-      "frame %04d: %zu triangles, %.3f s, %zu intersecting pairs, %zu nearer than the gap, %zu submerged, "
-      "%zu open edges, least distance %g m, volume %g m3\n",
-      number, made.mesh.triangles.size(), made.seconds, c.intersecting_pairs, c.too_close_pairs,
-      c.submerged_components, c.open_edges, c.min_distance, c.volume);
+      "frame %04d: %zu triangles, %.3f s, %zu obstacles of %zu triangles, %zu intersecting pairs, %zu nearer "
+      "than the gap, %zu submerged, %zu open edges, ",
+      number, made.mesh.triangles.size(), made.seconds, input.obstacles.size(), triangles,
+      c.intersecting_pairs, c.too_close_pairs, c.submerged_components, c.open_edges);
+  if (std::isfinite(c.min_distance))
+    std::printf("least distance %g m, ", c.min_distance);
+  else
+    std::printf("no obstacle near, ");
+  std::printf("volume %g m3 of %g m3 of water\n", c.volume, water_in(input, spacing));
   if (made.report.particles_skipped > 0)
-    std::printf("  %zu particles were left out: not finite, or farther away than 2^20 cells\n",
-                made.report.particles_skipped);
+    std::printf(
+        "  %zu particles were left out: position or velocity not finite, or farther away than 2^20 cells\n",
+        made.report.particles_skipped);
   std::fflush(stdout);
 }
 
@@ -207,20 +235,21 @@ Output make_output(const MeshOptions& options, const Plan& plan) {
   std::error_code error;
   if (!options.missing) fs::create_directories(out, error);
   if (error) throw SceneError("--out " + out + ": " + error.message());
-  return {out, made_with(plan.mesh, plan.spacing), plan.mesh.formats};
+  return {out, made_with(plan.mesh, plan.spacing, plan.other_density), plan.mesh.formats};
 }
 
 /// Whether the mesh is as promised.
 bool make_frame(const StoredFrames& stored, const Task& task, const Plan& plan, const Output& output,
                 const MeshOptions& options) {
   const StoredFrame frame = read_frame(stored, task.number, plan, options);
-  const std::vector<double> volumes = volumes_of(frame, plan);
+  const std::vector<double> volumes = volumes_of(frame, task.number, plan);
   const ReconstructionInput input = input_of(frame, volumes);
   const ReconstructionOptions wanted = reconstruction_options(plan.mesh, plan.spacing, options.threads);
   const MadeMesh made = make_mesh(input, wanted);
-  write_surface(output.directory, task.number, task.formats,
-                surface_file(made.mesh, input, frame.id, plan.mesh, plan.spacing));
-  if (!options.quiet) print_frame(task.number, made);
+  SurfaceFile file = surface_file(made.mesh, input, frame.id, plan.mesh, plan.spacing);
+  file.made_with = output.made_with;
+  write_surface(output.directory, task.number, task.formats, file);
+  if (!options.quiet) print_frame(task.number, made, input, plan.spacing);
   if (!options.quiet && !frame.mass.empty() && volumes.empty())
     std::printf("  the masses of the particles do not count: --density gives that of the water\n");
   return made.as_promised(wanted.contact);

@@ -256,9 +256,9 @@ def set_up_render(options):
     scene.render.engine = "CYCLES"
     scene.cycles.samples = options.samples
     scene.cycles.use_denoising = False  # Debian's build has no denoiser
-    scene.cycles.max_bounces = 16
-    scene.cycles.transmission_bounces = 12
-    scene.cycles.transparent_max_bounces = 12
+    # Total reflection counts as glossy: with fewer bounces, thin water is black where light is reflected inside it.
+    scene.cycles.max_bounces = scene.cycles.transmission_bounces = scene.cycles.glossy_bounces = 32
+    scene.cycles.transparent_max_bounces = 32
     scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = False
     scene.cycles.sample_clamp_indirect = 4
     scene.render.resolution_x, scene.render.resolution_y = options.size

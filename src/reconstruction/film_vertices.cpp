@@ -29,7 +29,8 @@ FilmAt film_at(const FilmRule& rule, const NearFilm& near, const Vec3& x, double
     const FilmParticle& p = near.item(c);
     const AlongFilm along(p, x - near.place(c));
     const double k = kernel(along.rho_squared);
-    if (!(k > 0)) return;
+    // Those without a share are no part of the film: too high above the obstacle.
+    if (!(k > 0) || !(p.share > 0)) return;
     const double slack = height_slack * rule.spacing + slope_slack * std::sqrt(along.rho_squared);
     if (std::abs(along.height - distance) > slack) return;
     at.thickness += double(p.share) * k;

@@ -107,7 +107,8 @@ std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<flo
   limits.clip = options.clip;
   limits.gap = options.gap;
   if (contact.promises()) limits.known = obstacle_region;
-  fit_volume(limits, particles, water, film, grid, obstacles, polygonised, films, blocks, raw, workers);
+  report.vertices_held +=
+      fit_volume(limits, particles, water, film, grid, obstacles, polygonised, films, blocks, raw, workers);
   return std::move(films.thickness);
 }
 
@@ -179,7 +180,9 @@ void Reconstruction::finish(RawMesh& raw, WaterMesh& mesh) {
     if (keeps)
       mesh.thickness = fit_to_water(moves ? polygonised : raw.positions, blocks, raw);
     else
-      untangle(cell, options.clip, keeps_gap() ? &obstacles : nullptr, options.gap, blocks, raw, workers);
+      report.vertices_held +=
+          untangle(cell, options.clip, keeps_gap() ? &obstacles : nullptr, options.gap, blocks, raw, workers)
+              .held;
     if (keeps_gap()) put_back_what_fails(start, raw);
   }
   for (float& t : mesh.thickness) t *= static_cast<float>(cell);

@@ -194,8 +194,8 @@ class Patch {
       if (!is_good[n]) turned_[count++] = turned_[n];
     turned_.resize(count);
   }
-  /// And can be mended. A vertex at the border of the patch lacks triangles, so its normal is about right
-  /// only.
+  /// And may be turned back. A vertex at the border of the patch lacks triangles, so its normal is about
+  /// right only.
   bool is_turned(std::uint32_t n) const {
     const Triangle& t = triangles_[n];
     return (may_move_[t[0]] || may_move_[t[1]] || may_move_[t[2]]) &&
@@ -231,9 +231,8 @@ class Patch {
 
 }  // namespace
 
-std::vector<std::uint32_t> untangle(double cell, const std::optional<Box>& clip, const Obstacles* obstacles,
-                                    double gap, const SurfaceBlocks& blocks, RawMesh& mesh,
-                                    const Workers& workers) {
+Untangled untangle(double cell, const std::optional<Box>& clip, const Obstacles* obstacles, double gap,
+                   const SurfaceBlocks& blocks, RawMesh& mesh, const Workers& workers) {
   std::vector<Float3> normals;
   vertex_normals(mesh, blocks, workers, normals);
   const std::vector<std::uint32_t> turned = triangles_with(mesh, workers, [&](const Triangle& t) {
@@ -246,9 +245,10 @@ std::vector<std::uint32_t> untangle(double cell, const std::optional<Box>& clip,
   for (int round = 0; round < max_rounds && patch.relax(cell, workers); ++round) {
   }
   const std::vector<Float3> before = obstacles ? mesh.positions : std::vector<Float3>();
-  std::vector<std::uint32_t> changed = patch.write_to(clip, mesh);
-  if (obstacles) put_back(*obstacles, gap, &changed, before, mesh, workers);
-  return changed;
+  Untangled result;
+  result.triangles = patch.write_to(clip, mesh);
+  if (obstacles) result.held = put_back(*obstacles, gap, &result.triangles, before, mesh, workers);
+  return result;
 }
 
 }  // namespace oilskin::reconstruction

@@ -357,20 +357,20 @@ std::vector<double> water_of_small_pieces(double max_volume, const ParticleBlock
   return result;
 }
 
-void fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const Water& water,
-                const Film& film, const Grid& grid, const Obstacles& obstacles,
-                const std::vector<Float3>& polygonised, const FilmVertices& films,
-                const SurfaceBlocks& blocks, RawMesh& mesh, const Workers& workers) {
+std::size_t fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const Water& water,
+                       const Film& film, const Grid& grid, const Obstacles& obstacles,
+                       const std::vector<Float3>& polygonised, const FilmVertices& films,
+                       const SurfaceBlocks& blocks, RawMesh& mesh, const Workers& workers) {
   OILSKIN_ASSERT(water.size() == particles.size());
-  if (mesh.positions.empty()) return;
+  if (mesh.positions.empty()) return 0;
   OILSKIN_ASSERT(mesh.cube_volumes.size() == grid.blocks.size());
   OILSKIN_ASSERT(mesh.distances.size() == mesh.positions.size());
   Fit fit(limits, grid, obstacles, polygonised, films, blocks, mesh, workers);
   if (!limits.clip) fit.fit_cubes(particles, water, polygonised);
   const Obstacles* const keep_off = limits.known && !obstacles.empty() ? &obstacles : nullptr;
-  const std::vector<std::uint32_t> untangled =
-      untangle(limits.cell, limits.clip, keep_off, limits.gap, blocks, mesh, workers);
-  const std::vector<Float3> before = keep_off && !untangled.empty() ? mesh.positions : std::vector<Float3>();
+  const Untangled untangled = untangle(limits.cell, limits.clip, keep_off, limits.gap, blocks, mesh, workers);
+  const bool tests_again = keep_off && !untangled.triangles.empty();
+  const std::vector<Float3> before = tests_again ? mesh.positions : std::vector<Float3>();
   const SmallPieces pieces = small_pieces(mesh, limits.small_piece * std::pow(limits.cell, 3));
   std::vector<double> in_pieces =
       water_in_pieces(particles, water, film, grid, obstacles, mesh, pieces, workers);
@@ -378,7 +378,8 @@ void fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const 
   fit.fit_pieces(pieces.of_vertex, in_pieces);
   if (pieces.count > 0) fit.scale_pieces(pieces.of_vertex, in_pieces);
   // The limits of vertices are those at the places from which they moved along the surface.
-  if (!before.empty()) put_back(obstacles, limits.gap, &untangled, before, mesh, workers);
+  if (!tests_again) return untangled.held;
+  return untangled.held + put_back(obstacles, limits.gap, &untangled.triangles, before, mesh, workers);
 }
 
 }  // namespace oilskin::reconstruction

@@ -159,13 +159,28 @@ double volume_of(const std::string& line) {
   return at == std::string::npos ? 0 : std::stod(line.substr(at + 7));
 }
 
-TEST_F(Mesh, particles_of_another_program_have_the_volume_of_their_masses) {
+/// A file of two particles with an array.
+std::string two_particles(const std::string& array) {
+  return R"(<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian"><PolyData>
+<Piece NumberOfPoints="2"><Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">
+0 0 0 0.05 0 0</DataArray></Points><PointData><DataArray type="Float64" )" +
+         array + "</DataArray></PointData></Piece></PolyData></VTKFile>";
+}
+
+TEST_F(Mesh, an_array_of_another_length_is_refused_by_name) {
   std::filesystem::create_directory(folder.path("other"));
   folder.write("other/particles_0003.vtp",
-               R"(<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian"><PolyData>
-<Piece NumberOfPoints="2"><Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">
-0 0 0 0.05 0 0</DataArray></Points><PointData><DataArray type="Float64" Name="mass" format="ascii">0.001 0.003
-</DataArray></PointData></Piece></PolyData></VTKFile>)");
+               two_particles(R"(Name="velocity" NumberOfComponents="2" format="ascii">0 0 0 0)"));
+  const Outcome outcome = oilskin({"mesh", folder.path("other"), "--spacing", "0.01"});
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
+  EXPECT_NE(outcome.err.find("particles_0003.vtp: \"velocity\" has 2 times 2 values, must have 2 times 3"),
+            std::string::npos)
+      << outcome.err;
+}
+
+TEST_F(Mesh, particles_of_another_program_have_the_volume_of_their_masses) {
+  std::filesystem::create_directory(folder.path("other"));
+  folder.write("other/particles_0003.vtp", two_particles(R"(Name="mass" format="ascii">0.001 0.003)"));
   const std::vector<std::string> other = {"mesh", folder.path("other"), "--spacing", "0.01"};
   const Outcome plain = oilskin(other);
   EXPECT_EQ(plain.exit_code, 0) << plain.err;
@@ -176,6 +191,15 @@ TEST_F(Mesh, particles_of_another_program_have_the_volume_of_their_masses) {
   const Outcome heavy = oilskin(with_density);
   EXPECT_EQ(heavy.exit_code, 0) << heavy.err;
   EXPECT_NEAR(volume_of(heavy.out), 4e-6, 4e-8);
+  EXPECT_NE(heavy.out.find("of 4e-06 m3 of water"), std::string::npos) << heavy.out;
+  EXPECT_NE(heavy.out.find("0 obstacles of 0 triangles"), std::string::npos) << heavy.out;
+  // A mesh made with another density does not pass for this one.
+  with_density = other;
+  with_density.insert(with_density.end(), {"--density", "500"});
+  EXPECT_NE(oilskin(with_density).err.find("\"density\":500"), std::string::npos);
+  with_density.back() = "1e-3";
+  with_density.push_back("--overwrite");
+  EXPECT_NE(oilskin(with_density).err.find("the mass of particle 0 is 0.001 kg"), std::string::npos);
 }
 
 TEST_F(Mesh, a_file_that_cannot_be_written_ends_with_three) {

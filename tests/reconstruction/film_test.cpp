@@ -264,5 +264,33 @@ TEST(FilmFold, keeps_the_layers_free) {
   }
 }
 
+/// Particles between a spacing and the reach of films are no part of a film, so nothing thins the water
+/// there.
+TEST(FilmAbove, a_layer_off_the_cloth_keeps_its_volume) {
+  for (const int sheets : {1, 2})
+    for (const double height : {1.25, 1.5, 1.75})
+      for (const ObstacleMode mode : {ObstacleMode::gap, ObstacleMode::touch})
+        for (const double cell : {0.5, 0.8}) {
+          if (mode == ObstacleMode::touch && height < 1.5) continue;  // it extends to the cloth
+          WaterScene s;
+          test::Random random(2);
+          const double size = 24 * s.spacing;
+          for (int n = 0; n < sheets; ++n)
+            s.add_sheet(12, [&](double u, double v) {
+              return Vec3((1.5 * u - 0.25) * size, (1.5 * v - 0.25) * size, 2 * n * height * s.spacing);
+            });
+          for (int n = 0; n < 24 * 24; ++n)
+            s.particles.push_back(s.spacing *
+                                  (Vec3(n % 24 + 0.5, n / 24 + 0.5, height) + random.in_cube(0.15)));
+          ReconstructionReport report;
+          test::reconstruct(s.input(), options_for(s, cell, 0, mode), &report);
+          const double share = report.volume / (576 * std::pow(s.spacing, 3));
+          // Both sheets are touched, with cells so large that what reaches them is thicker than the layer.
+          const double most = sheets == 2 && mode == ObstacleMode::touch && cell > 0.5 ? 1.12 : 1.03;
+          EXPECT_GT(share, 0.97) << sheets << ' ' << height << ' ' << int(mode) << ' ' << cell;
+          EXPECT_LT(share, most) << sheets << ' ' << height << ' ' << int(mode) << ' ' << cell;
+        }
+}
+
 }  // namespace
 }  // namespace oilskin

@@ -117,7 +117,7 @@ class PlyReader {
     std::memcpy(bytes, &value, sizeof value);
     to.append(bytes, sizeof value);
   }
-  /// Of a whole number.
+  /// Of an integer.
   template <class T>
   void append_whole(double value, std::string& to) const {
     if (!(value >= 0 && value <= double(std::numeric_limits<T>::max()) && value == std::floor(value)))

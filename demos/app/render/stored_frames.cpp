@@ -28,13 +28,21 @@ std::vector<Vec3> points_of(vtkPolyData* data) {
   return x;
 }
 
+/// An array of the points, or null.
+vtkDataArray* array_of(vtkPolyData* data, const char* name, int components, const std::string& path) {
+  vtkDataArray* const array = data->GetPointData()->GetArray(name);
+  if (array == nullptr) return nullptr;
+  if (array->GetNumberOfComponents() == components && array->GetNumberOfTuples() == data->GetNumberOfPoints())
+    return array;
+  throw SceneError(path + ": \"" + name + "\" has " + std::to_string(array->GetNumberOfTuples()) + " times " +
+                   std::to_string(array->GetNumberOfComponents()) + " values, must have " +
+                   std::to_string(data->GetNumberOfPoints()) + " times " + std::to_string(components));
+}
+
 /// VTK converts them to double, which is exact up to 2⁵³.
-std::vector<std::uint64_t> ids_of(vtkPolyData* data) {
-  vtkDataArray* const stored = data->GetPointData()->GetArray("id");
-  if (stored == nullptr || stored->GetNumberOfComponents() != 1 ||
-      stored->GetNumberOfTuples() != data->GetNumberOfPoints())
-    return {};
-  std::vector<std::uint64_t> ids(static_cast<std::size_t>(data->GetNumberOfPoints()));
+std::vector<std::uint64_t> ids_of(vtkPolyData* data, const std::string& path) {
+  vtkDataArray* const stored = array_of(data, "id", 1, path);
+  std::vector<std::uint64_t> ids(stored == nullptr ? 0 : std::size_t(data->GetNumberOfPoints()));
   for (std::size_t i = 0; i < ids.size(); ++i)
     ids[i] = static_cast<std::uint64_t>(stored->GetTuple1(static_cast<vtkIdType>(i)));
   return ids;
@@ -94,7 +102,8 @@ StoredFrames::StoredFrames(const std::string& directory) : directory_(directory)
   }
   if (error) throw SceneError(directory + ": " + error.message());
   if (numbers_.empty())
-    throw SceneError(directory + ": there is no particles_NNNN.vtp; `oilskin run` writes them");
+    throw SceneError(directory +
+                     ": there is no particles_NNNN.vtp, with four digits or more; `oilskin run` writes them");
   std::sort(numbers_.begin(), numbers_.end());
   for (auto& [number, meshes] : meshes_)
     for (std::vector<int>* kind : {&meshes.cloth, &meshes.bodies}) std::sort(kind->begin(), kind->end());
@@ -112,17 +121,13 @@ StoredFrame StoredFrames::read(int number) const {
     throw SceneError(path + ": cannot be read as a VTK file of points; it is damaged or cut short");
   StoredFrame frame;
   frame.position = points_of(data);
-  frame.id = ids_of(data);
-  vtkDataArray* velocity = data->GetPointData()->GetArray("velocity");
-  if (velocity != nullptr && velocity->GetNumberOfComponents() == 3 &&
-      velocity->GetNumberOfTuples() == data->GetNumberOfPoints()) {
+  frame.id = ids_of(data, path);
+  if (vtkDataArray* const velocity = array_of(data, "velocity", 3, path)) {
     frame.velocity.resize(frame.position.size());
     for (std::size_t i = 0; i < frame.velocity.size(); ++i)
       velocity->GetTuple(static_cast<vtkIdType>(i), frame.velocity[i].data());
   }
-  vtkDataArray* mass = data->GetPointData()->GetArray("mass");
-  if (mass != nullptr && mass->GetNumberOfComponents() == 1 &&
-      mass->GetNumberOfTuples() == data->GetNumberOfPoints())
+  if (vtkDataArray* const mass = array_of(data, "mass", 1, path))
     for (vtkIdType i = 0; i < mass->GetNumberOfTuples(); ++i) frame.mass.push_back(mass->GetTuple1(i));
   const auto found = meshes_.find(number);
   if (found == meshes_.end()) return frame;

@@ -49,7 +49,7 @@ ReconstructionOptions reconstruction_options(const WaterMeshSettings& wanted, do
   return options;
 }
 
-std::string made_with(const WaterMeshSettings& wanted, double spacing) {
+std::string made_with(const WaterMeshSettings& wanted, double spacing, std::optional<double> density) {
   WaterMeshSettings resolved = wanted;
   resolved.cell = reconstruction_options(wanted, spacing, 0).cell * spacing;
   Json json;
@@ -58,6 +58,7 @@ std::string made_with(const WaterMeshSettings& wanted, double spacing) {
   json.erase("formats");
   if (wanted.channels == WaterMeshSettings().channels) json.erase("channels");
   json["spacing"] = spacing;
+  if (density) json["density"] = *density;
   return json.dump();
 }
 

@@ -1,6 +1,7 @@
 /// Options of a reconstruction from the settings of a scene.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ ReconstructionOptions reconstruction_options(const WaterMeshSettings& wanted, do
 /// The options that make the mesh, as one line of JSON; equal for equal meshes of equal frames.
 /// Formats are no part of it, and channels only where they are not the default: files of earlier versions
 /// have neither.
-std::string made_with(const WaterMeshSettings& wanted, double spacing);
+/// `density`: of --density [kg/m³], if it is given.
+std::string made_with(const WaterMeshSettings& wanted, double spacing, std::optional<double> density = {});
 
 }  // namespace oilskin::demo
