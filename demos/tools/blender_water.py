@@ -272,8 +272,9 @@ def main():
     options = arguments()
     frames = frames_in(options)
     if not frames:
-        sys.exit("%s: no surface_NNNN.%s; `oilskin mesh %s` makes them" %
-                 (options.surfaces or options.directory, options.water or "ply", options.directory))
+        wanted = " of the frames %d to %d" % options.frames if options.frames else ""
+        sys.exit("%s: no surface_NNNN.%s%s; `oilskin mesh %s` makes them, --surfaces names another folder of them" %
+                 (options.surfaces or options.directory, options.water or "ply", wanted, options.directory))
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.object.delete()
     set_up_render(options)

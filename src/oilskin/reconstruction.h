@@ -162,7 +162,7 @@ struct WaterMesh {
 
   /// [m]; the gap holds for these floats.
   std::vector<Float3> positions;
-  /// Unit, outward: the mean of the adjacent triangles, weighted by area.
+  /// Unit, outward: the mean of the adjacent triangles, weighted by area; of drops, that of the ellipsoid.
   std::vector<Float3> normals;
   /// Indices of positions.
   std::vector<Triangle> triangles;

@@ -115,6 +115,15 @@ TEST(Output, quiet_prints_nothing) {
   EXPECT_EQ(outcome.out + outcome.err, "");
 }
 
+TEST(Output, a_quiet_run_names_the_checks_that_failed) {
+  const Folder folder;
+  const Outcome outcome =
+      oilskin({"run", "jet", "--out", folder.path("run"), "--duration", "0.005", "--no-render", "--quiet"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_NE(outcome.err.find("oilskin: jet: checks failed: emitted"), std::string::npos) << outcome.err;
+}
+
 TEST(Output, list_names_every_scene) {
   const Outcome outcome = oilskin({"list"});
   EXPECT_EQ(outcome.exit_code, 0);

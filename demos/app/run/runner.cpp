@@ -220,7 +220,21 @@ class Run {
                     c.ok ? "ok" : "FAILED");
       progress_.line(text);
     }
+    explain_failed(checks);
     progress_.line("  " + directory_ + "/report.json");
+  }
+
+  /// The exit code must not be all that a quiet run says.
+  void explain_failed(const std::vector<CheckResult>& checks) {
+    std::string failed;
+    for (const CheckResult& c : checks)
+      if (!c.ok) failed += (failed.empty() ? "" : ", ") + c.name;
+    if (failed.empty()) return;
+    if (options_.duration)
+      progress_.line("  note: the checks are made for the scene's own duration; --duration is another one");
+    if (options_.quiet)
+      std::fprintf(stderr, "oilskin: %s: checks failed: %s (%s/report.json)\n", scene_.name.c_str(),
+                   failed.c_str(), directory_.c_str());
   }
 
   const Scene& scene_;
