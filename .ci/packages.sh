@@ -53,14 +53,10 @@ oilskin_build() {
   fi
 }
 
-# oilskin_build_with_vtk ROOT: the program that draws and stores frames, ROOT/build/farm/demos/oilskin. For slow tests: the
+# oilskin_build_with_vtk ROOT: the program that draws and stores frames, ROOT/build/release/demos/oilskin. For slow tests: the
 # builds of tests have no VTK. 77 where VTK cannot be installed.
 oilskin_build_with_vtk() {
-  local root=$1
   ((EUID == 0)) || command -v sudo >/dev/null || return 77
   oilskin_install "${oilskin_build_packages[@]}" "${oilskin_picture_packages[@]}" || return 77
-  mkdir -p "$root/build"
-  { cmake -S "$root" -B "$root/build/farm" -G Ninja -DCMAKE_BUILD_TYPE=Release -DOILSKIN_TESTS=OFF &&
-    cmake --build "$root/build/farm" --target oilskin-f32; } >"$root/build/farm.log" 2>&1 ||
-    { tail -n 60 "$root/build/farm.log" >&2 && return 1; }
+  oilskin_build "$1" release oilskin-f32
 }

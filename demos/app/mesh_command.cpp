@@ -171,7 +171,7 @@ StoredFrame read_frame(const StoredFrames& stored, int number, const Plan& plan,
 std::vector<double> volumes_of(const StoredFrame& frame, int number, const Plan& plan) {
   if (!(plan.rest_density > 0)) return {};
   std::vector<double> volumes;
-  const double most = 1000 * std::pow(plan.spacing, 3);  // what the reconstruction takes
+  const double most = max_particle_volume(plan.spacing);
   for (std::size_t i = 0; i < frame.mass.size(); ++i) {
     volumes.push_back(frame.mass[i] / plan.rest_density);
     if (volumes[i] >= 0 && volumes[i] <= most) continue;

@@ -225,6 +225,10 @@ struct ReconstructionReport {
   ReconstructionSeconds seconds;
 };
 
+/// The most water of a particle that is accepted [m³]: 1000 s³, and a little for rounding. `spacing` in
+/// metres.
+double max_particle_volume(double spacing);
+
 /// Makes the mesh. Refuses options out of range, arrays of different lengths, obstacles with numbers that are
 /// not finite or indices out of range, and more memory than allowed; the mesh is then unchanged. Without
 /// particles the mesh is empty.

@@ -6,13 +6,6 @@
 
 namespace oilskin::reconstruction {
 
-namespace {
-
-/// Of a particle [s³]: ten times as wide as the others.
-constexpr double max_volume = 1000;
-
-}  // namespace
-
 Status validate_input(const ReconstructionInput& input, double spacing) {
   const std::size_t n = input.positions.size();
   const auto wrong_count = [n](const std::string& name, std::size_t count) {
@@ -23,7 +16,7 @@ Status validate_input(const ReconstructionInput& input, double spacing) {
     return wrong_count("velocities", input.velocities.size());
   if (!input.volumes.empty() && input.volumes.size() != n)
     return wrong_count("volumes", input.volumes.size());
-  const double most = max_volume * std::pow(spacing, 3) * (1 + 1e-9);  // however it was computed
+  const double most = max_particle_volume(spacing);
   for (std::size_t i = 0; i < input.volumes.size(); ++i)
     if (!within(input.volumes[i], 0, most))
       return refuse("volume ", i, " is ", input.volumes[i], "; it must be 0 … ", most,
@@ -41,3 +34,12 @@ Status validate_input(const ReconstructionInput& input, double spacing) {
 }
 
 }  // namespace oilskin::reconstruction
+
+namespace oilskin {
+
+/// A thousand: ten times as wide a particle as the others. The rest: however the limit was computed.
+double max_particle_volume(double spacing) {
+  return 1000 * std::pow(spacing, 3) * (1 + 1e-9);
+}
+
+}  // namespace oilskin

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/assert.h"
+#include "reconstruction/at_vertices.h"
 #include "reconstruction/repair.h"
 #include "reconstruction/triangle_pairs.h"
 
@@ -22,19 +23,7 @@ constexpr std::size_t chunk = 1 << 12;
 using Float3 = std::array<float, 3>;
 
 /// For each vertex, the next vertex in each of its triangles: in a closed mesh, each neighbour once.
-struct Neighbours {
-  std::vector<std::uint32_t> begin, next;
-
-  explicit Neighbours(const RawMesh& mesh)
-      : begin(mesh.positions.size() + 1, 0), next(3 * mesh.triangles.size()) {
-    for (const Triangle& t : mesh.triangles)
-      for (std::uint32_t v : t) ++begin[v + 1];
-    for (std::size_t v = 0; v < mesh.positions.size(); ++v) begin[v + 1] += begin[v];
-    std::vector<std::uint32_t> at(begin.begin(), begin.end() - 1);
-    for (const Triangle& t : mesh.triangles)
-      for (std::size_t k = 0; k < 3; ++k) next[at[t[k]]++] = t[(k + 1) % 3];
-  }
-};
+using Neighbours = AtVertices<std::uint32_t>;
 
 /// Distances of triangles to obstacles beyond the limit (R.18), at most a cell.
 class SpareDistance {
@@ -133,7 +122,7 @@ void move(double factor, const Neighbours& neighbours, const std::vector<Float3>
     const std::uint32_t begin = neighbours.begin[v], end = neighbours.begin[v + 1];
     OILSKIN_ASSERT(begin < end);
     for (std::uint32_t k = begin; k < end; ++k) {
-      const Float3& n = from[neighbours.next[k]];
+      const Float3& n = from[neighbours.items[k]];
       sum += Vec3(n[0], n[1], n[2]) - x;
     }
     const Vec3 origin(start[v][0], start[v][1], start[v][2]);
@@ -203,7 +192,8 @@ SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, d
                        const std::optional<Box>& clip, RawMesh& mesh, const Workers& workers) {
   SmoothingReport report;
   if (iterations == 0 || mesh.positions.empty()) return report;
-  const Neighbours neighbours(mesh);
+  const Neighbours neighbours(mesh.triangles, mesh.positions.size(),
+                              [&](std::uint32_t n, std::size_t k) { return mesh.triangles[n][(k + 1) % 3]; });
   const std::vector<Float3> start = mesh.positions;
   Budgets budgets(obstacles, gap, cell, mesh, workers);
   std::vector<float>& budget = budgets.of_vertex;

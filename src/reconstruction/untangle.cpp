@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/at_vertices.h"
 #include "reconstruction/smoothing.h"
 #include "reconstruction/vertex_data.h"
 
@@ -85,7 +86,9 @@ class Patch {
     now_ = start_;
     vertex_seen_.assign(vertices_.size(), 0);
     triangle_seen_.assign(triangles_.size(), 0);
-    find_rings();
+    ring_ = AtVertices<RingEdge>(triangles_, vertices_.size(), [&](std::uint32_t n, std::size_t k) {
+      return RingEdge{triangles_[n][(k + 1) % 3], triangles_[n][(k + 2) % 3], n};
+    });
     normals_.resize(now_.size());
     workers.for_each(now_.size(), chunk, [&](std::size_t v) { normals_[v] = normal(std::uint32_t(v)); });
   }
@@ -146,20 +149,9 @@ class Patch {
     seen = time_;
     return result;
   }
-  void find_rings() {
-    begin_.assign(vertices_.size() + 1, 0);
-    for (const Triangle& t : triangles_)
-      for (const std::uint32_t v : t) ++begin_[v + 1];
-    for (std::size_t v = 0; v < vertices_.size(); ++v) begin_[v + 1] += begin_[v];
-    ring_.resize(begin_.back());
-    std::vector<std::uint32_t> at(begin_.begin(), begin_.end() - 1);
-    for (std::uint32_t n = 0; n < triangles_.size(); ++n)
-      for (std::size_t k = 0; k < 3; ++k)
-        ring_[at[triangles_[n][k]]++] = {triangles_[n][(k + 1) % 3], triangles_[n][(k + 2) % 3], n};
-  }
   template <class F>
   void for_ring(std::uint32_t v, const F& f) const {
-    for (std::uint32_t k = begin_[v]; k < begin_[v + 1]; ++k) f(ring_[k]);
+    for (std::uint32_t k = ring_.begin[v]; k < ring_.begin[v + 1]; ++k) f(ring_.items[k]);
   }
   /// Twice the area vector of a triangle of the vertex.
   Vec3 area(std::uint32_t v, const RingEdge& e) const {
@@ -213,7 +205,7 @@ class Patch {
       areas += own.norm();
     });
     if (!(all.norm() > has_plane * areas)) return Vec3::Zero();
-    const Vec3 move = step_length / (begin_[v + 1] - begin_[v]) * sum;
+    const Vec3 move = step_length / (ring_.begin[v + 1] - ring_.begin[v]) * sum;
     return move - move.dot(all) / all.squaredNorm() * all;
   }
 
@@ -221,8 +213,8 @@ class Patch {
   std::vector<std::uint32_t> vertices_;  ///< in the mesh; all else is numbered within the patch
   std::vector<std::uint8_t> may_move_;   ///< not at the border of the patch, nor on a side of the clip box
   std::vector<Triangle> triangles_;
-  std::vector<std::uint32_t> turned_, begin_;
-  std::vector<RingEdge> ring_;
+  std::vector<std::uint32_t> turned_;
+  AtVertices<RingEdge> ring_;
   std::vector<Vec3> start_, now_;  ///< positions [m]
   std::vector<Vec3> normals_;
   std::uint32_t time_ = 0;

@@ -39,10 +39,10 @@ Load load_on(const SurfaceMotion& m) {
   return load;
 }
 
-/// Two digits, and no exponent below a million.
+/// Two digits, without an exponent up to a million.
 std::string rounded(double value) {
   std::ostringstream s;
-  if (value >= 100 && value < 1e6) {
+  if (value >= 99.5 && value < 1e6) {
     const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
     s << std::round(value / unit) * unit;
   } else {
