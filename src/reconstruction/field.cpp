@@ -246,23 +246,32 @@ void FieldBlock::scatter_visible(const NearParticles& near, const BlockVisibilit
 }
 
 bool FieldBlock::evaluate_films(const NearParticles& near, const BlockVisibility& visibility,
-                                const Film& film, FilmPlace place, float* values) {
+                                const Film& film, const float* distances, FilmPlace place, float* values) {
   bool any = false;
   if (!visibility.empty()) prepare_rows(visibility);
   const F8 nodes_x = F8::load(row_nodes);
   const FilmRule& rule = film.rule();
-  const auto half_height = static_cast<float>(rule.grid_height / 2),
-             lowest = static_cast<float>(rule.clearance + rule.grid_height / 2),
+  const auto high = static_cast<float>(rule.clearance + rule.grid_height),
              // A node at another layer, which faces the particle, is not on its film.
-      top = static_cast<float>(rule.clearance + rule.grid_height + top_slack * rule.spacing);
+      highest = static_cast<float>(rule.clearance + rule.grid_height + top_slack * rule.spacing);
   for (std::size_t c = 0; c < near.count; ++c) {
     const FilmParticle* const p = film.find(near.particle[c]);
     if (!p || !(p->radius > 0)) continue;
     if (!any) std::fill(values, values + nodes, p_.outside());
     any = true;
     const std::array<float, 3> q = {near.x[c], near.y[c], near.z[c]};
-    const float middle = std::max(p->height, lowest), radius = p->radius + rim,
-                bottom = -static_cast<float>(top_slack * rule.spacing) - bend * radius;
+    const bool sinks = place == FilmPlace::on_obstacle, is_between = p->other != none;
+    const float radius = p->radius + rim, half_height = p->grid_height / 2,
+                lowest = static_cast<float>(rule.clearance) + half_height,
+                middle =
+                    is_between
+                        ? static_cast<float>(
+                              FilmLayer(*p, sinks ? 1 : 0).middle(double(p->grid_height), rule.clearance))
+                        : std::max(p->height, lowest);
+    const bool reaches_down = sinks && (!is_between || middle <= lowest * 1.0001f);
+    const float bottom = reaches_down ? -static_cast<float>(top_slack * rule.spacing) - bend * radius
+                                      : middle - half_height,
+                top = sinks && !is_between ? highest : middle + half_height;
     const bool check = !visibility.empty() && may_be_hidden(visibility, q);
     for_rows(q, [&](int j, int k, float) {
       const float dy = static_cast<float>(j) - q[1], dz = static_cast<float>(k) - q[2];
@@ -270,9 +279,10 @@ bool FieldBlock::evaluate_films(const NearParticles& near, const BlockVisibility
       const F8 rho2 = positive_part(dx * dx + (dy * dy + dz * dz) - along * along);
       F8 value = (rho2 - radius * radius) * (0.5f / radius);
       const F8 at = along + p->height;
-      value = larger(value, place == FilmPlace::on_obstacle ? larger(at - top, bottom - at)
-                                                            : larger(at - middle, middle - at) - half_height);
-      float* const row = &values[node_index(0, j, k)];
+      value = larger(value, larger(at - top, bottom - at));
+      const int first = node_index(0, j, k);
+      if (sinks && !is_between) value = larger(value, F8::load(&distances[first]) - high);
+      float* const row = &values[first];
       const F8 now = F8::load(row);
       std::uint32_t improves = greater_mask(now, value);
       if (improves == 0) return;

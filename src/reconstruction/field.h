@@ -44,8 +44,9 @@ class FieldBlock {
   /// particles.
   enum class FilmPlace { on_obstacle, at_particles };
   /// 512 values, negative in discs of particles that the node sees. False if no disc reaches the block.
+  /// `distances` of the nodes from obstacles.
   bool evaluate_films(const NearParticles& near, const BlockVisibility& visibility, const Film& film,
-                      FilmPlace place, float* values);
+                      const float* distances, FilmPlace place, float* values);
 
  private:
   struct Row {  // sums at 8 nodes: Σ V k and Σ V k x

@@ -12,7 +12,19 @@ namespace oilskin::reconstruction {
 namespace {
 
 /// Distances along films in spacings, see FilmRule.
-constexpr double film_reach = 1, column_reach = 2.2, link = 3, min_radius = 0.66, max_radius = 1.6;
+constexpr double film_reach = 1, slot_reach = 1.5, column_reach = 2.2, link = 3, min_radius = 0.66,
+                 max_radius = 1.6;
+
+/// Between two obstacles nearer to each other than this all water is a film, and from this on it fades [dx].
+/// Particles there have both within `column_reach`.
+constexpr double slot_width = 2.9, slot_fades_from = 2.6;
+
+/// Vertices of films only move inwards, so films between two obstacles are that much thicker on the grid.
+constexpr double grid_excess = 1.1;
+
+/// A film between two obstacles reaches down to the one that it is nearer to by this [dx]. In the middle it
+/// stays where it is.
+constexpr double nearer_by = 0.5;
 
 /// Films are at least this thick on the grid: in cells, so that a row of nodes lies inside, whatever the
 /// slope; in spacings, since vertices move into the water only: what is above would be lost.
@@ -20,6 +32,11 @@ constexpr double min_grid_height = 1.25, min_height_in_spacings = 1;
 
 /// Discs of two particles at this fraction of their distance close the space between four.
 constexpr double radius_of_distance = 0.62;
+
+/// 1 between obstacles that are nearer to each other than slot_fades_from, 0 beyond slot_width.
+double squeezed(const FilmRule& rule, float width) {
+  return std::clamp((slot_width - double(width) / rule.spacing) / (slot_width - slot_fades_from), 0.0, 1.0);
+}
 
 /// Calls f(item, particle, offset, rho²) for the particles near obstacles in `near` that lie on the same film
 /// as `own`.
@@ -94,6 +111,7 @@ FilmRule film_rule(const ReconstructionOptions& o, double clearance) {
   r.band = film_band(o, clearance);
   r.grid_height = film_grid_height(o);
   r.film_reach = film_reach * r.spacing;
+  r.slot_reach = slot_reach * r.spacing;
   r.column_reach = column_reach * r.spacing;
   r.link = link * r.spacing;
   r.min_radius = min_radius * r.spacing;
@@ -134,18 +152,30 @@ void Film::find_heights(const ParticleBlocks& particles, const Obstacles& obstac
         p.normal = {float(n.x()), float(n.y()), float(n.z())};
         p.height = static_cast<float>(nearest.distance / cell);
         found[b].emplace_back(static_cast<std::uint32_t>(i), p);
+        const ClosestPoint opposite = nearest_triangle.find_opposite(x, n);
+        if (!(opposite.distance < rule_.column_reach * cell)) continue;
+        const Vec3 m = opposite.offset / opposite.distance;
+        p.normal = {float(m.x()), float(m.y()), float(m.z())};
+        p.height = static_cast<float>(opposite.distance / cell);
+        found[b].emplace_back(static_cast<std::uint32_t>(i), p);
       }
     }
   });
   for (const auto& block : found)
     for (const auto& [particle, item] : block) {
       if (index_.empty()) index_.assign(particles.size(), none);
-      index_[particle] = static_cast<std::uint32_t>(items_.size());
+      const auto at = static_cast<std::uint32_t>(items_.size());
       items_.push_back(item);
+      if (index_[particle] == none) {
+        index_[particle] = at;
+      } else {
+        items_[at].other = index_[particle];
+        items_[index_[particle]].other = at;
+      }
     }
 }
 
-/// Calls f(number of the item, its place, particles around) for every particle near an obstacle.
+/// Calls f(number of the item, particle, its place, particles around) for every particle near an obstacle.
 template <class F>
 void Film::for_items(const ParticleBlocks& particles, double reach, const Workers& workers,
                      const F& f) const {
@@ -163,24 +193,31 @@ void Film::for_items(const ParticleBlocks& particles, double reach, const Worker
           near_film.set(*this, near);
           gathered = true;
         }
-        f(index_[i], static_cast<std::uint32_t>(i), Vec3(particles.x[i], particles.y[i], particles.z[i]),
-          near_film);
+        const Vec3 x(particles.x[i], particles.y[i], particles.z[i]);
+        for (const std::uint32_t item : {index_[i], items_[index_[i]].other})
+          if (item != none) f(item, static_cast<std::uint32_t>(i), x, near_film);
       }
     }
   });
+}
+
+/// A layer between two obstacles is one film over both, if it is near either.
+bool Film::forms_film(const FilmParticle& item) const {
+  const FilmParticle* const other = opposite(item);
+  if (!other) return double(item.height) < rule_.film_reach;
+  return double(std::min(item.height, other->height)) < rule_.slot_reach;
 }
 
 void Film::find_radii(const ParticleBlocks& particles, const Workers& workers) {
   for_items(particles, rule_.link, workers,
             [&](std::uint32_t item, std::uint32_t particle, const Vec3& x, const NearFilm& near) {
               FilmParticle& own = items_[item];
-              if (!(double(own.height) < rule_.film_reach)) return;
+              if (!forms_film(own)) return;
               Sectors sectors(vec(own.normal));
               for_film_neighbours(
                   rule_, near, own, x, rule_.link,
                   [&](const FilmParticle& other, std::uint32_t p, const Vec3& offset, double rho2) {
-                    if (p != particle && double(other.height) < rule_.film_reach)
-                      sectors.add(offset, std::sqrt(rho2));
+                    if (p != particle && forms_film(other)) sectors.add(offset, std::sqrt(rho2));
                   });
               own.is_linked = sectors.farthest() > 0;
               own.radius = static_cast<float>(
@@ -198,14 +235,19 @@ void Film::find_shares(const ParticleBlocks& particles, const Water& water, cons
   for_items(particles, reach, workers,
             [&](std::uint32_t item, std::uint32_t particle, const Vec3& x, const NearFilm& near) {
               FilmParticle& own = items_[item];
+              const FilmParticle* const opposite_of_own = opposite(own);
               const TangentFrame frame(vec(own.normal));
               std::array<bool, kernel_points.size()> is_covered{};
-              double volume = 0;
+              double volume = 0, weight = 0, height = 0;
               for_film_neighbours(
                   rule_, near, own, x, reach,
                   [&](const FilmParticle& other, std::uint32_t p, const Vec3& offset, double rho2) {
                     volume += water.of(p) * kernel(rho2);
                     if (!(other.radius > 0)) return;
+                    if (opposite_of_own) {
+                      weight += kernel(rho2);
+                      height += kernel(rho2) * double(other.height);
+                    }
                     const double a = frame.u.dot(offset), b = frame.v.dot(offset);
                     const double r2 = double(other.radius) * double(other.radius);
                     for (std::size_t s = 0; s < kernel_points.size(); ++s) {
@@ -214,17 +256,45 @@ void Film::find_shares(const ParticleBlocks& particles, const Water& water, cons
                       is_covered[s] |= u * u + v * v < r2;
                     }
                   });
+              own.mean_height = weight > 0 ? static_cast<float>(height / weight) : own.height;
+              own.grid_height = static_cast<float>(rule_.grid_height);
               const auto covered = std::count(is_covered.begin(), is_covered.end(), true);
               if (covered == 0) return;
               const double over_water = double(covered) / double(kernel_points.size());
               own.share = static_cast<float>(water.of(particle) / over_water);
-              const double thin = thinness(rule_, volume / over_water);
+              double thin = thinness(rule_, volume / over_water);
+              if (opposite_of_own) {
+                own.squeezed = static_cast<float>(squeezed(rule_, own.height + opposite_of_own->height));
+                thin = std::max(thin, double(own.squeezed));
+                own.grid_height = static_cast<float>(
+                    std::max(rule_.grid_height, double(own.squeezed) * grid_excess * volume / over_water));
+              }
               is_deep[item] = thin == 0;
               // A drop alone is as high as it is wide: the field draws it.
               own.thin = own.is_linked ? static_cast<float>(thin) : 0.0f;
             });
-  for (std::size_t i = 0; i < items_.size(); ++i)
-    if (is_deep[i]) items_[i].radius = 0;
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    FilmParticle& own = items_[i];
+    if (is_deep[i]) own.radius = 0;
+    if (own.other == none) continue;
+    FilmParticle& other = items_[own.other];
+    if (is_deep[own.other]) own.radius = 0;
+    own.other_height = other.mean_height;
+    const double nearer = double(other.mean_height - own.mean_height) / (nearer_by * rule_.spacing);
+    own.sinks = other.other_sinks = static_cast<float>(std::clamp(nearer, 0.0, 1.0));
+    if (own.other > i) continue;
+    // The columns over the two differ where one reaches farther: the thicker one counts.
+    own.thin = other.thin = std::min(own.thin, other.thin);
+    own.grid_height = other.grid_height = std::max(own.grid_height, other.grid_height);
+  }
+}
+
+double FilmLayer::middle(double thickness, double clearance) const {
+  const double lowest = clearance + thickness / 2;
+  const auto way = [&](double above, double share) {
+    return above > lowest ? share * (above - lowest) : above - lowest;
+  };
+  return height - way(height, sinks) + (opposite > 0 ? opposite * way(other_height, other_sinks) : 0);
 }
 
 }  // namespace oilskin::reconstruction

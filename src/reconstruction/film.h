@@ -3,6 +3,7 @@
 /// layer has the thickness that the water there gives it. Lengths in cells.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "reconstruction/obstacles.h"
@@ -18,6 +19,7 @@ struct FilmRule {
   double grid_height = 0;   ///< thickness of films on the grid
   double band = 0;          ///< vertices farther from obstacles are not of a film
   double film_reach = 0;    ///< particles nearer to an obstacle than this form films
+  double slot_reach = 0;    ///< the same between two obstacles
   double column_reach = 0;  ///< particles nearer than this count for the thickness
   double link = 0;          ///< particles of a film are not farther apart than this; radius of the mean
   double min_radius = 0, max_radius = 0;  ///< of discs
@@ -29,7 +31,7 @@ double film_band(const ReconstructionOptions& options, double clearance);
 
 FilmRule film_rule(const ReconstructionOptions& options, double clearance);
 
-/// A particle near an obstacle.
+/// A particle near an obstacle. One between two obstacles that face each other is near both.
 struct FilmParticle {
   std::array<float, 3> normal;  ///< unit, away from the nearest point of an obstacle
   float height = 0;             ///< distance from it
@@ -37,6 +39,39 @@ struct FilmParticle {
   bool is_linked = false;       ///< there is another one within the link
   float thin = 0;               ///< 1: its column of water is a film, 0: it is not
   float share = 0;              ///< its volume over the part of its kernel that lies over water [cells³]
+  /// Towards this obstacle, where obstacles attract films: 1 all of the way that is free, 0 none of it.
+  float sinks = 1;
+  float mean_height = 0;                    ///< of the film around it
+  float grid_height = 0;                    ///< thickness of its film on the grid
+  std::uint32_t other = none;               ///< the number of the same particle at the obstacle opposite
+  float other_height = 0, other_sinks = 0;  ///< mean height and `sinks` there
+  float squeezed = 0;  ///< 1: the two are so near to each other that all water between them is a film, 0: not
+};
+
+/// A film over an obstacle and, perhaps, below another one.
+struct FilmLayer {
+  double height = 0, sinks = 1;
+  double grid_height = 0;  ///< its thickness on the grid
+  double opposite = 0;     ///< 1: there is an obstacle opposite, 0: there is none
+  double other_height = 0, other_sinks = 0;
+  double squeezed = 0;
+
+  FilmLayer() = default;
+  /// `wetness`: 1 where films reach down to the obstacle, 0 where they stay where the particles are.
+  FilmLayer(const FilmParticle& p, double wetness)
+      : height(double(p.mean_height)),
+        sinks(wetness * double(p.sinks)),
+        grid_height(double(p.grid_height)),
+        opposite(p.other == none ? 0 : 1),
+        other_height(double(p.other_height)),
+        other_sinks(wetness * double(p.other_sinks)),
+        squeezed(double(p.squeezed)) {}
+
+  /// The distance of its middle from the obstacle, with this thickness and the clearance of both (R.40).
+  double middle(double thickness, double clearance) const;
+  double lower(double thickness, double clearance) const {
+    return std::max(clearance, middle(thickness, clearance) - thickness / 2);
+  }
 };
 
 class Film {
@@ -52,12 +87,17 @@ class Film {
   const FilmParticle* find(std::uint32_t p) const {
     return items_.empty() || index_[p] == none ? nullptr : &items_[index_[p]];
   }
+  /// The same particle at the obstacle opposite, or null.
+  const FilmParticle* opposite(const FilmParticle& item) const {
+    return item.other == none ? nullptr : &items_[item.other];
+  }
 
  private:
   void find_heights(const ParticleBlocks& particles, const Obstacles& obstacles, double cell,
                     const Workers& workers);
   template <class F>
   void for_items(const ParticleBlocks& particles, double reach, const Workers& workers, const F& f) const;
+  bool forms_film(const FilmParticle& item) const;
   void find_radii(const ParticleBlocks& particles, const Workers& workers);
   void find_shares(const ParticleBlocks& particles, const Water& water, const Workers& workers);
 

@@ -17,13 +17,16 @@ struct FilmAt {
   double thickness = 0;
   Vec3 normal = Vec3::Zero();
   double weight = 0;
-  double height = 0;  ///< mean of its particles
+  FilmLayer layer;  ///< mean of its particles
 };
 
 /// The film at x, whose distance from obstacles is known.
 FilmAt film_at(const FilmRule& rule, const NearFilm& near, const Vec3& x, double distance,
                const FilmKernel& kernel) {
   FilmAt at;
+  FilmLayer& mean = at.layer;
+  mean.sinks = 0;
+  double grid_height = 0;
   const double most = height_slack * rule.spacing + slope_slack * rule.link;
   near.for_over(x, distance, most, rule.link, [&](std::size_t c) {
     const FilmParticle& p = near.item(c);
@@ -36,25 +39,35 @@ FilmAt film_at(const FilmRule& rule, const NearFilm& near, const Vec3& x, double
     at.thickness += double(p.share) * k;
     at.normal += k * vec(p.normal);
     at.weight += k;
-    at.height += k * double(p.height);
+    const FilmLayer layer(p, 1);
+    mean.height += k * layer.height;
+    mean.sinks += k * layer.sinks;
+    if (p.other == none) return;
+    mean.opposite += k;
+    mean.other_height += k * layer.other_height;
+    mean.other_sinks += k * layer.other_sinks;
+    mean.squeezed += k * layer.squeezed;
+    grid_height += k * layer.grid_height;
   });
-  if (at.weight > 0) {
-    at.normal.normalize();
-    at.height /= at.weight;
-  }
+  if (!(at.weight > 0)) return at;
+  at.normal.normalize();
+  mean.height /= at.weight;
+  mean.sinks /= at.weight;
+  mean.grid_height = rule.grid_height;
+  if (!(mean.opposite > 0)) return at;
+  mean.grid_height += (grid_height - mean.opposite * rule.grid_height) / at.weight;
+  mean.other_height /= mean.opposite;
+  mean.other_sinks /= mean.opposite;
+  mean.squeezed /= at.weight;
+  mean.opposite /= at.weight;
   return at;
 }
 
-/// The distance of a film's lower side from the obstacle [cells].
-double film_lower(const FilmRule& rule, const FilmAt& film, double wetness, double thickness) {
-  return rule.clearance + (1 - wetness) * std::max(0.0, film.height - thickness / 2 - rule.clearance);
-}
-
 /// How far a vertex of a film moves along its normal [cells]. It is at the distance `now`.
-double film_shift(const FilmRule& rule, const FilmAt& film, double wetness, double now) {
-  const double on_grid = film_lower(rule, film, wetness, rule.grid_height);
-  const double above = std::clamp((now - on_grid) / rule.grid_height, 0.0, 1.0);
-  return film_lower(rule, film, wetness, film.thickness) + film.thickness * above - now;
+double film_shift(const FilmRule& rule, const FilmLayer& layer, double thickness, double now) {
+  const double on_grid = layer.lower(layer.grid_height, rule.clearance);
+  const double above = std::clamp((now - on_grid) / layer.grid_height, 0.0, 1.0);
+  return layer.lower(thickness, rule.clearance) + thickness * above - now;
 }
 
 }  // namespace
@@ -84,10 +97,10 @@ FilmVertices thin_films(const Film& film, ObstacleMode mode, const ParticleBlock
         const double distance = mesh.distances[v];
         const Vec3 place = vec(mesh.positions[v]);
         if (!(distance < rule.band) || (within_clip && !within_clip->contains(place))) continue;
-        const FilmAt at = film_at(rule, near_film, (place - origin) / grid.cell, distance, kernel);
+        FilmAt at = film_at(rule, near_film, (place - origin) / grid.cell, distance, kernel);
         if (!(at.weight > 0)) continue;
-        const double share =
-            thinness(rule, at.thickness) * std::clamp((rule.band - 1 - distance) / fade, 0.0, 1.0);
+        const double share = std::max(thinness(rule, at.thickness), at.layer.squeezed) *
+                             std::clamp((rule.band - 1 - distance) / fade, 0.0, 1.0);
         result.thickness[v] = static_cast<float>(at.thickness);
         result.share[v] = static_cast<float>(share);
         const NodeRef& inner = mesh.inside_nodes[v];
@@ -95,11 +108,17 @@ FilmVertices thin_films(const Film& film, ObstacleMode mode, const ParticleBlock
         const double wetness =
             inner_near == none ? mode == ObstacleMode::touch
                                : double(film_wetness(mode, grid.nears[inner_near], std::size_t(inner.node)));
+        at.layer.sinks *= wetness;
+        at.layer.other_sinks *= wetness;
         const double now = distance + at.normal.dot(place - vec(polygonised[v])) / grid.cell;
+        // Below another obstacle the nearest one of the node within may be the lower one.
+        const bool faces_obstacle = at.layer.opposite > 0
+                                        ? at.normal.dot(grid.place(inner) - vec(polygonised[v])) > 0
+                                        : double(grid.distance(inner)) > distance;
         // Into the water only, where there is no obstacle: lower sides go up, all others down.
-        const bool is_lower = double(grid.distance(inner)) > distance &&
-                              now < film_lower(rule, at, wetness, rule.grid_height) + at_lower_side;
-        const double shift = share * film_shift(rule, at, wetness, now);
+        const bool is_lower =
+            faces_obstacle && now < at.layer.lower(at.layer.grid_height, rule.clearance) + at_lower_side;
+        const double shift = share * film_shift(rule, at.layer, at.thickness, now);
         const double inwards = is_lower ? std::max(0.0, shift) : std::min(0.0, shift);
         const Vec3 moved = clamped_to(clip, place + inwards * grid.cell * at.normal);
         mesh.positions[v] = {float(moved.x()), float(moved.y()), float(moved.z())};

@@ -166,6 +166,10 @@ class Grid {
   Vec3 origin(const Block& b) const {
     return Vec3(double(b.at.x) * side * cell, double(b.at.y) * side * cell, double(b.at.z) * side * cell);
   }
+  /// The place of a node [m].
+  Vec3 place(NodeRef n) const {
+    return origin(blocks[n.block]) + cell * Vec3(n.node & 7, n.node >> 3 & 7, n.node >> 6);
+  }
   /// The node with these coordinates; block none outside the grid.
   NodeRef node_at(const Int3& at) const {
     return {index.find(key_of({at.x >> 3, at.y >> 3, at.z >> 3})), node_index(at.x & 7, at.y & 7, at.z & 7)};

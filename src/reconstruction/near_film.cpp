@@ -16,11 +16,12 @@ void NearFilm::set(const Film& film, const NearParticles& near) {
     height_.push_back(height);
   };
   for (std::size_t c = 0; c < near.count; ++c) {
-    const FilmParticle* const item = film.find(near.particle[c]);
-    if (!item) continue;
-    add(near.x[c], near.y[c], near.z[c], item->normal, item->height);
-    items_.push_back(item);
-    particles_.push_back(near.particle[c]);
+    for (const FilmParticle *item = film.find(near.particle[c]), *first = item; item;
+         item = item == first ? film.opposite(*item) : nullptr) {
+      add(near.x[c], near.y[c], near.z[c], item->normal, item->height);
+      items_.push_back(item);
+      particles_.push_back(near.particle[c]);
+    }
   }
   while (x_.size() % 8 != 0) add(1e15f, 1e15f, 1e15f, {0, 0, 0}, 0);
 }

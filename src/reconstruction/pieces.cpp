@@ -157,8 +157,8 @@ bool is_near_water(const Grid& grid, const Vec3& x) {
 Vec3 place_in_film(const Film& film, std::uint32_t p, const Vec3& x) {
   const FilmParticle* const item = film.find(p);
   if (!item || !(item->radius > 0)) return x;
-  const double middle = film.rule().clearance + film.rule().grid_height / 2;
-  return x + std::max(0.0, middle - double(item->height)) * vec(item->normal);
+  const double middle = FilmLayer(*item, 0).middle(double(item->grid_height), film.rule().clearance);
+  return x + (middle - double(item->height)) * vec(item->normal);
 }
 
 std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const Film& film, const Grid& grid,

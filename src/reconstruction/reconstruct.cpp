@@ -11,6 +11,7 @@
 #include "reconstruction/untangle.h"
 #include "reconstruction/vertex_data.h"
 #include "reconstruction/volume_fit.h"
+#include "reconstruction/water_in_pieces.h"
 
 namespace oilskin {
 

@@ -101,22 +101,22 @@ void Reconstruction::add_films(std::uint32_t b, FieldBlock& evaluator, const Nea
   if (film.empty() || obstacle.distance.empty()) return;
   std::array<float, nodes> on_obstacle, at_particles;
   const ObstacleMode mode = contact.film_mode();
+  const float* const distances = obstacle.distance.data();
   if (mode != ObstacleMode::gap &&
-      !evaluator.evaluate_films(near, visibility, film, FieldBlock::FilmPlace::on_obstacle,
+      !evaluator.evaluate_films(near, visibility, film, distances, FieldBlock::FilmPlace::on_obstacle,
                                 on_obstacle.data()))
     return;
   if (mode != ObstacleMode::touch &&
-      !evaluator.evaluate_films(near, visibility, film, FieldBlock::FilmPlace::at_particles,
+      !evaluator.evaluate_films(near, visibility, film, distances, FieldBlock::FilmPlace::at_particles,
                                 at_particles.data()))
     return;
-  const auto low = static_cast<float>(contact.clearance),
-             high = static_cast<float>(contact.clearance + film.rule().grid_height);
+  const auto low = static_cast<float>(contact.clearance);
   for (std::size_t n = 0; n < nodes; ++n) {
     const float d = obstacle.distance[n];
     if (!std::isfinite(d)) continue;
     const float wet = film_wetness(mode, obstacle, n);
     float layer = 0;
-    if (wet > 0) layer += wet * std::max(on_obstacle[n], d - high);
+    if (wet > 0) layer += wet * on_obstacle[n];
     if (wet < 1) layer += (1 - wet) * at_particles[n];
     if (layer < values[n]) values[n] = std::max(layer, low - d);
   }
@@ -152,7 +152,7 @@ void Reconstruction::evaluate_block(std::uint32_t b, FieldBlock& evaluator, Near
   }
   if (options.clip)
     for (int n = 0; n < nodes; ++n) {
-      const Vec3 x = origin + cell * Vec3(n & 7, n >> 3 & 7, n >> 6);
+      const Vec3 x = grid.place({b, n});
       values[n] = std::max(values[n], beyond(*options.clip, x, cell));
     }
   for (std::size_t k = 0; k < side; ++k) {

@@ -5,11 +5,11 @@
 
 #include "core/assert.h"
 #include "reconstruction/cube_lattice.h"
-#include "reconstruction/pieces.h"
 #include "reconstruction/smoothing.h"
 #include "reconstruction/untangle.h"
 #include "reconstruction/vertex_data.h"
 #include "reconstruction/water_in_cubes.h"
+#include "reconstruction/water_in_pieces.h"
 
 namespace oilskin::reconstruction {
 
@@ -194,13 +194,15 @@ class Fit {
     max_inward_.assign(n, static_cast<float>(limits_.max_inward));
     workers_.for_each(n, chunk, [&](std::size_t v) {
       const double own = mesh_.distances[v], above = std::max(0.0, own - limits_.clearance);
-      const bool faces_obstacle = own < double(grid_.distance(mesh_.inside_nodes[v]));
-      if (std::isfinite(own) && faces_obstacle) {
-        const double free = (1 - kept_distance) * std::max(0.0, above - at_clearance);
+      if (!std::isfinite(own)) return;
+      const double moved = (vec(mesh_.positions[v]) - vec(polygonised[v])).norm() / limits_.cell;
+      if (own < double(grid_.distance(mesh_.inside_nodes[v]))) {
+        // Films have moved away from the obstacle.
+        const double now = films_.share[v] > 0 ? above + moved : above;
+        const double free = (1 - kept_distance) * std::max(0.0, now - at_clearance);
         max_outward_[v] = static_cast<float>(std::min(limits_.max_outward, free));
         max_inward_[v] = static_cast<float>(std::min(limits_.max_inward, free));
-      } else if (std::isfinite(own)) {
-        const double moved = (vec(mesh_.positions[v]) - vec(polygonised[v])).norm() / limits_.cell;
+      } else {
         max_inward_[v] = static_cast<float>(
             std::min(limits_.max_inward, (1 - kept_thickness) * std::max(0.0, above - moved)));
       }
@@ -306,56 +308,7 @@ class Fit {
   std::vector<float> max_outward_, max_inward_, moved_;
 };
 
-/// The water in small pieces; the last one stands for all others.
-std::vector<double> water_in_pieces(const ParticleBlocks& particles, const Water& water, const Film& film,
-                                    const Grid& grid, const Obstacles& obstacles, const RawMesh& mesh,
-                                    const SmallPieces& pieces, const Workers& workers) {
-  std::vector<double> result(pieces.count + 1, 0);
-  const PieceFinder finder(grid, obstacles, mesh, pieces);
-  result.back() =
-      workers.ordered_sum(particles.blocks.size(), 64, 0.0, [&](std::size_t from, std::size_t to) {
-        double sum = 0;
-        for (std::size_t p = particles.begin[from]; p < particles.begin[to]; ++p)
-          if (!water.is_drop(p)) sum += water.of(p);
-        return sum;
-      });
-  if (pieces.count == 0) return result;
-  std::vector<std::uint32_t> piece_of(particles.size(), none);
-  workers.for_each(particles.blocks.size(), 8, [&](std::size_t n) {
-    const bool is_near = finder.is_near(particles.blocks[n]);
-    if (!is_near && film.empty()) return;
-    for (std::size_t p = particles.begin[n]; p < particles.begin[n + 1]; ++p) {
-      if (water.is_drop(p)) continue;
-      const Vec3 x = particles.place(n, p);
-      if (is_near) piece_of[p] = finder.find(x);
-      if (piece_of[p] != none) continue;
-      const Vec3 in_film = place_in_film(film, static_cast<std::uint32_t>(p), x);
-      if (in_film != x && finder.is_near(block_at(in_film))) piece_of[p] = finder.find(in_film);
-    }
-  });
-  for (std::size_t p = 0; p < particles.size(); ++p) {
-    if (piece_of[p] == none) continue;
-    result[piece_of[p]] += water.of(p);
-    result.back() -= water.of(p);
-  }
-  return result;
-}
-
 }  // namespace
-
-std::vector<double> water_of_small_pieces(double max_volume, const ParticleBlocks& particles,
-                                          const Water& water, const Film& film, const Grid& grid,
-                                          const Obstacles& obstacles, const RawMesh& mesh,
-                                          const Workers& workers) {
-  const double cell_volume = std::pow(grid.cell, 3);
-  const SmallPieces pieces = small_pieces(mesh, max_volume);
-  const std::vector<double> in_pieces =
-      water_in_pieces(particles, water, film, grid, obstacles, mesh, pieces, workers);
-  std::vector<double> result(mesh.positions.size(), 0.0);
-  for (std::size_t v = 0; v < result.size(); ++v)
-    if (pieces.of_vertex[v] != none) result[v] = cell_volume * in_pieces[pieces.of_vertex[v]];
-  return result;
-}
 
 std::size_t fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const Water& water,
                        const Film& film, const Grid& grid, const Obstacles& obstacles,
@@ -371,9 +324,10 @@ std::size_t fit_volume(const FitLimits& limits, const ParticleBlocks& particles,
   const Untangled untangled = untangle(limits.cell, limits.clip, keep_off, limits.gap, blocks, mesh, workers);
   const bool tests_again = keep_off && !untangled.triangles.empty();
   const std::vector<Float3> before = tests_again ? mesh.positions : std::vector<Float3>();
-  const SmallPieces pieces = small_pieces(mesh, limits.small_piece * std::pow(limits.cell, 3));
-  std::vector<double> in_pieces =
-      water_in_pieces(particles, water, film, grid, obstacles, mesh, pieces, workers);
+  SmallPieces pieces = small_pieces(mesh, limits.small_piece * std::pow(limits.cell, 3));
+  WaterInPieces found = water_in_pieces(particles, water, film, grid, obstacles, mesh, pieces, workers);
+  join_pieces_without_water(particles, water, found, mesh, limits.cell, limits.spacing, pieces);
+  std::vector<double>& in_pieces = found.water;
   if (limits.clip) fit.leave_clipped_pieces(pieces, in_pieces);
   fit.fit_pieces(pieces.of_vertex, in_pieces);
   if (pieces.count > 0) fit.scale_pieces(pieces.of_vertex, in_pieces);

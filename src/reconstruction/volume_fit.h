@@ -23,12 +23,6 @@ struct FitLimits {
   std::optional<Box> clip = {};
 };
 
-/// The water of the piece at each vertex [m³], 0 where the piece encloses `max_volume` [m³] or more.
-std::vector<double> water_of_small_pieces(double max_volume, const ParticleBlocks& particles,
-                                          const Water& water, const Film& film, const Grid& grid,
-                                          const Obstacles& obstacles, const RawMesh& mesh,
-                                          const Workers& workers);
-
 /// Drops are not in the mesh. `obstacles`: none, or those to keep away from, with prepared queries.
 /// `polygonised`: the positions to which mesh.cube_volumes and mesh.distances belong. Films have their local
 /// volume already: they only grow or shrink by the same factor everywhere.

@@ -271,7 +271,8 @@ TEST(FilmAbove, a_layer_off_the_cloth_keeps_its_volume) {
     for (const double height : {1.25, 1.5, 1.75})
       for (const ObstacleMode mode : {ObstacleMode::gap, ObstacleMode::touch})
         for (const double cell : {0.5, 0.8}) {
-          if (mode == ObstacleMode::touch && height < 1.5) continue;  // it extends to the cloth
+          // One sheet that is touched: it extends to it.
+          if (mode == ObstacleMode::touch && height < 1.5 && sheets == 1) continue;
           WaterScene s;
           test::Random random(2);
           const double size = 24 * s.spacing;
@@ -285,12 +286,92 @@ TEST(FilmAbove, a_layer_off_the_cloth_keeps_its_volume) {
           ReconstructionReport report;
           test::reconstruct(s.input(), options_for(s, cell, 0, mode), &report);
           const double share = report.volume / (576 * std::pow(s.spacing, 3));
-          // Both sheets are touched, with cells so large that what reaches them is thicker than the layer.
-          const double most = sheets == 2 && mode == ObstacleMode::touch && cell > 0.5 ? 1.12 : 1.03;
-          EXPECT_GT(share, 0.97) << sheets << ' ' << height << ' ' << int(mode) << ' ' << cell;
-          EXPECT_LT(share, most) << sheets << ' ' << height << ' ' << int(mode) << ' ' << cell;
+          EXPECT_NEAR(share, 1, 0.03) << sheets << ' ' << height << ' ' << int(mode) << ' ' << cell;
         }
 }
+
+TEST(FilmInATrough, keeps_its_volume) {
+  for (const double radius : {2.5, 3.0, 3.25})
+    for (const double cell : {0.5, 0.8, 0.9}) {
+      WaterScene s;
+      const double dx = s.spacing, pi = 3.14159265358979;
+      const auto on_arc = [&](double r, double along, double y) {
+        const double angle = pi * (along - 0.5);
+        return Vec3(r * std::sin(angle) * dx, y * dx, (radius - r * std::cos(angle)) * dx);
+      };
+      s.add_sheet(40, [&](double u, double v) { return on_arc(radius, u, 32 * v - 16); });
+      test::Random random(4);
+      const int around = static_cast<int>(0.8 * pi * (radius - 0.5));
+      for (int n = 0; n < 24 * around; ++n)
+        s.particles.push_back(
+            on_arc(radius - 0.5, 0.1 + 0.8 * (n % around + 0.5) / around, n / around - 11.5) +
+            0.05 * dx * random.in_cube(1));
+      ReconstructionReport report;
+      test::reconstruct(s.input(), options_for(s, cell, ObstacleMode::gap), &report);
+      EXPECT_NEAR(report.volume / (double(s.particles.size()) * std::pow(dx, 3)), 1, 0.03)
+          << radius << ' ' << cell;
+    }
+}
+
+/// Layers of water between two wavy sheets, in spacings.
+struct Between {
+  const char* name;
+  double width;   ///< from one sheet to the other
+  double height;  ///< of the lowest layer over the lower sheet
+  int layers;
+  double deviation = 0.05;  ///< of the volume
+};
+
+std::string name_of(const testing::TestParamInfo<Between>& info) {
+  return info.param.name;
+}
+
+class FilmBetween : public testing::TestWithParam<Between> {
+ protected:
+  static constexpr int side = 24;
+
+  static WaterScene scene() {
+    WaterScene s;
+    const double dx = s.spacing;
+    const auto wave = [&](double x) { return test::waves(x, 0, dx, 12 * dx); };
+    for (const double height : {0.0, GetParam().width})
+      s.add_sheet(40, [&](double u, double v) {
+        const double x = 1.5 * side * dx * (u - 0.5), y = 1.5 * side * dx * (v - 0.5);
+        return Vec3(x, y, wave(x) + height * dx);
+      });
+    test::Random random(3);
+    for (int layer = 0; layer < GetParam().layers; ++layer)
+      for (int n = 0; n < side * side; ++n) {
+        const Vec3 at(n % side + 0.5 - side / 2, n / side + 0.5 - side / 2, GetParam().height + layer);
+        const Vec3 p = dx * (at + random.in_cube(0.15));
+        s.particles.push_back(p + wave(p.x()) * Vec3::UnitZ());
+      }
+    return s;
+  }
+};
+
+TEST_P(FilmBetween, two_sheets_has_its_volume) {
+  const WaterScene s = scene();
+  const double water = double(s.particles.size()) * std::pow(s.spacing, 3);
+  for (const ObstacleMode mode : {ObstacleMode::gap, ObstacleMode::touch})
+    for (const double cell : {0.5, 0.8, 1.0}) {
+      const ReconstructionOptions options = options_for(s, cell, mode);
+      ReconstructionReport report;
+      const WaterMesh mesh = test::reconstruct(s.input(), options, &report);
+      test::record("volume over water, mode " + std::to_string(int(mode)) + ", cell " + std::to_string(cell),
+                   report.volume / water);
+      EXPECT_NEAR(report.volume / water, 1, GetParam().deviation) << int(mode) << ' ' << cell;
+      test::expect_promise(s, mesh, options.gap);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Layers, FilmBetween,
+                         testing::Values(Between{"at_one_of_two_sheets", 2, 0.5, 1, 0.07},
+                                         Between{"in_the_middle", 2, 1, 1},
+                                         Between{"in_the_middle_of_wide_space", 2.5, 1.25, 1},
+                                         Between{"two_layers_fill_the_space", 2.5, 0.75, 2},
+                                         Between{"two_layers_at_one_sheet", 3, 0.5, 2}),
+                         name_of);
 
 }  // namespace
 }  // namespace oilskin
