@@ -55,6 +55,8 @@ void read_report(const std::string& report, Plan& plan) {
 Json surface_keys(const std::vector<std::string>& assignments) {
   Json scene = {{"surface", Json::object()}};
   for (const std::string& assignment : assignments) {
+    if (assignment.find('=') == std::string::npos)
+      throw SceneError("--set " + assignment + ": must be surface.KEY=VALUE, e.g. surface.min_blob=2");
     apply_override(scene, assignment);
     if (scene.size() > 1 || !scene["surface"].is_object())
       throw SceneError("--set " + assignment +
@@ -238,9 +240,31 @@ Output make_output(const MeshOptions& options, const Plan& plan) {
   return {out, made_with(plan.mesh, plan.spacing, plan.other_density), plan.mesh.formats};
 }
 
+/// Lines about frames that may be wrong: of the first frame that has any.
+class Doubts {
+ public:
+  void print(const std::vector<std::string>& doubts) {
+    if (printed_) return;
+    for (const std::string& doubt : doubts) std::printf("  note: %s\n", doubt.c_str());
+    std::fflush(stdout);
+    printed_ = !doubts.empty();
+  }
+
+ private:
+  bool printed_ = false;
+};
+
+void print_other_files(const std::vector<std::string>& files) {
+  if (files.empty()) return;
+  std::printf("not read, as their names are not particles_NNNN.vtp, cloth_K_NNNN.ply or body_K_NNNN.ply: %s",
+              files.front().c_str());
+  if (files.size() > 1) std::printf(" and %zu more", files.size() - 1);
+  std::printf("\n");
+}
+
 /// Whether the mesh is as promised.
 bool make_frame(const StoredFrames& stored, const Task& task, const Plan& plan, const Output& output,
-                const MeshOptions& options) {
+                const MeshOptions& options, Doubts& doubted) {
   const StoredFrame frame = read_frame(stored, task.number, plan, options);
   const std::vector<double> volumes = volumes_of(frame, task.number, plan);
   const ReconstructionInput input = input_of(frame, volumes);
@@ -249,9 +273,13 @@ bool make_frame(const StoredFrames& stored, const Task& task, const Plan& plan, 
   SurfaceFile file = surface_file(made.mesh, input, frame.id, plan.mesh, plan.spacing);
   file.made_with = output.made_with;
   write_surface(output.directory, task.number, task.formats, file);
-  if (!options.quiet) print_frame(task.number, made, input, plan.spacing);
-  if (!options.quiet && !frame.mass.empty() && volumes.empty())
-    std::printf("  the masses of the particles do not count: --density gives that of the water\n");
+  if (!options.quiet) {
+    print_frame(task.number, made, input, plan.spacing);
+    std::vector<std::string> doubts = doubts_about(frame.position, plan.spacing);
+    if (!frame.mass.empty() && volumes.empty())
+      doubts.push_back("the masses of the particles do not count: --density gives that of the water");
+    doubted.print(doubts);
+  }
   return made.as_promised(wanted.contact);
 }
 
@@ -269,11 +297,13 @@ int mesh_command(const MeshOptions& options) {
     for (const Task& task : tasks) std::printf("%d\n", task.number);
     return static_cast<int>(ExitCode::done);
   }
+  if (!options.quiet) print_other_files(stored.other_files());
   bool good = true;
+  Doubts doubted;
   for (const Task& task : tasks) {
     // Another process may have made it meanwhile.
     if (missing_formats(options, output, task.number).empty()) continue;
-    good &= make_frame(stored, task, plan, output, options);
+    good &= make_frame(stored, task, plan, output, options, doubted);
   }
   if (tasks.size() < frames.size() && !options.quiet)
     std::printf("%zu frames were there already; --overwrite makes them again\n",

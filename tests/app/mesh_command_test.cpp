@@ -150,6 +150,7 @@ TEST_F(Mesh, keys_of_the_surface_are_set_and_the_options_win) {
   expect_refused({"--set", "surface.min_blob=-2"}, {"surface.min_blob", "-2"});
   expect_refused({"--set", "fluid.spacing=0.02"}, {"fluid.spacing", "surface"});
   expect_refused({"--set", "surface=3"}, {"surface"});
+  expect_refused({"--set", "min_blob"}, {"must be surface.KEY=VALUE"});
   expect_refused({"--density", "-1"}, {"--density", "-1"});
 }
 
@@ -216,6 +217,39 @@ TEST_F(Mesh, a_spacing_in_other_units_is_refused_with_the_numbers) {
   expect_refused({"--spacing", "1e-05"}, {"--spacing", "is 1e-05 m", "within 0.0"});
   expect_refused({"--spacing", "0"}, {"--spacing", "> 0"});
   EXPECT_FALSE(exists("run/surface_0000.ply"));
+}
+
+TEST_F(Mesh, what_may_be_wrong_with_a_folder_is_noted_once) {
+  EXPECT_EQ(mesh().out.find("note:"), std::string::npos);
+  EXPECT_EQ(mesh({"--overwrite"}).out.find("not read"), std::string::npos);
+  const Outcome wide = mesh({"--spacing", "0.03", "--cell", "0.02", "--overwrite"});
+  const std::size_t first = wide.out.find("the spacing is 0.03 m");
+  ASSERT_NE(first, std::string::npos) << wide.out;
+  EXPECT_EQ(wide.out.find("note:", first), std::string::npos) << wide.out;
+  folder.write("run/Cloth_0_1.ply", "");
+  folder.write("run/particles_1.vtp", "");
+  const Outcome named = mesh({"--overwrite"});
+  EXPECT_NE(named.out.find("Cloth_0_1.ply and 1 more"), std::string::npos) << named.out;
+  // Two frames in one.
+  std::string doubled = folder.read("run/particles_0001.vtp");
+  const std::size_t begin = doubled.find("<Piece"), end = doubled.find("</PolyData>");
+  ASSERT_NE(begin, std::string::npos);
+  doubled.insert(end, doubled.substr(begin, end - begin));
+  folder.write("run/particles_0001.vtp", doubled);
+  const Outcome twice = mesh({"--overwrite", "--frames", "1:1"});
+  EXPECT_EQ(twice.exit_code, 0) << twice.err;
+  EXPECT_NE(twice.out.find("256 of 512 particles lie where another one lies"), std::string::npos)
+      << twice.out;
+}
+
+TEST_F(Mesh, a_wetness_in_percent_is_refused_by_name) {
+  folder.write(
+      "run/cloth_7_0001.ply",
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float wetness\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0 0.5\n1 0 0 50\n0 1 0 1\n3 0 1 2\n");
+  expect_refused({"--frames", "1:1"},
+                 {"cloth_7_0001.ply: the wetness of vertex 1 is 50, must be 0 (dry) to 1"});
 }
 
 TEST_F(Mesh, damaged_particles_are_refused_in_one_line) {

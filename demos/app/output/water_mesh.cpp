@@ -59,6 +59,32 @@ Status check_spacing(Span<const Vec3> positions, double spacing, const std::stri
   return Status::refused(text.str());
 }
 
+std::vector<std::string> doubts_about(Span<const Vec3> positions, double spacing) {
+  // Of water at rest it is about 0.9; where water is pressed, half of that.
+  constexpr double nearest_min = 0.5, nearest_max = 2.5;
+  constexpr std::size_t many = 100;
+  std::vector<std::string> doubts;
+  if (positions.size() < many) return doubts;
+  std::vector<Vec3> sorted(positions.begin(), positions.end());
+  const auto is_before = [](const Vec3& a, const Vec3& b) {
+    return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+  };
+  std::sort(sorted.begin(), sorted.end(), is_before);
+  std::size_t doubled = 0;
+  for (std::size_t i = 1; i < sorted.size(); ++i) doubled += sorted[i] == sorted[i - 1];
+  if (doubled > 0)
+    doubts.push_back(std::to_string(doubled) + " of " + std::to_string(positions.size()) +
+                     " particles lie where another one lies");
+  const double nearest = median_nearest_distance(positions);
+  if (nearest > 0 && (nearest < nearest_min * spacing || nearest > nearest_max * spacing)) {
+    std::ostringstream text;
+    text << "half of the particles have their nearest neighbour within " << nearest << " m, the spacing is "
+         << spacing << " m: is it that of these particles?";
+    doubts.push_back(text.str());
+  }
+  return doubts;
+}
+
 std::vector<double> water_volumes(std::size_t count, Span<const float> mass_ratio, double particle_mass,
                                   double rest_density) {
   std::vector<double> volumes(count, particle_mass / rest_density);

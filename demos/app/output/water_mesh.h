@@ -19,6 +19,9 @@ struct MadeMesh {
 /// Refuses a spacing that cannot be that of these particles; one in other units, say. `which` begins the
 /// message.
 Status check_spacing(Span<const Vec3> positions, double spacing, const std::string& which);
+/// What may be wrong with particles that are meshed: half or three times as far apart as the spacing says, or
+/// several at the same place. Empty if nothing is.
+std::vector<std::string> doubts_about(Span<const Vec3> positions, double spacing);
 
 /// The water of each particle [m³]. `mass_ratio` as World::mass_ratios(), `particle_mass` in kg.
 std::vector<double> water_volumes(std::size_t count, Span<const float> mass_ratio, double particle_mass,

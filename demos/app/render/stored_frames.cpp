@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <regex>
+#include <sstream>
 
 #include "output/frame_path.h"
 #include "scene/fields.h"
@@ -46,6 +47,18 @@ std::vector<std::uint64_t> ids_of(vtkPolyData* data, const std::string& path) {
   for (std::size_t i = 0; i < ids.size(); ++i)
     ids[i] = static_cast<std::uint64_t>(stored->GetTuple1(static_cast<vtkIdType>(i)));
   return ids;
+}
+
+/// Percents would be wet all over. A vertex of a run may hold a little more than 1.
+void check_wetness(const std::vector<float>& wetness, const std::string& path) {
+  constexpr float most = 10;
+  for (std::size_t v = 0; v < wetness.size(); ++v) {
+    if (wetness[v] >= 0 && wetness[v] <= most) continue;
+    std::ostringstream text;
+    text << path << ": the wetness of vertex " << v << " is " << wetness[v]
+         << ", must be 0 (dry) to 1 (all pores full)";
+    throw SceneError(text.str());
+  }
 }
 
 /// Messages of VTK while this lives are noted, not shown: the program writes its own.
@@ -82,7 +95,7 @@ class Listening {
 
 StoredFrames::StoredFrames(const std::string& directory) : directory_(directory) {
   static const std::regex particles("particles_([0-9]{4,9})\\.vtp"),
-      mesh("(cloth|body)_([0-9]{1,6})_([0-9]{4,9})\\.ply");
+      mesh("(cloth|body)_([0-9]{1,6})_([0-9]{4,9})\\.ply"), with_suffix(".*\\.(vtp|vtk|vtu|ply|PLY|VTP)");
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(directory, error)) {
     std::smatch match;
@@ -93,17 +106,26 @@ StoredFrames::StoredFrames(const std::string& directory) : directory_(directory)
     };
     if (std::regex_match(file, match, particles)) {
       const int number = std::stoi(match[1]);
-      if (is_ours("particles", number, "vtp")) numbers_.push_back(number);
+      if (is_ours("particles", number, "vtp")) {
+        numbers_.push_back(number);
+        continue;
+      }
     } else if (std::regex_match(file, match, mesh)) {
       const int k = std::stoi(match[2]), number = std::stoi(match[3]);
-      if (!is_ours(std::string(match[1]) + "_" + std::to_string(k), number, "ply")) continue;
-      (match[1] == "cloth" ? meshes_[number].cloth : meshes_[number].bodies).push_back(k);
+      if (is_ours(std::string(match[1]) + "_" + std::to_string(k), number, "ply")) {
+        (match[1] == "cloth" ? meshes_[number].cloth : meshes_[number].bodies).push_back(k);
+        continue;
+      }
     }
+    if (std::regex_match(file, with_suffix) && file.compare(0, 8, "surface_") != 0)
+      other_files_.push_back(file);
   }
   if (error) throw SceneError(directory + ": " + error.message());
+  std::sort(other_files_.begin(), other_files_.end());
   if (numbers_.empty())
     throw SceneError(directory +
-                     ": there is no particles_NNNN.vtp, with four digits or more; `oilskin run` writes them");
+                     ": there is no particles_NNNN.vtp, with four digits or more; `oilskin run` writes them" +
+                     (other_files_.empty() ? "" : "; there is " + other_files_.front()));
   std::sort(numbers_.begin(), numbers_.end());
   for (auto& [number, meshes] : meshes_)
     for (std::vector<int>* kind : {&meshes.cloth, &meshes.bodies}) std::sort(kind->begin(), kind->end());
@@ -132,9 +154,11 @@ StoredFrame StoredFrames::read(int number) const {
   const auto found = meshes_.find(number);
   if (found == meshes_.end()) return frame;
   const auto add = [&](const std::string& kind, const std::vector<int>& all) {
-    for (const int k : all)
-      frame.obstacles.push_back(
-          read_ply(frame_path(directory_, kind + "_" + std::to_string(k), number, "ply")));
+    for (const int k : all) {
+      const std::string mesh = frame_path(directory_, kind + "_" + std::to_string(k), number, "ply");
+      frame.obstacles.push_back(read_ply(mesh));
+      check_wetness(frame.obstacles.back().wetness, mesh);
+    }
   };
   add("cloth", found->second.cloth);
   add("body", found->second.bodies);

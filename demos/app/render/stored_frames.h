@@ -25,6 +25,8 @@ class StoredFrames {
 
   /// The numbers of all particles_NNNN.vtp, ascending.
   const std::vector<int>& numbers() const { return numbers_; }
+  /// VTK and PLY files in the folder that have none of the names below, nor that of a water mesh; ascending.
+  const std::vector<std::string>& other_files() const { return other_files_; }
   /// particles_NNNN.vtp and all cloth_K_NNNN.ply and body_K_NNNN.ply beside it. Throws SceneError naming the
   /// file.
   StoredFrame read(int number) const;
@@ -36,6 +38,7 @@ class StoredFrames {
 
   std::string directory_;
   std::vector<int> numbers_;
+  std::vector<std::string> other_files_;
   std::map<int, Meshes> meshes_;
 };
 
