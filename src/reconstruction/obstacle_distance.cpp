@@ -22,11 +22,13 @@ struct Bounds {
       high[a] = std::max({c[0][a], c[1][a], c[2][a]});
     }
   }
-  /// A lower bound for the nodes 0 … 7 of a row.
-  double distance_from_row(int j, int k) const {
+  /// Squares of lower bounds of the distance from the rows j = 0 … 7 of a slice.
+  F8 squared_from_rows(int k) const {
+    const F8 j = F8::load(row_nodes);
     const double x = std::max({0.0, low[0] - (side - 1), -high[0]}),
-                 y = std::max({0.0, low[1] - j, j - high[1]}), z = std::max({0.0, low[2] - k, k - high[2]});
-    return std::sqrt(x * x + y * y + z * z);
+                 z = std::max({0.0, low[2] - k, k - high[2]});
+    const F8 y = positive_part(larger(static_cast<float>(low[1]) - j, j - static_cast<float>(high[1])));
+    return y * y + static_cast<float>(x * x + z * z);
   }
   bool reaches_block(double by) const {
     for (int a = 0; a < 3; ++a)
@@ -59,39 +61,60 @@ struct RowView {
 class TrianglePlanes {
  public:
   explicit TrianglePlanes(const Corners& c) {
-    const Vec3 cross = (c[1] - c[0]).cross(c[2] - c[0]);
-    double size = 2 * side, longest_edge = 0;
+    const std::array<Vec3, 3> edges = {c[1] - c[0], c[2] - c[1], c[0] - c[2]};
+    const Vec3 cross = edges[0].cross(edges[1]);
+    double size = 2 * side, longest_squared = 0;
+    std::array<double, 3> squared{};
     for (std::size_t k = 0; k < 3; ++k) {
       size = std::max(size, c[k].cwiseAbs().maxCoeff());
-      longest_edge = std::max(longest_edge, (c[(k + 1) % 3] - c[k]).norm());
+      squared[k] = edges[k].squaredNorm();
+      longest_squared = std::max(longest_squared, squared[k]);
     }
+    const double smallest = 1e-9 * size * size, cross_squared = cross.squaredNorm();
     // The planes of a sliver are too inaccurate; zeros give the bound 0.
-    if (!(cross.norm() > 1e-9 * size * size * longest_edge)) return;
-    const Vec3 n = cross.normalized();
+    if (!(cross_squared > smallest * smallest * longest_squared)) return;
+    const Vec3 n = cross * (1 / std::sqrt(cross_squared));
     planes_[0] = {n, n.dot(c[0])};
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3 out = (c[(k + 1) % 3] - c[k]).cross(n).normalized();
+      const Vec3 out = edges[k].cross(n) * (1 / std::sqrt(squared[k]));
       planes_[k + 1] = {out, out.dot(c[k])};
     }
   }
-  RowView row(int j, int k) const {
-    const F8 i = F8::load(row_nodes);
+  /// Of the nodes of a slice: heights over the planes at j = 0.
+  struct Slice {
+    F8 above[4];
+  };
+  Slice slice(int k) const {
+    Slice s;
+    for (std::size_t p = 0; p < 4; ++p)
+      s.above[p] = F8::load(row_nodes) * static_cast<float>(planes_[p].normal.x()) +
+                   static_cast<float>(planes_[p].at(0, 0, k));
+    return s;
+  }
+  RowView row(const Slice& slice, int j) const {
     F8 above[4];
     for (std::size_t p = 0; p < 4; ++p)
-      above[p] = i * static_cast<float>(planes_[p].normal.x()) + static_cast<float>(planes_[p].at(0, j, k));
+      above[p] = slice.above[p] + static_cast<float>(planes_[p].normal.y()) * static_cast<float>(j);
     const F8 beyond = larger(larger(above[1], above[2]), above[3]),
              off = positive_part(larger(above[0], 0.0f - above[0]) - rounding),
              beside = positive_part(beyond - rounding);
     return {off * off + beside * beside, greater_mask(-rounding, beyond)};
   }
-  /// Are all nodes of a row farther than `distance` from the layer, or beyond one of the sides?
-  bool is_beyond(int j, int k, double distance) const {
+  /// Of the rows j = 0 … 7 of a slice, lower bounds for all of their nodes: the distance from the layer, and
+  /// how far they are beyond a side (negative within all).
+  struct Rows {
+    F8 off, beside;
+  };
+  Rows rows(int k) const {
+    F8 low[4], high;
     for (std::size_t p = 0; p < 4; ++p) {
-      const double first = planes_[p].at(0, j, k), last = first + (side - 1) * planes_[p].normal.x();
-      if (std::min(first, last) > distance) return true;
-      if (p == 0 && std::max(first, last) < -distance) return true;
+      const Vec3& n = planes_[p].normal;
+      const double along = (side - 1) * n.x(), at = planes_[p].at(0, 0, k);
+      const F8 at_rows = F8::load(row_nodes) * static_cast<float>(n.y());
+      low[p] = at_rows + static_cast<float>(at + std::min(0.0, along));
+      if (p == 0) high = at_rows + static_cast<float>(at + std::max(0.0, along));
     }
-    return false;
+    return {larger(low[0], 0.0f - high), larger(larger(low[1], low[2]), low[3])};
   }
   double distance_to_plane(int i, int j, int k) const { return std::abs(planes_[0].at(i, j, k)); }
 
@@ -105,75 +128,98 @@ class TrianglePlanes {
   std::array<Plane, 4> planes_;
 };
 
-/// Distances of a block's nodes. Those over a face are computed at once; with them, lower bounds exclude most
-/// of the other pairs, which finish() computes.
+/// Distances of a block's nodes. First those over faces: they are the nearest ones of most nodes, and as
+/// bounds exclude most of the other pairs.
 class NodeDistances {
  public:
   NodeDistances(double band, std::vector<float>& distance) : band_(band), distance_(distance) {
-    farthest_.fill(band);
+    farthest_.fill(static_cast<float>(band));
   }
 
   void add(const Corners& c, const Bounds& bounds) {
-    const Covered s(bounds, band_);
-    if (s.empty()) return;
+    const Covered covered(bounds, band_);
+    if (covered.empty()) return;
     if (distance_.empty()) distance_.assign(nodes, std::numeric_limits<float>::infinity());
-    const auto band_squared = static_cast<float>(band_ * band_ * (1 + 1e-6));
-    const TrianglePlanes planes(c);
-    const unsigned covered = (2u << s.last[0]) - (1u << s.first[0]);
-    bool any_waiting = false;
-    for (int k = s.first[2]; k <= s.last[2]; ++k)
-      for (int j = s.first[1]; j <= s.last[1]; ++j) {
-        double& farthest = farthest_[std::size_t(j + side * k)];
-        if (bounds.distance_from_row(j, k) > farthest + rounding ||
-            planes.is_beyond(j, k, farthest + rounding))
-          continue;
-        float* const row = &distance_[std::size_t(node_index(0, j, k))];
-        const F8 now = F8::load(row);
-        const RowView view = planes.row(j, k);
-        const std::uint32_t may = covered & ~(greater_mask(view.min_squared, now * now) |
-                                              greater_mask(view.min_squared, band_squared));
-        for (std::uint32_t bits = may & view.over_face; bits != 0; bits &= bits - 1) {
-          const int i = __builtin_ctz(bits);
-          lower(row[i], planes.distance_to_plane(i, j, k));
-        }
-        if ((may & view.over_face) != 0)
-          farthest = std::min(band_, double(*std::max_element(row, row + side)));
-        if (const std::uint32_t rest = may & ~view.over_face; rest != 0) {
-          waiting_.push_back(
-              {view.min_squared, rest, static_cast<std::uint32_t>(waiting_corners_.size()), j, k});
-          any_waiting = true;
-        }
-      }
-    if (any_waiting) waiting_corners_.push_back(c);
+    measure_face(near_.emplace_back(c, bounds, covered));
   }
   void finish() {
-    for (const Waiting& w : waiting_) {
-      float* const row = &distance_[std::size_t(node_index(0, w.j, w.k))];
-      const F8 now = F8::load(row);
-      const Corners& c = waiting_corners_[w.corners];
-      for (std::uint32_t bits = w.nodes & ~greater_mask(w.min_squared, now * now); bits != 0;
-           bits &= bits - 1) {
-        const int i = __builtin_ctz(bits);
-        lower(row[i], closest_point(Vec3(i, w.j, w.k), c[0], c[1], c[2]).distance);
-      }
-    }
+    for (const Near& n : near_) measure_beside(n);
   }
 
  private:
+  struct Near {
+    Corners c;
+    Bounds bounds;
+    Covered covered;
+    TrianglePlanes planes;
+
+    Near(const Corners& corners, const Bounds& b, const Covered& nodes)
+        : c(corners), bounds(b), covered(nodes), planes(corners) {}
+  };
+  static unsigned bits(int first, int last) { return (2u << last) - (1u << first); }
+
+  void measure_face(const Near& n) {
+    const Covered& s = n.covered;
+    for (int k = s.first[2]; k <= s.last[2]; ++k) {
+      const TrianglePlanes::Rows from = n.planes.rows(k);
+      std::uint32_t over = bits(s.first[1], s.last[1]) & ~greater_mask(from.beside, rounding);
+      over &= ~greater_mask(from.off, F8::load(&farthest_[std::size_t(side * k)]) + rounding);
+      if (over == 0) continue;
+      const TrianglePlanes::Slice slice = n.planes.slice(k);
+      for (; over != 0; over &= over - 1) {
+        const int j = __builtin_ctz(over);
+        float* const row = &distance_[std::size_t(node_index(0, j, k))];
+        const std::uint32_t may = may_be_nearer(n, n.planes.row(slice, j), row, true);
+        for (std::uint32_t at = may; at != 0; at &= at - 1) {
+          const int i = __builtin_ctz(at);
+          lower(row[i], n.planes.distance_to_plane(i, j, k));
+        }
+        if (may != 0) set_farthest(j, k, row);
+      }
+    }
+  }
+  void measure_beside(const Near& n) {
+    const Covered& s = n.covered;
+    for (int k = s.first[2]; k <= s.last[2]; ++k) {
+      const TrianglePlanes::Rows from = n.planes.rows(k);
+      const F8 most = F8::load(&farthest_[std::size_t(side * k)]) + rounding;
+      std::uint32_t near =
+          bits(s.first[1], s.last[1]) & ~(greater_mask(n.bounds.squared_from_rows(k), most * most) |
+                                          greater_mask(larger(from.off, from.beside), most));
+      if (near == 0) continue;
+      const TrianglePlanes::Slice slice = n.planes.slice(k);
+      for (; near != 0; near &= near - 1) {
+        const int j = __builtin_ctz(near);
+        float* const row = &distance_[std::size_t(node_index(0, j, k))];
+        const std::uint32_t may = may_be_nearer(n, n.planes.row(slice, j), row, false);
+        for (std::uint32_t at = may; at != 0; at &= at - 1) {
+          const int i = __builtin_ctz(at);
+          lower(row[i], closest_point(Vec3(i, j, k), n.c[0], n.c[1], n.c[2]).distance);
+        }
+        if (may != 0) set_farthest(j, k, row);
+      }
+    }
+  }
+  /// The nodes of a row for which the triangle may be the nearest one: those over its face, or the others.
+  std::uint32_t may_be_nearer(const Near& n, const RowView& view, const float* row, bool over_face) const {
+    const F8 now = F8::load(row);
+    const std::uint32_t chosen = over_face ? view.over_face : ~view.over_face;
+    return bits(n.covered.first[0], n.covered.last[0]) & chosen &
+           ~(greater_mask(view.min_squared, now * now) | greater_mask(view.min_squared, band_squared_));
+  }
+  void set_farthest(int j, int k, const float* row) {
+    farthest_[std::size_t(j + side * k)] =
+        std::min(static_cast<float>(band_), *std::max_element(row, row + side));
+  }
   void lower(float& d, double to) const {
     if (to <= band_) d = std::min(d, static_cast<float>(to));
   }
-  struct Waiting {
-    F8 min_squared;
-    std::uint32_t nodes, corners;
-    int j, k;
-  };
-  static constexpr double rounding = 1e-3;
+  static constexpr float rounding = 1e-3f;
   double band_;
+  float band_squared_ = static_cast<float>(band_ * band_ * (1 + 1e-6));
   std::vector<float>& distance_;
-  std::array<double, side * side> farthest_;  // per row: no node has a distance above this that counts
-  std::vector<Waiting> waiting_;
-  std::vector<Corners> waiting_corners_;
+  std::array<float, side * side> farthest_;  // per row: no node has a distance above this that counts
+  std::vector<Near> near_;
 };
 
 struct Hit {
@@ -239,14 +285,17 @@ class NodeWetness {
     if (s.empty()) return;
     const TrianglePlanes planes(c);
     const unsigned covered = (2u << s.last[0]) - (1u << s.first[0]);
-    for (int k = s.first[2]; k <= s.last[2]; ++k)
+    for (int k = s.first[2]; k <= s.last[2]; ++k) {
+      const TrianglePlanes::Slice slice = planes.slice(k);
       for (int j = s.first[1]; j <= s.last[1]; ++j) {
         const F8 farthest = F8::load(&near_.distance[std::size_t(node_index(0, j, k))]) +
                             static_cast<float>(rule_.fade + 2 * as_near);
-        const std::uint32_t may = covered & ~greater_mask(planes.row(j, k).min_squared, farthest * farthest);
+        const std::uint32_t may =
+            covered & ~greater_mask(planes.row(slice, j).min_squared, farthest * farthest);
         for (std::uint32_t bits = may; bits != 0; bits &= bits - 1)
           raise(__builtin_ctz(bits), j, k, c, saturation);
       }
+    }
   }
 
  private:
