@@ -43,7 +43,7 @@ TEST_P(CoarsestSpacing, reaches_its_tolerances) {
 INSTANTIATE_TEST_SUITE_P(cases, CoarsestSpacing,
                          testing::Values("sheet_levels", "equal_heads", "buoyancy", "vessels", "arch", "pins",
                                          "hammock", "bag", "free_cloth", "sloshing", "torricelli", "drift"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& of) { return std::string(of.param); });
 
 class Scattering : public testing::TestWithParam<const char*> {};
 
@@ -73,7 +73,7 @@ TEST_P(Scattering, means_of_runs_are_within_twice_the_tolerances) {
 }
 
 INSTANTIATE_TEST_SUITE_P(cases, Scattering, testing::Values("buoyancy", "hammock"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& of) { return std::string(of.param); });
 
 }  // namespace
 }  // namespace oilskin::demo
