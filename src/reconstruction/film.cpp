@@ -12,12 +12,15 @@ namespace oilskin::reconstruction {
 namespace {
 
 /// Distances along films in spacings, see FilmRule.
-constexpr double film_reach = 1, slot_reach = 1.5, column_reach = 2.2, link = 3, min_radius = 0.66,
-                 max_radius = 1.6;
+constexpr double film_reach = 1, column_reach = 2.2, link = 3, min_radius = 0.66, max_radius = 1.6;
 
 /// Between two obstacles nearer to each other than this all water is a film, and from this on it fades [dx].
-/// Particles there have both within `column_reach`.
-constexpr double slot_width = 2.9, slot_fades_from = 2.6;
+/// All particles there but those at the gap have both within the reach.
+constexpr double slot_width = 3.5, slot_fades_from = 3.2, opposite_reach = 3.2;
+
+/// In a tube no column over an obstacle holds all of the water: where there are obstacles on both sides
+/// within this [dx].
+constexpr double tube_reach = 1.7;
 
 /// Vertices of films only move inwards, so films between two obstacles are that much thicker on the grid.
 constexpr double grid_excess = 1.1;
@@ -111,7 +114,7 @@ FilmRule film_rule(const ReconstructionOptions& o, double clearance) {
   r.band = film_band(o, clearance);
   r.grid_height = film_grid_height(o);
   r.film_reach = film_reach * r.spacing;
-  r.slot_reach = slot_reach * r.spacing;
+  r.slot_width = slot_width * r.spacing;
   r.column_reach = column_reach * r.spacing;
   r.link = link * r.spacing;
   r.min_radius = min_radius * r.spacing;
@@ -132,6 +135,7 @@ void Film::find_heights(const ParticleBlocks& particles, const Obstacles& obstac
                         const Workers& workers) {
   const Box bounds = obstacles.bounds().inflated(rule_.column_reach * cell);
   std::vector<std::vector<std::pair<std::uint32_t, FilmParticle>>> found(particles.blocks.size());
+  const double reach = opposite_reach * rule_.spacing * cell;
   workers.for_chunks(particles.blocks.size(), 16, [&](std::size_t from, std::size_t to, std::size_t) {
     NearestTriangle nearest_triangle;
     for (std::size_t b = from; b < to; ++b) {
@@ -141,7 +145,7 @@ void Film::find_heights(const ParticleBlocks& particles, const Obstacles& obstac
         if (bounds.contains(x)) box.add(x);
       }
       if (!(box.min.x() <= box.max.x())) continue;
-      nearest_triangle.set(obstacles, box, rule_.column_reach * cell);
+      nearest_triangle.set(obstacles, box, reach);
       for (std::size_t i = particles.begin[b]; i < particles.begin[b + 1]; ++i) {
         const Vec3 x = cell * particles.place(b, i);
         if (!bounds.contains(x)) continue;
@@ -153,7 +157,9 @@ void Film::find_heights(const ParticleBlocks& particles, const Obstacles& obstac
         p.height = static_cast<float>(nearest.distance / cell);
         found[b].emplace_back(static_cast<std::uint32_t>(i), p);
         const ClosestPoint opposite = nearest_triangle.find_opposite(x, n);
-        if (!(opposite.distance < rule_.column_reach * cell)) continue;
+        if (!(opposite.distance < reach && nearest.distance + opposite.distance < rule_.slot_width * cell))
+          continue;
+        if (nearest_triangle.is_enclosed(x, n, tube_reach * rule_.spacing * cell)) continue;
         const Vec3 m = opposite.offset / opposite.distance;
         p.normal = {float(m.x()), float(m.y()), float(m.z())};
         p.height = static_cast<float>(opposite.distance / cell);
@@ -201,11 +207,9 @@ void Film::for_items(const ParticleBlocks& particles, double reach, const Worker
   });
 }
 
-/// A layer between two obstacles is one film over both, if it is near either.
+/// Between two obstacles everything is one film over both.
 bool Film::forms_film(const FilmParticle& item) const {
-  const FilmParticle* const other = opposite(item);
-  if (!other) return double(item.height) < rule_.film_reach;
-  return double(std::min(item.height, other->height)) < rule_.slot_reach;
+  return item.other != none || double(item.height) < rule_.film_reach;
 }
 
 void Film::find_radii(const ParticleBlocks& particles, const Workers& workers) {
@@ -280,6 +284,7 @@ void Film::find_shares(const ParticleBlocks& particles, const Water& water, cons
     FilmParticle& other = items_[own.other];
     if (is_deep[own.other]) own.radius = 0;
     own.other_height = other.mean_height;
+    own.opposite_height = other.height;
     const double nearer = double(other.mean_height - own.mean_height) / (nearer_by * rule_.spacing);
     own.sinks = other.other_sinks = static_cast<float>(std::clamp(nearer, 0.0, 1.0));
     if (own.other > i) continue;

@@ -19,8 +19,8 @@ struct FilmRule {
   double grid_height = 0;   ///< thickness of films on the grid
   double band = 0;          ///< vertices farther from obstacles are not of a film
   double film_reach = 0;    ///< particles nearer to an obstacle than this form films
-  double slot_reach = 0;    ///< the same between two obstacles
   double column_reach = 0;  ///< particles nearer than this count for the thickness
+  double slot_width = 0;    ///< obstacles farther from each other are not opposite
   double link = 0;          ///< particles of a film are not farther apart than this; radius of the mean
   double min_radius = 0, max_radius = 0;  ///< of discs
 };
@@ -45,6 +45,8 @@ struct FilmParticle {
   float grid_height = 0;                    ///< thickness of its film on the grid
   std::uint32_t other = none;               ///< the number of the same particle at the obstacle opposite
   float other_height = 0, other_sinks = 0;  ///< mean height and `sinks` there
+  float beside = 0;                         ///< distance of obstacles beside it, where there is one opposite
+  float opposite_height = 0;                ///< distance from the obstacle opposite
   float squeezed = 0;  ///< 1: the two are so near to each other that all water between them is a film, 0: not
 };
 
@@ -54,7 +56,7 @@ struct FilmLayer {
   double grid_height = 0;  ///< its thickness on the grid
   double opposite = 0;     ///< 1: there is an obstacle opposite, 0: there is none
   double other_height = 0, other_sinks = 0;
-  double squeezed = 0;
+  double squeezed = 0, thin = 0;
 
   FilmLayer() = default;
   /// `wetness`: 1 where films reach down to the obstacle, 0 where they stay where the particles are.
@@ -65,7 +67,8 @@ struct FilmLayer {
         opposite(p.other == none ? 0 : 1),
         other_height(double(p.other_height)),
         other_sinks(wetness * double(p.other_sinks)),
-        squeezed(double(p.squeezed)) {}
+        squeezed(double(p.squeezed)),
+        thin(double(p.thin)) {}
 
   /// The distance of its middle from the obstacle, with this thickness and the clearance of both (R.40).
   double middle(double thickness, double clearance) const;

@@ -1,6 +1,8 @@
 // Films at the vertices of the mesh.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "reconstruction/film_kernel.h"
 #include "reconstruction/near_film.h"
@@ -12,21 +14,88 @@ namespace {
 /// Vertices at the lower side of films are this near to it [cells].
 constexpr double at_lower_side = 0.2;
 
-/// The film at a vertex.
+/// Between two obstacles the distances of nodes have a ridge, and those of vertices are wrong by this near to
+/// it [cells]: heights over the planes of the particles count there.
+constexpr double ridge = 1.5, ridge_fade = 0.5;
+
+/// A vertex between two obstacles is nearer to one of them if it is by half of this [dx].
+constexpr double nearer_side = 3;
+
+/// The film at a vertex: means of its particles.
 struct FilmAt {
   double thickness = 0;
   Vec3 normal = Vec3::Zero();
   double weight = 0;
-  FilmLayer layer;  ///< mean of its particles
+  double above = 0;  ///< height of the vertex over the planes of the nearest particles
+  FilmLayer layer;
 };
 
-/// The film at x, whose distance from obstacles is known.
-FilmAt film_at(const FilmRule& rule, const NearFilm& near, const Vec3& x, double distance,
-               const FilmKernel& kernel) {
-  FilmAt at;
-  FilmLayer& mean = at.layer;
-  mean.sinks = 0;
-  double grid_height = 0;
+/// Sums over particles of a film.
+class FilmSums {
+ public:
+  void add(const FilmParticle& p, double k, double above) {
+    sum_.thickness += double(p.share) * k;
+    sum_.normal += k * vec(p.normal);
+    sum_.weight += k;
+    const FilmLayer layer(p, 1);
+    sum_.layer.height += k * layer.height;
+    sinks_ += k * layer.sinks;
+    if (p.other == none) return;
+    sum_.layer.opposite += k;
+    sum_.layer.other_sinks += k * layer.other_sinks;
+    sum_.layer.squeezed += k * layer.squeezed;
+    sum_.layer.thin += k * layer.thin;
+    grid_height_ += k * layer.grid_height;
+    // Where obstacles bend, and where their distance changes, heights are right near their particles only.
+    const double near = k * k * k * k;
+    sum_.above += near * above;
+    near_height_ += near * double(p.height);
+    near_opposite_ += near * double(p.opposite_height);
+    near_ += near;
+  }
+  bool is_between() const { return sum_.layer.opposite > 0; }
+  /// Of the vertex over the planes; infinite if none counts.
+  double above() const { return near_ > 0 ? sum_.above / near_ : std::numeric_limits<double>::infinity(); }
+  FilmAt mean(const FilmRule& rule) const {
+    FilmAt at = sum_;
+    if (!(at.weight > 0)) return at;
+    at.normal.normalize();
+    FilmLayer& mean = at.layer;
+    mean.height /= at.weight;
+    mean.sinks = sinks_ / at.weight;
+    mean.grid_height = rule.grid_height;
+    if (!is_between()) return at;
+    at.above = above();
+    if (near_ > 0) {
+      mean.height = near_height_ / near_;
+      mean.other_height = near_opposite_ / near_;
+    }
+    mean.grid_height += (grid_height_ - mean.opposite * rule.grid_height) / at.weight;
+    mean.other_sinks /= mean.opposite;
+    mean.thin /= mean.opposite;
+    mean.squeezed /= at.weight;
+    mean.opposite /= at.weight;
+    return at;
+  }
+
+ private:
+  FilmAt sum_;
+  double sinks_ = 0, grid_height_ = 0, near_ = 0, near_height_ = 0, near_opposite_ = 0;
+};
+
+/// The films at a vertex, of weights that add up to 1. Between two obstacles a film is on both; in the
+/// middle, where neither is nearer, both count, so that vertices side by side move alike.
+struct FilmsAt {
+  std::array<FilmAt, 2> films;
+  std::array<double, 2> weights = {1, 0};
+};
+
+/// The films at x, whose distance from obstacles is known.
+FilmsAt films_at(const FilmRule& rule, const NearFilm& near, const Vec3& x, double distance,
+                 const FilmKernel& kernel) {
+  FilmSums all;
+  std::array<FilmSums, 2> sides;  // of two obstacles opposite to each other: particles are on both
+  std::array<float, 3> first{};
   const double most = height_slack * rule.spacing + slope_slack * rule.link;
   near.for_over(x, distance, most, rule.link, [&](std::size_t c) {
     const FilmParticle& p = near.item(c);
@@ -36,31 +105,49 @@ FilmAt film_at(const FilmRule& rule, const NearFilm& near, const Vec3& x, double
     if (!(k > 0) || !(p.share > 0)) return;
     const double slack = height_slack * rule.spacing + slope_slack * std::sqrt(along.rho_squared);
     if (std::abs(along.height - distance) > slack) return;
-    at.thickness += double(p.share) * k;
-    at.normal += k * vec(p.normal);
-    at.weight += k;
-    const FilmLayer layer(p, 1);
-    mean.height += k * layer.height;
-    mean.sinks += k * layer.sinks;
-    if (p.other == none) return;
-    mean.opposite += k;
-    mean.other_height += k * layer.other_height;
-    mean.other_sinks += k * layer.other_sinks;
-    mean.squeezed += k * layer.squeezed;
-    grid_height += k * layer.grid_height;
+    all.add(p, k, along.height);
+    if (first == std::array<float, 3>{}) first = p.normal;
+    sides[vec(p.normal).dot(vec(first)) > 0 ? 0 : 1].add(p, k, along.height);
   });
-  if (!(at.weight > 0)) return at;
-  at.normal.normalize();
-  mean.height /= at.weight;
-  mean.sinks /= at.weight;
-  mean.grid_height = rule.grid_height;
-  if (!(mean.opposite > 0)) return at;
-  mean.grid_height += (grid_height - mean.opposite * rule.grid_height) / at.weight;
-  mean.other_height /= mean.opposite;
-  mean.other_sinks /= mean.opposite;
-  mean.squeezed /= at.weight;
-  mean.opposite /= at.weight;
-  return at;
+  if (!all.is_between()) return {{all.mean(rule), {}}};
+  const double first_above = sides[0].above(), second_above = sides[1].above();
+  double share = std::isfinite(first_above) ? 1 : 0;
+  if (std::isfinite(first_above) && std::isfinite(second_above))
+    share = std::clamp(0.5 + (second_above - first_above) / (nearer_side * rule.spacing), 0.0, 1.0);
+  FilmsAt result{{sides[0].mean(rule), sides[1].mean(rule)}};
+  std::array<FilmAt, 2>& films = result.films;
+  // Far from one of them only some particles agree with it; both have the same water.
+  films[0].thickness = films[1].thickness = std::max(films[0].thickness, films[1].thickness);
+  const double both = share * films[0].weight + (1 - share) * films[1].weight;
+  result.weights[0] = both > 0 ? share * films[0].weight / both : share;
+  result.weights[1] = 1 - result.weights[0];
+  return result;
+}
+
+/// The height of a vertex over the obstacle of its film. `now`: its distance with its moves, `distance`
+/// without them.
+double height_of(const FilmAt& at, double distance, double now) {
+  if (!(at.layer.opposite > 0)) return now;
+  const double middle = (at.layer.height + at.layer.other_height) / 2;
+  const double share = std::clamp((distance - middle + ridge) / ridge_fade, 0.0, 1.0);
+  return now + share * (at.above - now);
+}
+
+/// 1: the water is a film, 0: it is not. Near the greatest width between two obstacles some particles know of
+/// one of them only, so columns may look thin that are not.
+double film_share(const FilmRule& rule, const FilmAt& at) {
+  const double thin = thinness(rule, at.thickness);
+  return at.layer.opposite > 0 ? std::min(std::max(thin, at.layer.squeezed), at.layer.thin) : thin;
+}
+
+/// The mean of two moves as far as they agree: in folds they do not, and vertices would pass each other.
+Vec3 common(const std::array<Vec3, 2>& moves, const std::array<double, 2>& weights) {
+  const Vec3 mean = weights[0] * moves[0] + weights[1] * moves[1];
+  if (!(weights[0] > 0 && weights[1] > 0)) return mean;
+  const double most = std::max(moves[0].squaredNorm(), moves[1].squaredNorm());
+  const double agree = most > 0 ? std::clamp(moves[0].dot(moves[1]) / most, 0.0, 1.0) : 0;
+  const double both = 2 * std::min(weights[0], weights[1]);
+  return (1 - both * (1 - agree)) * mean;
 }
 
 /// How far a vertex of a film moves along its normal [cells]. It is at the distance `now`.
@@ -97,30 +184,37 @@ FilmVertices thin_films(const Film& film, ObstacleMode mode, const ParticleBlock
         const double distance = mesh.distances[v];
         const Vec3 place = vec(mesh.positions[v]);
         if (!(distance < rule.band) || (within_clip && !within_clip->contains(place))) continue;
-        FilmAt at = film_at(rule, near_film, (place - origin) / grid.cell, distance, kernel);
-        if (!(at.weight > 0)) continue;
-        const double share = std::max(thinness(rule, at.thickness), at.layer.squeezed) *
-                             std::clamp((rule.band - 1 - distance) / fade, 0.0, 1.0);
-        result.thickness[v] = static_cast<float>(at.thickness);
-        result.share[v] = static_cast<float>(share);
+        const FilmsAt found = films_at(rule, near_film, (place - origin) / grid.cell, distance, kernel);
         const NodeRef& inner = mesh.inside_nodes[v];
         const std::uint32_t inner_near = grid.blocks[inner.block].near;
         const double wetness =
             inner_near == none ? mode == ObstacleMode::touch
                                : double(film_wetness(mode, grid.nears[inner_near], std::size_t(inner.node)));
-        at.layer.sinks *= wetness;
-        at.layer.other_sinks *= wetness;
-        const double now = distance + at.normal.dot(place - vec(polygonised[v])) / grid.cell;
-        // Below another obstacle the nearest one of the node within may be the lower one.
-        const bool faces_obstacle = at.layer.opposite > 0
-                                        ? at.normal.dot(grid.place(inner) - vec(polygonised[v])) > 0
-                                        : double(grid.distance(inner)) > distance;
-        // Into the water only, where there is no obstacle: lower sides go up, all others down.
-        const bool is_lower =
-            faces_obstacle && now < at.layer.lower(at.layer.grid_height, rule.clearance) + at_lower_side;
-        const double shift = share * film_shift(rule, at.layer, at.thickness, now);
-        const double inwards = is_lower ? std::max(0.0, shift) : std::min(0.0, shift);
-        const Vec3 moved = clamped_to(clip, place + inwards * grid.cell * at.normal);
+        std::array<Vec3, 2> moves = {Vec3::Zero(), Vec3::Zero()};
+        for (std::size_t side_of = 0; side_of < 2; ++side_of) {
+          FilmAt at = found.films[side_of];
+          const double weight = found.weights[side_of];
+          if (!(weight > 0 && at.weight > 0)) continue;
+          const double share = film_share(rule, at) * std::clamp((rule.band - 1 - distance) / fade, 0.0, 1.0);
+          result.thickness[v] += static_cast<float>(weight * at.thickness);
+          result.share[v] += static_cast<float>(weight * share);
+          at.layer.sinks *= wetness;
+          at.layer.other_sinks *= wetness;
+          const double now =
+              height_of(at, distance, distance + at.normal.dot(place - vec(polygonised[v])) / grid.cell);
+          // Below another obstacle the nearest one of the node within may be the lower one.
+          const bool faces_obstacle = at.layer.opposite > 0
+                                          ? at.normal.dot(grid.place(inner) - vec(polygonised[v])) > 0
+                                          : double(grid.distance(inner)) > distance;
+          // Into the water only, where there is no obstacle: lower sides go up, all others down.
+          const bool is_lower =
+              faces_obstacle && now < at.layer.lower(at.layer.grid_height, rule.clearance) + at_lower_side;
+          const double shift = share * film_shift(rule, at.layer, at.thickness, now);
+          moves[side_of] = (is_lower ? std::max(0.0, shift) : std::min(0.0, shift)) * at.normal;
+        }
+        const Vec3 move = common(moves, found.weights);
+        if (result.share[v] == 0 && move == Vec3::Zero()) continue;
+        const Vec3 moved = clamped_to(clip, place + grid.cell * move);
         mesh.positions[v] = {float(moved.x()), float(moved.y()), float(moved.z())};
       }
     }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/visibility.h"
+
 namespace oilskin::reconstruction {
 
 void NearestTriangle::set(const Obstacles& obstacles, const Box& points, double reach) {
@@ -105,10 +107,28 @@ ClosestPoint NearestTriangle::find_opposite(const Vec3& x, const Vec3& normal) c
          bits != 0; bits &= bits - 1) {
       const Corners k = obstacles_->corners(triangles_[c + std::size_t(__builtin_ctz(bits))]);
       const ClosestPoint p = closest_point(x, k[0], k[1], k[2]);
-      if (p.distance < best.distance && p.offset.dot(normal) < -0.5 * p.distance) best = p;
+      if (p.distance < best.distance && p.offset.dot(normal) < -0.6 * p.distance) best = p;
     }
   }
   return best;
+}
+
+bool NearestTriangle::is_enclosed(const Vec3& x, const Vec3& normal, double reach) const {
+  constexpr int lines = 4;
+  std::vector<std::uint32_t> near;
+  for_within(x, reach, [&](std::uint32_t t) { near.push_back(t); });
+  const auto is_blocked = [&](const Vec3& to) {
+    return std::any_of(near.begin(), near.end(), [&](std::uint32_t t) {
+      return hides_segment(x, to, obstacles_->corners(t), obstacles_->indices(t));
+    });
+  };
+  const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
+  for (int k = 0; k < lines; ++k) {
+    const double angle = k * 3.14159265358979323846 / lines;
+    const Vec3 way = reach * (std::cos(angle) * u + std::sin(angle) * v);
+    if (is_blocked(x + way) && is_blocked(x - way)) return true;
+  }
+  return false;
 }
 
 }  // namespace oilskin::reconstruction

@@ -14,9 +14,12 @@ class NearestTriangle {
   /// The closest point of the obstacles; at the distance `reach` if there is none nearer. The first of
   /// several triangles that are as near.
   ClosestPoint find(const Vec3& x) const;
-  /// As find(), of the triangles whose closest point lies within 60° of the normal from x: obstacles that
+  /// As find(), of the triangles whose closest point lies within 53° of the normal from x: obstacles that
   /// face the one with this normal.
   ClosestPoint find_opposite(const Vec3& x, const Vec3& normal) const;
+  /// Whether there are obstacles within `reach` [m] of x both ways along a line perpendicular to the normal,
+  /// as in a tube.
+  bool is_enclosed(const Vec3& x, const Vec3& normal, double reach) const;
   /// Calls f(t) for the triangles whose boxes are within `reach` of x, and perhaps for some more, ascending.
   template <class F>
   void for_within(const Vec3& x, double reach, const F& f) const {
