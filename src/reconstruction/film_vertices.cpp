@@ -142,12 +142,13 @@ double film_share(const FilmRule& rule, const FilmAt& at) {
 
 /// The mean of two moves as far as they agree: in folds they do not, and vertices would pass each other.
 Vec3 common(const std::array<Vec3, 2>& moves, const std::array<double, 2>& weights) {
-  const Vec3 mean = weights[0] * moves[0] + weights[1] * moves[1];
+  Vec3 mean = weights[0] * moves[0] + weights[1] * moves[1];
   if (!(weights[0] > 0 && weights[1] > 0)) return mean;
   const double most = std::max(moves[0].squaredNorm(), moves[1].squaredNorm());
   const double agree = most > 0 ? std::clamp(moves[0].dot(moves[1]) / most, 0.0, 1.0) : 0;
   const double both = 2 * std::min(weights[0], weights[1]);
-  return (1 - both * (1 - agree)) * mean;
+  mean *= 1 - both * (1 - agree);
+  return mean;
 }
 
 /// How far a vertex of a film moves along its normal [cells]. It is at the distance `now`.
