@@ -149,7 +149,7 @@ void Film::find_heights(const ParticleBlocks& particles, const Obstacles& obstac
       for (std::size_t i = particles.begin[b]; i < particles.begin[b + 1]; ++i) {
         const Vec3 x = cell * particles.place(b, i);
         if (!bounds.contains(x)) continue;
-        const ClosestPoint nearest = nearest_triangle.find(x);
+        const ClosestPoint nearest = nearest_triangle.find(x, rule_.column_reach * cell);
         if (!(nearest.distance > 0 && nearest.distance < rule_.column_reach * cell)) continue;
         FilmParticle p;
         const Vec3 n = nearest.offset / nearest.distance;

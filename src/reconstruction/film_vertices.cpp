@@ -93,23 +93,28 @@ struct FilmsAt {
 /// The films at x, whose distance from obstacles is known.
 FilmsAt films_at(const FilmRule& rule, const NearFilm& near, const Vec3& x, double distance,
                  const FilmKernel& kernel) {
+  const double most = height_slack * rule.spacing + slope_slack * rule.link;
+  // Calls f(particle, weight, height over its plane).
+  const auto for_film = [&](const auto& f) {
+    near.for_over(x, distance, most, rule.link, [&](std::size_t c) {
+      const FilmParticle& p = near.item(c);
+      const AlongFilm along(p, x - near.place(c));
+      const double k = kernel(along.rho_squared);
+      // Those without a share are no part of the film: too high above the obstacle.
+      if (!(k > 0) || !(p.share > 0)) return;
+      const double slack = height_slack * rule.spacing + slope_slack * std::sqrt(along.rho_squared);
+      if (std::abs(along.height - distance) <= slack) f(p, k, along.height);
+    });
+  };
   FilmSums all;
+  for_film([&](const FilmParticle& p, double k, double above) { all.add(p, k, above); });
+  if (!all.is_between()) return {{all.mean(rule), {}}};
   std::array<FilmSums, 2> sides;  // of two obstacles opposite to each other: particles are on both
   std::array<float, 3> first{};
-  const double most = height_slack * rule.spacing + slope_slack * rule.link;
-  near.for_over(x, distance, most, rule.link, [&](std::size_t c) {
-    const FilmParticle& p = near.item(c);
-    const AlongFilm along(p, x - near.place(c));
-    const double k = kernel(along.rho_squared);
-    // Those without a share are no part of the film: too high above the obstacle.
-    if (!(k > 0) || !(p.share > 0)) return;
-    const double slack = height_slack * rule.spacing + slope_slack * std::sqrt(along.rho_squared);
-    if (std::abs(along.height - distance) > slack) return;
-    all.add(p, k, along.height);
+  for_film([&](const FilmParticle& p, double k, double above) {
     if (first == std::array<float, 3>{}) first = p.normal;
-    sides[vec(p.normal).dot(vec(first)) > 0 ? 0 : 1].add(p, k, along.height);
+    sides[vec(p.normal).dot(vec(first)) > 0 ? 0 : 1].add(p, k, above);
   });
-  if (!all.is_between()) return {{all.mean(rule), {}}};
   const double first_above = sides[0].above(), second_above = sides[1].above();
   double share = std::isfinite(first_above) ? 1 : 0;
   if (std::isfinite(first_above) && std::isfinite(second_above))

@@ -77,9 +77,9 @@ simd::F8 NearestTriangle::squared_distances(std::size_t c, const Vec3& x) const 
   return squared;
 }
 
-ClosestPoint NearestTriangle::find(const Vec3& x) const {
+ClosestPoint NearestTriangle::find(const Vec3& x, double within) const {
   ClosestPoint best;
-  best.distance = reach_;
+  best.distance = within;
   for (std::size_t c = 0; c < low_[0].size(); c += 8) {
     const double limit = with_rounding(x, best.distance);
     for (std::uint32_t bits = 0xff & ~greater_mask(squared_distances(c, x), float(limit * limit)); bits != 0;

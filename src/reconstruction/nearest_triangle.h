@@ -13,7 +13,9 @@ class NearestTriangle {
   void set(const Obstacles& obstacles, const Box& points, double reach);
   /// The closest point of the obstacles; at the distance `reach` if there is none nearer. The first of
   /// several triangles that are as near.
-  ClosestPoint find(const Vec3& x) const;
+  ClosestPoint find(const Vec3& x) const { return find(x, reach_); }
+  /// The same with a shorter reach.
+  ClosestPoint find(const Vec3& x, double within) const;
   /// As find(), of the triangles whose closest point lies within 53° of the normal from x: obstacles that
   /// face the one with this normal.
   ClosestPoint find_opposite(const Vec3& x, const Vec3& normal) const;
