@@ -114,7 +114,6 @@ FilmRule film_rule(const ReconstructionOptions& o, double clearance) {
   r.band = film_band(o, clearance);
   r.grid_height = film_grid_height(o);
   r.film_reach = film_reach * r.spacing;
-  r.slot_width = slot_width * r.spacing;
   r.column_reach = column_reach * r.spacing;
   r.link = link * r.spacing;
   r.min_radius = min_radius * r.spacing;
@@ -135,7 +134,7 @@ void Film::find_heights(const ParticleBlocks& particles, const Obstacles& obstac
                         const Workers& workers) {
   const Box bounds = obstacles.bounds().inflated(rule_.column_reach * cell);
   std::vector<std::vector<std::pair<std::uint32_t, FilmParticle>>> found(particles.blocks.size());
-  const double reach = opposite_reach * rule_.spacing * cell;
+  const double dx = rule_.spacing * cell, reach = opposite_reach * dx;
   workers.for_chunks(particles.blocks.size(), 16, [&](std::size_t from, std::size_t to, std::size_t) {
     NearestTriangle nearest_triangle;
     for (std::size_t b = from; b < to; ++b) {
@@ -157,9 +156,8 @@ void Film::find_heights(const ParticleBlocks& particles, const Obstacles& obstac
         p.height = static_cast<float>(nearest.distance / cell);
         found[b].emplace_back(static_cast<std::uint32_t>(i), p);
         const ClosestPoint opposite = nearest_triangle.find_opposite(x, n);
-        if (!(opposite.distance < reach && nearest.distance + opposite.distance < rule_.slot_width * cell))
-          continue;
-        if (nearest_triangle.is_enclosed(x, n, tube_reach * rule_.spacing * cell)) continue;
+        if (!(opposite.distance < reach && nearest.distance + opposite.distance < slot_width * dx)) continue;
+        if (nearest_triangle.is_enclosed(x, n, tube_reach * dx)) continue;
         const Vec3 m = opposite.offset / opposite.distance;
         p.normal = {float(m.x()), float(m.y()), float(m.z())};
         p.height = static_cast<float>(opposite.distance / cell);

@@ -20,7 +20,6 @@ struct FilmRule {
   double band = 0;          ///< vertices farther from obstacles are not of a film
   double film_reach = 0;    ///< particles nearer to an obstacle than this form films
   double column_reach = 0;  ///< particles nearer than this count for the thickness
-  double slot_width = 0;    ///< obstacles farther from each other are not opposite
   double link = 0;          ///< particles of a film are not farther apart than this; radius of the mean
   double min_radius = 0, max_radius = 0;  ///< of discs
 };

@@ -219,7 +219,7 @@ FilmVertices thin_films(const Film& film, ObstacleMode mode, const ParticleBlock
           moves[side_of] = (is_lower ? std::max(0.0, shift) : std::min(0.0, shift)) * at.normal;
         }
         const Vec3 move = common(moves, found.weights);
-        if (result.share[v] == 0 && move == Vec3::Zero()) continue;
+        if (move == Vec3::Zero()) continue;
         const Vec3 moved = clamped_to(clip, place + grid.cell * move);
         mesh.positions[v] = {float(moved.x()), float(moved.y()), float(moved.z())};
       }

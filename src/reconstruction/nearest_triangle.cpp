@@ -77,40 +77,39 @@ simd::F8 NearestTriangle::squared_distances(std::size_t c, const Vec3& x) const 
   return squared;
 }
 
-ClosestPoint NearestTriangle::find(const Vec3& x, double within) const {
+template <class May, class Accept>
+ClosestPoint NearestTriangle::nearest(const Vec3& x, double within, const May& may,
+                                      const Accept& accept) const {
   ClosestPoint best;
   best.distance = within;
   for (std::size_t c = 0; c < low_[0].size(); c += 8) {
     const double limit = with_rounding(x, best.distance);
-    for (std::uint32_t bits = 0xff & ~greater_mask(squared_distances(c, x), float(limit * limit)); bits != 0;
-         bits &= bits - 1) {
+    for (std::uint32_t bits = may(c) & ~greater_mask(squared_distances(c, x), float(limit * limit));
+         bits != 0; bits &= bits - 1) {
       const Corners k = obstacles_->corners(triangles_[c + std::size_t(__builtin_ctz(bits))]);
       const ClosestPoint p = closest_point(x, k[0], k[1], k[2]);
-      if (p.distance < best.distance) best = p;
+      if (p.distance < best.distance && accept(p)) best = p;
     }
   }
   return best;
 }
 
+ClosestPoint NearestTriangle::find(const Vec3& x, double within) const {
+  return nearest(
+      x, within, [](std::size_t) { return 0xffu; }, [](const ClosestPoint&) { return true; });
+}
+
 ClosestPoint NearestTriangle::find_opposite(const Vec3& x, const Vec3& normal) const {
-  ClosestPoint best;
-  best.distance = reach_;
-  for (std::size_t c = 0; c < low_[0].size(); c += 8) {
-    const double limit = with_rounding(x, best.distance);
+  const auto is_ahead = [&](std::size_t c) {
     F8 ahead = 0.0f;  // how far a box reaches along the normal from x, at most
     for (std::size_t a = 0; a < 3; ++a) {
       const auto at = static_cast<float>(x[int(a)] - origin_[int(a)]), n = static_cast<float>(normal[int(a)]);
       ahead = ahead + larger((F8::load(&low_[a][c]) - at) * n, (F8::load(&high_[a][c]) - at) * n);
     }
-    const F8 squared = squared_distances(c, x);
-    for (std::uint32_t bits = greater_mask(ahead, 0.0f) & ~greater_mask(squared, float(limit * limit)) & 0xff;
-         bits != 0; bits &= bits - 1) {
-      const Corners k = obstacles_->corners(triangles_[c + std::size_t(__builtin_ctz(bits))]);
-      const ClosestPoint p = closest_point(x, k[0], k[1], k[2]);
-      if (p.distance < best.distance && p.offset.dot(normal) < -0.6 * p.distance) best = p;
-    }
-  }
-  return best;
+    return 0xff & greater_mask(ahead, 0.0f);
+  };
+  return nearest(x, reach_, is_ahead,
+                 [&](const ClosestPoint& p) { return p.offset.dot(normal) < -0.6 * p.distance; });
 }
 
 bool NearestTriangle::is_enclosed(const Vec3& x, const Vec3& normal, double reach) const {

@@ -53,6 +53,9 @@ class NearestTriangle {
 
     Between(const Vec3& from, const Vec3& to, double reach);
   };
+  /// The closest point that `accept` takes, in boxes c … c + 7 with a bit in may(c).
+  template <class May, class Accept>
+  ClosestPoint nearest(const Vec3& x, double within, const May& may, const Accept& accept) const;
   std::uint32_t between_mask(std::size_t c, const Between& segment) const;
   /// Of x from boxes c … c + 7.
   F8 squared_distances(std::size_t c, const Vec3& x) const;

@@ -159,42 +159,39 @@ class NodeDistances {
   static unsigned bits(int first, int last) { return (2u << last) - (1u << first); }
 
   void measure_face(const Near& n) {
-    const Covered& s = n.covered;
-    for (int k = s.first[2]; k <= s.last[2]; ++k) {
-      const TrianglePlanes::Rows from = n.planes.rows(k);
-      std::uint32_t over = bits(s.first[1], s.last[1]) & ~greater_mask(from.beside, rounding);
-      over &= ~greater_mask(from.off, F8::load(&farthest_[std::size_t(side * k)]) + rounding);
-      if (over == 0) continue;
-      const TrianglePlanes::Slice slice = n.planes.slice(k);
-      for (; over != 0; over &= over - 1) {
-        const int j = __builtin_ctz(over);
-        float* const row = &distance_[std::size_t(node_index(0, j, k))];
-        const std::uint32_t may = may_be_nearer(n, n.planes.row(slice, j), row, true);
-        for (std::uint32_t at = may; at != 0; at &= at - 1) {
-          const int i = __builtin_ctz(at);
-          lower(row[i], n.planes.distance_to_plane(i, j, k));
-        }
-        if (may != 0) set_farthest(j, k, row);
-      }
-    }
+    measure(
+        n, true,
+        [&](int, const TrianglePlanes::Rows& from, F8 most) {
+          return greater_mask(from.beside, rounding) | greater_mask(from.off, most);
+        },
+        [&](int i, int j, int k) { return n.planes.distance_to_plane(i, j, k); });
   }
   void measure_beside(const Near& n) {
+    measure(
+        n, false,
+        [&](int k, const TrianglePlanes::Rows& from, F8 most) {
+          return greater_mask(n.bounds.squared_from_rows(k), most * most) |
+                 greater_mask(larger(from.off, from.beside), most);
+        },
+        [&](int i, int j, int k) { return closest_point(Vec3(i, j, k), n.c[0], n.c[1], n.c[2]).distance; });
+  }
+  /// `too_far(k, bounds, farthest)`: the rows of slice k without a node that counts; `distance_to(i, j, k)`
+  /// of a node over the face, or of the others.
+  template <class TooFar, class DistanceTo>
+  void measure(const Near& n, bool over_face, const TooFar& too_far, const DistanceTo& distance_to) {
     const Covered& s = n.covered;
     for (int k = s.first[2]; k <= s.last[2]; ++k) {
-      const TrianglePlanes::Rows from = n.planes.rows(k);
       const F8 most = F8::load(&farthest_[std::size_t(side * k)]) + rounding;
-      std::uint32_t near =
-          bits(s.first[1], s.last[1]) & ~(greater_mask(n.bounds.squared_from_rows(k), most * most) |
-                                          greater_mask(larger(from.off, from.beside), most));
-      if (near == 0) continue;
+      std::uint32_t rows = bits(s.first[1], s.last[1]) & ~too_far(k, n.planes.rows(k), most);
+      if (rows == 0) continue;
       const TrianglePlanes::Slice slice = n.planes.slice(k);
-      for (; near != 0; near &= near - 1) {
-        const int j = __builtin_ctz(near);
+      for (; rows != 0; rows &= rows - 1) {
+        const int j = __builtin_ctz(rows);
         float* const row = &distance_[std::size_t(node_index(0, j, k))];
-        const std::uint32_t may = may_be_nearer(n, n.planes.row(slice, j), row, false);
+        const std::uint32_t may = may_be_nearer(n, n.planes.row(slice, j), row, over_face);
         for (std::uint32_t at = may; at != 0; at &= at - 1) {
           const int i = __builtin_ctz(at);
-          lower(row[i], closest_point(Vec3(i, j, k), n.c[0], n.c[1], n.c[2]).distance);
+          lower(row[i], distance_to(i, j, k));
         }
         if (may != 0) set_farthest(j, k, row);
       }

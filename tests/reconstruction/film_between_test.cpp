@@ -12,9 +12,8 @@ namespace {
 using test::position;
 using test::WaterScene;
 
-ReconstructionOptions options_for(const WaterScene& s, double cell, ObstacleMode mode) {
-  return test::options_for(s, cell, 0.1, mode);
-}
+/// Of the spacing.
+constexpr double gap = 0.1;
 
 TEST(FilmInATrough, keeps_its_volume) {
   for (const double radius : {2.5, 3.0, 3.25})
@@ -33,7 +32,7 @@ TEST(FilmInATrough, keeps_its_volume) {
             on_arc(radius - 0.5, 0.1 + 0.8 * (n % around + 0.5) / around, n / around - 11.5) +
             0.05 * dx * random.in_cube(1));
       ReconstructionReport report;
-      test::reconstruct(s.input(), options_for(s, cell, ObstacleMode::gap), &report);
+      test::reconstruct(s.input(), test::options_for(s, cell, gap, ObstacleMode::gap), &report);
       EXPECT_NEAR(report.volume / (double(s.particles.size()) * std::pow(dx, 3)), 1, 0.03)
           << radius << ' ' << cell;
     }
@@ -80,7 +79,7 @@ TEST_P(FilmBetween, two_sheets_has_its_thickness_at_the_vertices) {
   const WaterScene s = scene();
   const double layers = GetParam().layers * s.spacing, inner = 0.3 * side * s.spacing;
   for (const ObstacleMode mode : {ObstacleMode::gap, ObstacleMode::touch}) {
-    const WaterMesh mesh = test::reconstruct(s.input(), options_for(s, 0.5, mode));
+    const WaterMesh mesh = test::reconstruct(s.input(), test::options_for(s, 0.5, gap, mode));
     // Along the normal layers are thinner: the mean of its z is 0.94.
     double sum = 0, count = 0;
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -115,7 +114,7 @@ TEST(FilmInATube, fills_it) {
       if (p.x() * p.x() + p.z() * p.z() < (radius - 0.3) * (radius - 0.3)) s.particles.push_back(dx * p);
     }
     ReconstructionReport report;
-    test::reconstruct(s.input(), options_for(s, 0.5, mode), &report);
+    test::reconstruct(s.input(), test::options_for(s, 0.5, gap, mode), &report);
     test::record(
         "volume over water, radius " + std::to_string(radius) + ", mode " + std::to_string(int(mode)),
         report.volume / (count * std::pow(dx, 3)));
@@ -128,7 +127,7 @@ TEST_P(FilmBetween, two_sheets_has_its_volume) {
   const double water = double(s.particles.size()) * std::pow(s.spacing, 3);
   for (const ObstacleMode mode : {ObstacleMode::gap, ObstacleMode::touch})
     for (const double cell : {0.5, 0.8, 1.0}) {
-      const ReconstructionOptions options = options_for(s, cell, mode);
+      const ReconstructionOptions options = test::options_for(s, cell, gap, mode);
       ReconstructionReport report;
       const WaterMesh mesh = test::reconstruct(s.input(), options, &report);
       test::record("volume over water, mode " + std::to_string(int(mode)) + ", cell " + std::to_string(cell),

@@ -19,8 +19,8 @@ struct MadeMesh {
 /// Refuses a spacing that cannot be that of these particles; one in other units, say. `which` begins the
 /// message.
 Status check_spacing(Span<const Vec3> positions, double spacing, const std::string& which);
-/// What may be wrong with particles that are meshed: half or three times as far apart as the spacing says, or
-/// several at the same place. Empty if nothing is.
+/// What may be wrong with particles that are meshed: half of them have their nearest neighbour within 0.5
+/// spacings, or none within 2.5, or several are at the same place. Empty if nothing is.
 std::vector<std::string> doubts_about(Span<const Vec3> positions, double spacing);
 
 /// The water of each particle [m³]. `mass_ratio` as World::mass_ratios(), `particle_mass` in kg.

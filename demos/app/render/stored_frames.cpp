@@ -104,20 +104,17 @@ StoredFrames::StoredFrames(const std::string& directory) : directory_(directory)
     const auto is_ours = [&](const std::string& name, int number, const char* suffix) {
       return frame_path(".", name, number, suffix) == "./" + file;
     };
+    bool is_read = false;
     if (std::regex_match(file, match, particles)) {
       const int number = std::stoi(match[1]);
-      if (is_ours("particles", number, "vtp")) {
-        numbers_.push_back(number);
-        continue;
-      }
+      is_read = is_ours("particles", number, "vtp");
+      if (is_read) numbers_.push_back(number);
     } else if (std::regex_match(file, match, mesh)) {
       const int k = std::stoi(match[2]), number = std::stoi(match[3]);
-      if (is_ours(std::string(match[1]) + "_" + std::to_string(k), number, "ply")) {
-        (match[1] == "cloth" ? meshes_[number].cloth : meshes_[number].bodies).push_back(k);
-        continue;
-      }
+      is_read = is_ours(std::string(match[1]) + "_" + std::to_string(k), number, "ply");
+      if (is_read) (match[1] == "cloth" ? meshes_[number].cloth : meshes_[number].bodies).push_back(k);
     }
-    if (std::regex_match(file, with_suffix) && file.compare(0, 8, "surface_") != 0)
+    if (!is_read && std::regex_match(file, with_suffix) && file.compare(0, 8, "surface_") != 0)
       other_files_.push_back(file);
   }
   if (error) throw SceneError(directory + ": " + error.message());
