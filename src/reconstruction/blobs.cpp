@@ -76,6 +76,29 @@ void keep_triangles(const std::vector<std::uint32_t>& renumbered, RawMesh& mesh)
 
 }  // namespace
 
+void remove_vertices(const std::vector<std::uint8_t>& removed, RawMesh& mesh) {
+  const std::size_t n = mesh.positions.size();
+  OILSKIN_ASSERT(removed.size() == n && mesh.inside_nodes.size() == n && mesh.distances.size() == n);
+  std::vector<std::uint32_t> renumbered(n, none);
+  std::uint32_t kept = 0;
+  for (std::size_t v = 0; v < n; ++v) {
+    if (removed[v]) continue;
+    renumbered[v] = kept;
+    mesh.positions[kept] = mesh.positions[v];
+    mesh.distances[kept] = mesh.distances[v];
+    mesh.inside_nodes[kept++] = mesh.inside_nodes[v];
+  }
+  for (std::uint32_t& first : mesh.first_vertex) {
+    // The first kept vertex at or after it.
+    while (first < n && renumbered[first] == none) ++first;
+    first = first < n ? renumbered[first] : kept;
+  }
+  mesh.positions.resize(kept);
+  mesh.inside_nodes.resize(kept);
+  mesh.distances.resize(kept);
+  keep_triangles(renumbered, mesh);
+}
+
 std::size_t remove_blobs(const Grid& grid, double min_volume, const std::vector<double>& water_near,
                          RawMesh& mesh) {
   OILSKIN_ASSERT(mesh.inside_nodes.size() == mesh.positions.size());
@@ -93,30 +116,15 @@ std::size_t remove_blobs(const Grid& grid, double min_volume, const std::vector<
   for (std::size_t v = 0; v < water_near.size(); ++v)
     volume[piece[v]] = std::max(volume[piece[v]], water_near[v]);
 
-  std::vector<std::uint8_t> counted(number.count(), 0);
+  std::vector<std::uint8_t> counted(number.count(), 0), is_small(piece.size(), 0);
   std::size_t removed = 0;
-  std::vector<std::uint32_t> renumbered(mesh.positions.size(), none);
-  std::uint32_t kept = 0;
   for (std::size_t v = 0; v < piece.size(); ++v) {
-    if (volume[piece[v]] < min_volume) {
-      removed += !counted[piece[v]];
-      counted[piece[v]] = 1;
-      continue;
-    }
-    renumbered[v] = kept;
-    mesh.positions[kept] = mesh.positions[v];
-    mesh.distances[kept] = mesh.distances[v];
-    mesh.inside_nodes[kept++] = mesh.inside_nodes[v];
+    if (!(volume[piece[v]] < min_volume)) continue;
+    is_small[v] = 1;
+    removed += !counted[piece[v]];
+    counted[piece[v]] = 1;
   }
-  for (std::uint32_t& first : mesh.first_vertex) {
-    // The first kept vertex at or after it.
-    while (first < piece.size() && renumbered[first] == none) ++first;
-    first = first < piece.size() ? renumbered[first] : kept;
-  }
-  mesh.positions.resize(kept);
-  mesh.inside_nodes.resize(kept);
-  mesh.distances.resize(kept);
-  keep_triangles(renumbered, mesh);
+  if (removed > 0) remove_vertices(is_small, mesh);
   return removed;
 }
 

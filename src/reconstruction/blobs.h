@@ -12,6 +12,10 @@ namespace oilskin::reconstruction {
 std::size_t remove_blobs(const Grid& grid, double min_volume, const std::vector<double>& water_near,
                          RawMesh& mesh);
 
+/// Removes the vertices with `removed` != 0, and their triangles. All vertices of a triangle are removed, or
+/// none.
+void remove_vertices(const std::vector<std::uint8_t>& removed, RawMesh& mesh);
+
 /// Six times the signed volume of the tetrahedron of a triangle and `origin` [m³].
 double six_volumes(const std::vector<std::array<float, 3>>& positions, const Triangle& t,
                    const std::array<float, 3>& origin);

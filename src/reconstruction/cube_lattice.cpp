@@ -95,6 +95,10 @@ CubeLattice::Around::Around(const CubeLattice& lattice, const Cubes& values, std
       }
 }
 
+bool CubeLattice::Around::is_zero() const {
+  return std::all_of(values_.begin(), values_.end(), [](float v) { return v == 0; });
+}
+
 double CubeLattice::Around::at(const Vec3& x) const {
   std::array<std::size_t, 3> low;
   std::array<double, 3> f;

@@ -40,6 +40,7 @@ class CubeLattice {
     Around(const CubeLattice& lattice, const Cubes& values, std::uint32_t block);
     /// Linear between the centres of cubes; x relative to the block [cells], at most two cells outside it.
     double at(const Vec3& x) const;
+    bool is_zero() const;
 
    private:
     std::array<float, 64> values_;  // cubes −1 … 2 along each axis

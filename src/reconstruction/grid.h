@@ -198,6 +198,15 @@ class Grid {
     return near.distance.empty() ? std::numeric_limits<float>::infinity()
                                  : near.distance[std::size_t(n.node)];
   }
+  /// Sets the bits of a field by its values.
+  void find_inside(std::uint32_t field) {
+    for (std::size_t k = 0; k < side; ++k) {
+      const float* const slice = &values[std::size_t(field) * nodes + 64 * k];
+      std::uint64_t bits = 0;
+      for (int n = 0; n < 64; ++n) bits |= std::uint64_t(slice[n] < 0) << n;
+      inside_bits[field][k] = bits;
+    }
+  }
   void set_outside(NodeRef n, float value) {
     const Block& b = blocks[n.block];
     OILSKIN_ASSERT(b.field != none && value > 0);

@@ -86,9 +86,10 @@ ClosestPoint NearestTriangle::nearest(const Vec3& x, double within, const May& m
     const double limit = with_rounding(x, best.distance);
     for (std::uint32_t bits = may(c) & ~greater_mask(squared_distances(c, x), float(limit * limit));
          bits != 0; bits &= bits - 1) {
-      const Corners k = obstacles_->corners(triangles_[c + std::size_t(__builtin_ctz(bits))]);
+      const std::uint32_t t = triangles_[c + std::size_t(__builtin_ctz(bits))];
+      const Corners k = obstacles_->corners(t);
       const ClosestPoint p = closest_point(x, k[0], k[1], k[2]);
-      if (p.distance < best.distance && accept(p)) best = p;
+      if (p.distance < best.distance && accept(p, t)) best = p;
     }
   }
   return best;
@@ -96,7 +97,7 @@ ClosestPoint NearestTriangle::nearest(const Vec3& x, double within, const May& m
 
 ClosestPoint NearestTriangle::find(const Vec3& x, double within) const {
   return nearest(
-      x, within, [](std::size_t) { return 0xffu; }, [](const ClosestPoint&) { return true; });
+      x, within, [](std::size_t) { return 0xffu; }, [](const ClosestPoint&, std::uint32_t) { return true; });
 }
 
 ClosestPoint NearestTriangle::find_opposite(const Vec3& x, const Vec3& normal) const {
@@ -108,8 +109,10 @@ ClosestPoint NearestTriangle::find_opposite(const Vec3& x, const Vec3& normal) c
     }
     return 0xff & greater_mask(ahead, 0.0f);
   };
-  return nearest(x, reach_, is_ahead,
-                 [&](const ClosestPoint& p) { return p.offset.dot(normal) < -0.6 * p.distance; });
+  return nearest(x, reach_, is_ahead, [&](const ClosestPoint& p, std::uint32_t t) {
+    return p.offset.dot(normal) < -0.45 * p.distance &&
+           std::abs(p.offset.dot(obstacles_->normal(t))) > 0.92 * p.distance;
+  });
 }
 
 bool NearestTriangle::is_enclosed(const Vec3& x, const Vec3& normal, double reach) const {

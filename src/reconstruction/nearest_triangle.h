@@ -16,8 +16,9 @@ class NearestTriangle {
   ClosestPoint find(const Vec3& x) const { return find(x, reach_); }
   /// The same with a shorter reach.
   ClosestPoint find(const Vec3& x, double within) const;
-  /// As find(), of the triangles whose closest point lies within 53° of the normal from x: obstacles that
-  /// face the one with this normal.
+  /// As find(), of the triangles whose closest point lies within 63° of the normal from x and within 23° of
+  /// the normal of the triangle: obstacles that face the one with this normal. What is beside a triangle is
+  /// not over it.
   ClosestPoint find_opposite(const Vec3& x, const Vec3& normal) const;
   /// Whether there are obstacles within `reach` [m] of x both ways along a line perpendicular to the normal,
   /// as in a tube.

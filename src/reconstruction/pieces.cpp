@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/assert.h"
 #include "core/disjoint_sets.h"
 #include "reconstruction/blobs.h"
 #include "reconstruction/visibility.h"
@@ -15,26 +16,61 @@ std::uint64_t key_of_node(const NodeRef& n) {
   return std::uint64_t(n.block) << 9 | std::uint64_t(n.node);
 }
 
+/// Per first vertex, what its part encloses [m³].
+std::vector<double> volumes_of(const RawMesh& mesh, const MeshParts& parts,
+                               const std::vector<std::array<float, 3>>& positions) {
+  std::vector<double> volume(positions.size(), 0);
+  for (const Triangle& t : mesh.triangles) {
+    const std::uint32_t p = parts.of_vertex[t[0]];
+    volume[p] += six_volumes(positions, t, positions[p]) / 6;
+  }
+  return volume;
+}
+
 }  // namespace
 
-SmallPieces small_pieces(const RawMesh& mesh, double max_volume) {
-  const std::size_t n = mesh.positions.size();
+MeshParts parts_of(const RawMesh& mesh, const std::vector<std::array<float, 3>>& positions) {
+  const std::size_t n = positions.size();
+  OILSKIN_ASSERT(n == mesh.positions.size());
   DisjointSets sets(n);
   for (const Triangle& t : mesh.triangles) {
     sets.unite(t[0], t[1]);
     sets.unite(t[0], t[2]);
   }
-  std::vector<double> volume(n, 0);
-  for (const Triangle& t : mesh.triangles) {
-    const std::uint32_t set = sets.find(t[0]);
-    volume[set] += six_volumes(mesh.positions, t, mesh.positions[set]) / 6;
-  }
+  MeshParts parts;
+  parts.of_vertex.resize(n);
+  for (std::uint32_t v = 0; v < n; ++v) parts.of_vertex[v] = sets.find(v);  // its smallest vertex
+  const std::vector<double> volume = volumes_of(mesh, parts, positions);
+  parts.is_bubble.resize(n);
+  for (std::size_t v = 0; v < n; ++v) parts.is_bubble[v] = parts.of_vertex[v] == v && !(volume[v] > 0);
+  return parts;
+}
+
+void remove_closed_bubbles(const MeshParts& parts, RawMesh& mesh, std::vector<float>& of_vertex) {
+  OILSKIN_ASSERT(of_vertex.size() == mesh.positions.size());
+  const std::vector<double> volume = volumes_of(mesh, parts, mesh.positions);
+  std::vector<std::uint8_t> closed = parts.is_bubble;
+  for (std::size_t v = 0; v < closed.size(); ++v)
+    if (volume[v] < 0) closed[v] = 0;
+  for (std::size_t v = 0; v < closed.size(); ++v)
+    if (std::isfinite(mesh.distances[v])) closed[parts.of_vertex[v]] = 0;
+  for (std::size_t v = 0; v < closed.size(); ++v) closed[v] = closed[parts.of_vertex[v]];
+  if (std::find(closed.begin(), closed.end(), 1) == closed.end()) return;
+  std::size_t kept = 0;
+  for (std::size_t v = 0; v < closed.size(); ++v)
+    if (!closed[v]) of_vertex[kept++] = of_vertex[v];
+  of_vertex.resize(kept);
+  remove_vertices(closed, mesh);
+}
+
+SmallPieces small_pieces(const RawMesh& mesh, const MeshParts& parts, double max_volume) {
+  const std::vector<double> volume = volumes_of(mesh, parts, mesh.positions);
   SmallPieces pieces;
-  pieces.of_vertex.assign(n, none);
-  for (std::uint32_t v = 0; v < n; ++v) {
-    const std::uint32_t set = sets.find(v);  // its smallest vertex
-    if (!(volume[set] > 0 && volume[set] < max_volume)) continue;
-    pieces.of_vertex[v] = v == set ? pieces.count++ : pieces.of_vertex[set];
+  pieces.of_vertex.assign(mesh.positions.size(), none);
+  for (std::uint32_t v = 0; v < pieces.of_vertex.size(); ++v) {
+    const std::uint32_t p = parts.of_vertex[v];
+    if (parts.is_bubble[p] || !(volume[p] < max_volume)) continue;
+    pieces.of_vertex[v] = v == p ? pieces.count++ : pieces.of_vertex[p];
   }
   return pieces;
 }

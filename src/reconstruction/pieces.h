@@ -5,6 +5,19 @@
 
 namespace oilskin::reconstruction {
 
+/// The connected parts of a mesh.
+struct MeshParts {
+  std::vector<std::uint32_t> of_vertex;  ///< the first vertex of its part
+  std::vector<std::uint8_t> is_bubble;   ///< of a first vertex: its part encloses air
+};
+
+/// `positions`: of the mesh as it was polygonised. A bubble that has shrunk since may be turned inside out.
+MeshParts parts_of(const RawMesh& mesh, const std::vector<std::array<float, 3>>& positions);
+
+/// Removes the bubbles that are turned inside out: the water around them has closed. Those near an obstacle
+/// stay. `of_vertex`: data per vertex, from which theirs are removed.
+void remove_closed_bubbles(const MeshParts& parts, RawMesh& mesh, std::vector<float>& of_vertex);
+
 /// The connected parts of a mesh that enclose less than a given volume.
 struct SmallPieces {
   std::vector<std::uint32_t> of_vertex;  ///< none: the vertex is of a larger part, or of a bubble
@@ -12,7 +25,7 @@ struct SmallPieces {
 };
 
 /// `max_volume` [m³].
-SmallPieces small_pieces(const RawMesh& mesh, double max_volume);
+SmallPieces small_pieces(const RawMesh& mesh, const MeshParts& parts, double max_volume);
 
 /// Finds the small piece in which a point lies.
 class PieceFinder {

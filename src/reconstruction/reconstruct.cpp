@@ -92,7 +92,8 @@ void Reconstruction::remove_small_pieces(RawMesh& mesh) {
 
 /// Gives films their thickness and the mesh its volume. Returns the thickness per vertex [cells].
 std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<float, 3>>& polygonised,
-                                                const SurfaceBlocks& blocks, RawMesh& raw) {
+                                                const MeshParts& parts, const SurfaceBlocks& blocks,
+                                                RawMesh& raw) {
   const std::vector<std::uint8_t> missing = far_from_water(particles, film, grid, workers);
   for (std::size_t p = 0; p < missing.size(); ++p)
     if (missing[p]) water.make_drop(p);
@@ -108,8 +109,8 @@ std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<flo
   limits.clip = options.clip;
   limits.gap = options.gap;
   if (contact.promises()) limits.known = obstacle_region;
-  report.vertices_held +=
-      fit_volume(limits, particles, water, film, grid, obstacles, polygonised, films, blocks, raw, workers);
+  report.vertices_held += fit_volume(limits, particles, water, film, grid, obstacles, polygonised, films,
+                                     parts, blocks, raw, workers);
   return std::move(films.thickness);
 }
 
@@ -178,13 +179,18 @@ void Reconstruction::finish(RawMesh& raw, WaterMesh& mesh) {
   if (keeps || options.smoothing_iterations > 0) {
     const std::vector<std::array<float, 3>> start =
         keeps_gap() ? raw.positions : std::vector<std::array<float, 3>>();
-    if (keeps)
-      mesh.thickness = fit_to_water(moves ? polygonised : raw.positions, blocks, raw);
-    else
+    MeshParts parts;
+    if (keeps) {
+      const std::vector<std::array<float, 3>>& before = moves ? polygonised : raw.positions;
+      parts = parts_of(raw, before);
+      mesh.thickness = fit_to_water(before, parts, blocks, raw);
+    } else {
       report.vertices_held +=
           untangle(cell, options.clip, keeps_gap() ? &obstacles : nullptr, options.gap, blocks, raw, workers)
               .held;
+    }
     if (keeps_gap()) put_back_what_fails(start, raw);
+    if (keeps) remove_closed_bubbles(parts, raw, mesh.thickness);
   }
   for (float& t : mesh.thickness) t *= static_cast<float>(cell);
   interpolate(input, particles, field, obstacles, contact.uses_visibility(), options.nearest, grid, raw, mesh,

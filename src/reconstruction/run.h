@@ -1,10 +1,10 @@
 /// A run of the reconstruction: its stages, and what it keeps for the next one.
 #pragma once
 
-#include "reconstruction/film.h"
 #include "reconstruction/narrow_band.h"
 #include "reconstruction/obstacle_field.h"
 #include "reconstruction/obstacle_memory.h"
+#include "reconstruction/pieces.h"
 
 namespace oilskin::reconstruction {
 
@@ -79,7 +79,7 @@ struct Reconstruction {
   bool keeps_gap() const { return contact.promises() && !obstacles.empty(); }
   void mesh_at_obstacles(RawMesh& mesh);
   std::vector<float> fit_to_water(const std::vector<std::array<float, 3>>& polygonised,
-                                  const SurfaceBlocks& blocks, RawMesh& raw);
+                                  const MeshParts& parts, const SurfaceBlocks& blocks, RawMesh& raw);
   std::vector<std::uint32_t> moved_near_obstacles(const std::vector<std::array<float, 3>>& start,
                                                   const RawMesh& raw) const;
   void put_back_what_fails(const std::vector<std::array<float, 3>>& start, RawMesh& raw);

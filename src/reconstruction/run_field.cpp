@@ -7,6 +7,7 @@
 #include "reconstruction/drops.h"
 #include "reconstruction/obstacle_distance.h"
 #include "reconstruction/run.h"
+#include "reconstruction/sparse_water.h"
 
 namespace oilskin::reconstruction {
 
@@ -73,6 +74,7 @@ void Reconstruction::find_films() {
   water = Water(input, options, particles);
   if (!keeps_gap()) return;
   obstacles.prepare_queries(workers);
+  obstacles.prepare_normals(workers);
   film = Film(film_rule(options, contact.clearance), particles, water, obstacles, cell, workers);
 }
 
@@ -155,11 +157,7 @@ void Reconstruction::evaluate_block(std::uint32_t b, FieldBlock& evaluator, Near
       const Vec3 x = grid.place({b, n});
       values[n] = std::max(values[n], beyond(*options.clip, x, cell));
     }
-  for (std::size_t k = 0; k < side; ++k) {
-    std::uint64_t bits = 0;
-    for (int n = 0; n < 64; ++n) bits |= std::uint64_t(values[64 * k + std::size_t(n)] < 0) << n;
-    grid.inside_bits[block.field][k] = bits;
-  }
+  grid.find_inside(block.field);
 }
 
 /// Blocks with values, and those that share edges with them.
@@ -220,6 +218,8 @@ void Reconstruction::evaluate_field() {
     for (auto b = static_cast<std::uint32_t>(from); b < to; ++b)
       if (grid.blocks[b].field != none) evaluate_block(b, evaluator, near, visibility);
   });
+  if (water.is_kept())
+    open_sparse_water(particles, water, field, 1 / options.cell, contact.band, workers, grid);
 }
 
 }  // namespace oilskin::reconstruction

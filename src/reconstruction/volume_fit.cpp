@@ -313,7 +313,8 @@ class Fit {
 std::size_t fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const Water& water,
                        const Film& film, const Grid& grid, const Obstacles& obstacles,
                        const std::vector<Float3>& polygonised, const FilmVertices& films,
-                       const SurfaceBlocks& blocks, RawMesh& mesh, const Workers& workers) {
+                       const MeshParts& parts, const SurfaceBlocks& blocks, RawMesh& mesh,
+                       const Workers& workers) {
   OILSKIN_ASSERT(water.size() == particles.size());
   if (mesh.positions.empty()) return 0;
   OILSKIN_ASSERT(mesh.cube_volumes.size() == grid.blocks.size());
@@ -324,7 +325,7 @@ std::size_t fit_volume(const FitLimits& limits, const ParticleBlocks& particles,
   const Untangled untangled = untangle(limits.cell, limits.clip, keep_off, limits.gap, blocks, mesh, workers);
   const bool tests_again = keep_off && !untangled.triangles.empty();
   const std::vector<Float3> before = tests_again ? mesh.positions : std::vector<Float3>();
-  SmallPieces pieces = small_pieces(mesh, limits.small_piece * std::pow(limits.cell, 3));
+  SmallPieces pieces = small_pieces(mesh, parts, limits.small_piece * std::pow(limits.cell, 3));
   WaterInPieces found = water_in_pieces(particles, water, film, grid, obstacles, mesh, pieces, workers);
   join_pieces_without_water(particles, water, found, mesh, limits.cell, limits.spacing, pieces);
   std::vector<double>& in_pieces = found.water;

@@ -45,7 +45,7 @@ void add_from_neighbour(const WithRing& from, const Int3& d, std::array<float, 8
 }  // namespace
 
 Cubes water_in_cubes(const ParticleBlocks& particles, const Water& water, double spacing, const Grid& grid,
-                     const CubeLattice& lattice, const Workers& workers) {
+                     const CubeLattice& lattice, const Workers& workers, double least) {
   const auto half = static_cast<float>(std::min(spacing, double(cube_side)) / 2);
   std::vector<WithRing> own(lattice.size(), WithRing{});
   workers.for_each(lattice.size(), 16, [&](std::size_t n) {
@@ -53,8 +53,8 @@ Cubes water_in_cubes(const ParticleBlocks& particles, const Water& water, double
     if (b == none) return;
     for (std::size_t p = particles.begin[b]; p < particles.begin[b + 1]; ++p)
       if (!water.is_drop(p))
-        add({particles.x[p], half}, {particles.y[p], half}, {particles.z[p], half}, float(water.of(p)),
-            own[n]);
+        add({particles.x[p], half}, {particles.y[p], half}, {particles.z[p], half},
+            float(std::max(water.of(p), least)), own[n]);
   });
   Cubes result = lattice.zeros();
   workers.for_each(lattice.size(), 16, [&](std::size_t n) {

@@ -38,6 +38,32 @@ TEST(FilmInATrough, keeps_its_volume) {
     }
 }
 
+/// The flanks of a valley face each other at an angle, and see each other's edges. Where such edges counted,
+/// films had up to 1.5 times their volume there.
+TEST(FilmInAValley, keeps_its_volume) {
+  for (const auto& [length, amplitude] : {std::pair{9.0, 2.0}, std::pair{14.0, 3.0}})
+    for (const ObstacleMode mode : {ObstacleMode::gap, ObstacleMode::touch})
+      for (const double cell : {0.5, 0.8, 1.0}) {
+        WaterScene s;
+        const double dx = s.spacing, wave = 6.28318530717959 / length, half = 14, between = 1.8;
+        const double steep = amplitude * wave;
+        const auto place = [&](double x, double y, double above) {
+          const Vec3 normal = Vec3(-steep * std::cos(wave * x), 0, 1).normalized();
+          return Vec3(dx * (Vec3(x, y, amplitude * std::sin(wave * x)) + above * normal));
+        };
+        s.add_sheet(100, [&](double u, double v) { return place(32 * u - 16, 32 * v - 16, 0); });
+        test::Random random(7);
+        // Even along the slope.
+        for (double x = -half; x < half; x += between / std::hypot(1, steep * std::cos(wave * x)))
+          for (double y = -half; y < half; y += between)
+            s.particles.push_back(place(x, y + 0.5 * random.uniform(0, 1), random.uniform(0.25, 0.5)));
+        ReconstructionReport report;
+        test::reconstruct(s.input(), test::options_for(s, cell, gap, mode), &report);
+        EXPECT_NEAR(report.volume / (double(s.particles.size()) * std::pow(dx, 3)), 1, 0.05)
+            << length << ' ' << int(mode) << ' ' << cell;
+      }
+}
+
 /// Layers of water between two wavy sheets, in spacings.
 struct Between {
   const char* name;
