@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "reconstruction/film_kernel.h"
 #include "reconstruction/near_film.h"
@@ -24,6 +25,10 @@ constexpr double tube_reach = 1.7;
 
 /// Vertices of films only move inwards, so films between two obstacles are that much thicker on the grid.
 constexpr double grid_excess = 1.1;
+
+/// Two films are drawn apart where this much is dry between them on the grid [cells], and at most this part
+/// of the water is farther from both obstacles than film_reach.
+constexpr double dry_between = 1, most_joined = 0.05;
 
 /// A film between two obstacles reaches down to the one that it is nearer to by this [dx]. In the middle it
 /// stays where it is.
@@ -126,6 +131,7 @@ Film::Film(const FilmRule& rule, const ParticleBlocks& particles, const Water& w
     : rule_(rule) {
   if (obstacles.empty()) return;
   find_heights(particles, obstacles, cell, workers);
+  part_films(particles, water, workers);
   find_radii(particles, workers);
   find_shares(particles, water, workers);
 }
@@ -203,6 +209,46 @@ void Film::for_items(const ParticleBlocks& particles, double reach, const Worker
       }
     }
   });
+}
+
+/// Where two obstacles have a film each, without water between the films, and the grid has space for both,
+/// each particle is near one of them only.
+void Film::part_films(const ParticleBlocks& particles, const Water& water, const Workers& workers) {
+  const FilmKernel kernel(rule_.link);
+  const double least_width = 2 * (rule_.clearance + rule_.grid_height) + dry_between;
+  const auto width_at = [&](const FilmParticle& p) {
+    const FilmParticle* const across = opposite(p);
+    return across ? double(p.height) + double(across->height) : std::numeric_limits<double>::infinity();
+  };
+  const auto nearer_at = [&](const FilmParticle& p) {
+    const FilmParticle* const across = opposite(p);
+    return double(across ? std::min(p.height, across->height) : p.height);
+  };
+  std::vector<std::uint8_t> is_apart(items_.size(), 0);
+  for_items(particles, rule_.link, workers,
+            [&](std::uint32_t item, std::uint32_t, const Vec3& x, const NearFilm& near) {
+              const FilmParticle& own = items_[item];
+              const double width = width_at(own);
+              if (own.other == none || double(own.height) > width / 2 || width < least_width) return;
+              double all = 0, joined = 0, height = 0;
+              for_film_neighbours(rule_, near, own, x, rule_.link,
+                                  [&](const FilmParticle& p, std::uint32_t number, const Vec3&, double rho2) {
+                                    const double volume = water.of(number) * kernel(rho2),
+                                                 nearer = nearer_at(p);
+                                    all += volume;
+                                    height += volume * nearer;
+                                    if (nearer > rule_.film_reach || width_at(p) < least_width)
+                                      joined += volume;
+                                  });
+              const double half = rule_.grid_height / 2,
+                           top = std::max(rule_.clearance + half, height / all) + half;
+              is_apart[item] = joined <= most_joined * all && width > 2 * top + dry_between;
+            });
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    if (!is_apart[i]) continue;
+    items_[items_[i].other].other = none;
+    items_[i].other = none;
+  }
 }
 
 /// Between two obstacles everything is one film over both.

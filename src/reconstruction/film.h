@@ -99,6 +99,7 @@ class Film {
                     const Workers& workers);
   template <class F>
   void for_items(const ParticleBlocks& particles, double reach, const Workers& workers, const F& f) const;
+  void part_films(const ParticleBlocks& particles, const Water& water, const Workers& workers);
   bool forms_film(const FilmParticle& item) const;
   void find_radii(const ParticleBlocks& particles, const Workers& workers);
   void find_shares(const ParticleBlocks& particles, const Water& water, const Workers& workers);

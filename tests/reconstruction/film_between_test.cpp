@@ -120,6 +120,35 @@ TEST_P(FilmBetween, two_sheets_has_its_thickness_at_the_vertices) {
   }
 }
 
+/// Each sheet has its own film where the grid has space for both: they were one in the middle.
+TEST(FilmsBetween, two_sheets_lie_on_their_sheets) {
+  for (const ObstacleMode mode : {ObstacleMode::gap, ObstacleMode::touch})
+    for (const double width : {3.0, 3.3}) {
+      WaterScene s;
+      const double dx = s.spacing;
+      for (const double z : {0.0, width})
+        s.add_sheet(20, [&](double u, double v) { return Vec3(40 * dx * u, 40 * dx * v, dx * z); });
+      test::Random random(8);
+      for (int n = 0; n < 2 * 24 * 24; ++n) {
+        const double above = random.uniform(0.2, 0.6);
+        s.particles.push_back(
+            dx * (Vec3(8 + n / 2 % 24, 8 + n / 48, n % 2 ? width - above : above) + random.in_cube(0.1)));
+      }
+      ReconstructionReport report;
+      const WaterMesh mesh = test::reconstruct(s.input(), test::options_for(s, 0.5, gap, mode), &report);
+      EXPECT_NEAR(report.volume / (double(s.particles.size()) * std::pow(dx, 3)), 1, 0.01);
+      std::size_t lower = 0, upper = 0, between = 0;
+      for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+        const Vec3 x = position(mesh, std::uint32_t(v)) / dx;
+        if (std::min(x.x(), x.y()) < 10 || std::max(x.x(), x.y()) > 30) continue;  // rims
+        ++(x.z() < 1.4 ? lower : x.z() > width - 1.4 ? upper : between);
+      }
+      EXPECT_GT(lower, 3000u) << int(mode) << ' ' << width;
+      EXPECT_GT(upper, 3000u) << int(mode) << ' ' << width;
+      EXPECT_EQ(between, 0u) << int(mode) << ' ' << width;
+    }
+}
+
 /// In a tube no column over its wall holds the water across it.
 TEST(FilmInATube, fills_it) {
   for (const auto& [radius, mode] : {std::pair{1.25, ObstacleMode::touch}, std::pair{1.5, ObstacleMode::gap},

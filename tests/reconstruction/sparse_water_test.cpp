@@ -59,8 +59,8 @@ TEST_P(SparseWater, has_its_volume_wherever_the_grid_lies) {
 TEST_P(SparseWater, has_its_volume_on_both_sides_of_a_sheet) {
   for (const ObstacleMode mode : {ObstacleMode::gap, ObstacleMode::touch}) {
     WaterScene s = cloud(0.5, {16, 16, 30}, 12);
-    s.add_sheet(12,
-                [&](double u, double v) { return s.spacing * (middle + 20 * Vec3(u - 0.5, v - 0.5, 0)); });
+    s.add_sheet(
+        12, [&](double u, double v) { return Vec3(s.spacing * (middle + 20 * Vec3(u - 0.5, v - 0.5, 0))); });
     s.push_off(0.2);
     const ReconstructionOptions options = options_for(s, 10, mode);
     ReconstructionReport report;
