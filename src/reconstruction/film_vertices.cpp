@@ -21,6 +21,10 @@ constexpr double ridge = 1.5, ridge_fade = 0.5;
 /// A vertex between two obstacles is nearer to one of them if it is by half of this [dx].
 constexpr double nearer_side = 3;
 
+/// Normals of particles on two obstacles that face each other have cosines beyond this and its negative.
+/// Where others are between them, as in a tube, the obstacle is around the vertex.
+constexpr double facing = 0.5;
+
 /// The film at a vertex: means of its particles.
 struct FilmAt {
   double thickness = 0;
@@ -107,14 +111,27 @@ FilmsAt films_at(const FilmRule& rule, const NearFilm& near, const Vec3& x, doub
     });
   };
   FilmSums all;
-  for_film([&](const FilmParticle& p, double k, double above) { all.add(p, k, above); });
-  if (!all.is_between()) return {{all.mean(rule), {}}};
-  std::array<FilmSums, 2> sides;  // of two obstacles opposite to each other: particles are on both
   std::array<float, 3> first{};
+  bool is_facing = false, is_around = false;
   for_film([&](const FilmParticle& p, double k, double above) {
+    all.add(p, k, above);
     if (first == std::array<float, 3>{}) first = p.normal;
-    sides[vec(p.normal).dot(vec(first)) > 0 ? 0 : 1].add(p, k, above);
+    const double alike = vec(p.normal).dot(vec(first));
+    is_facing |= alike < -facing;
+    is_around |= std::abs(alike) < facing;
   });
+  if (!all.is_between() && (!is_facing || is_around)) return {{all.mean(rule), {}}};
+  std::array<FilmSums, 2> sides;  // of two obstacles opposite to each other: particles are on one or both
+  std::array<double, 2> off = {0, 0}, weight = {0, 0};
+  for_film([&](const FilmParticle& p, double k, double above) {
+    const std::size_t side_of = vec(p.normal).dot(vec(first)) > 0 ? 0 : 1;
+    sides[side_of].add(p, k, above);
+    off[side_of] += k * std::abs(above - distance);
+    weight[side_of] += k;
+  });
+  // Two films, each on its obstacle: the vertex is of the one over whose planes it is as high as it should
+  // be.
+  if (!all.is_between()) return {{sides[off[0] * weight[1] <= off[1] * weight[0] ? 0 : 1].mean(rule), {}}};
   const double first_above = sides[0].above(), second_above = sides[1].above();
   double share = std::isfinite(first_above) ? 1 : 0;
   if (std::isfinite(first_above) && std::isfinite(second_above))

@@ -138,11 +138,14 @@ TEST(FilmsBetween, two_sheets_lie_on_their_sheets) {
       const WaterMesh mesh = test::reconstruct(s.input(), test::options_for(s, 0.5, gap, mode), &report);
       EXPECT_NEAR(report.volume / (double(s.particles.size()) * std::pow(dx, 3)), 1, 0.01);
       std::size_t lower = 0, upper = 0, between = 0;
+      float thickest = 0;
       for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
         const Vec3 x = position(mesh, std::uint32_t(v)) / dx;
         if (std::min(x.x(), x.y()) < 10 || std::max(x.x(), x.y()) > 30) continue;  // rims
+        thickest = std::max(thickest, mesh.thickness[v]);
         ++(x.z() < 1.4 ? lower : x.z() > width - 1.4 ? upper : between);
       }
+      EXPECT_LT(double(thickest), 1.2 * dx) << "the other film does not count";
       EXPECT_GT(lower, 3000u) << int(mode) << ' ' << width;
       EXPECT_GT(upper, 3000u) << int(mode) << ' ' << width;
       EXPECT_EQ(between, 0u) << int(mode) << ' ' << width;
