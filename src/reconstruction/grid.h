@@ -213,6 +213,12 @@ class Grid {
     values[std::size_t(b.field) * nodes + std::size_t(n.node)] = value;
     inside_bits[b.field][std::size_t(n.node >> 6)] &= ~(1ull << (n.node & 63));
   }
+  void set_inside(NodeRef n) {
+    const Block& b = blocks[n.block];
+    OILSKIN_ASSERT(b.field != none && inside < 0);
+    values[std::size_t(b.field) * nodes + std::size_t(n.node)] = inside;
+    inside_bits[b.field][std::size_t(n.node >> 6)] |= 1ull << (n.node & 63);
+  }
   std::uint64_t slice(std::uint32_t block, int k) const {
     if (block == none) return 0;
     const Block& b = blocks[block];

@@ -46,21 +46,21 @@ MeshParts parts_of(const RawMesh& mesh, const std::vector<std::array<float, 3>>&
   return parts;
 }
 
-void remove_closed_bubbles(const MeshParts& parts, RawMesh& mesh, std::vector<float>& of_vertex) {
+void remove_turned_parts(const MeshParts& parts, RawMesh& mesh, std::vector<float>& of_vertex) {
   OILSKIN_ASSERT(of_vertex.size() == mesh.positions.size());
   const std::vector<double> volume = volumes_of(mesh, parts, mesh.positions);
-  std::vector<std::uint8_t> closed = parts.is_bubble;
-  for (std::size_t v = 0; v < closed.size(); ++v)
-    if (volume[v] < 0) closed[v] = 0;
-  for (std::size_t v = 0; v < closed.size(); ++v)
-    if (std::isfinite(mesh.distances[v])) closed[parts.of_vertex[v]] = 0;
-  for (std::size_t v = 0; v < closed.size(); ++v) closed[v] = closed[parts.of_vertex[v]];
-  if (std::find(closed.begin(), closed.end(), 1) == closed.end()) return;
+  std::vector<std::uint8_t> turned(mesh.positions.size(), 0);
+  for (std::size_t v = 0; v < turned.size(); ++v)
+    if (parts.of_vertex[v] == v) turned[v] = parts.is_bubble[v] ? volume[v] >= 0 : volume[v] <= 0;
+  for (std::size_t v = 0; v < turned.size(); ++v)
+    if (std::isfinite(mesh.distances[v])) turned[parts.of_vertex[v]] = 0;
+  for (std::size_t v = 0; v < turned.size(); ++v) turned[v] = turned[parts.of_vertex[v]];
+  if (std::find(turned.begin(), turned.end(), 1) == turned.end()) return;
   std::size_t kept = 0;
-  for (std::size_t v = 0; v < closed.size(); ++v)
-    if (!closed[v]) of_vertex[kept++] = of_vertex[v];
+  for (std::size_t v = 0; v < turned.size(); ++v)
+    if (!turned[v]) of_vertex[kept++] = of_vertex[v];
   of_vertex.resize(kept);
-  remove_vertices(closed, mesh);
+  remove_vertices(turned, mesh);
 }
 
 SmallPieces small_pieces(const RawMesh& mesh, const MeshParts& parts, double max_volume) {
@@ -94,6 +94,10 @@ PieceFinder::PieceFinder(const Grid& grid, const Obstacles& obstacles, const Raw
           add(other, piece, reached);
       }
   }
+}
+
+std::uint32_t PieceFinder::of_node(const NodeRef& node) const {
+  return piece_of_node_.find(key_of_node(node));
 }
 
 void PieceFinder::add(const NodeRef& node, std::uint32_t piece, std::vector<NodeRef>& reached) {

@@ -14,9 +14,9 @@ struct MeshParts {
 /// `positions`: of the mesh as it was polygonised. A bubble that has shrunk since may be turned inside out.
 MeshParts parts_of(const RawMesh& mesh, const std::vector<std::array<float, 3>>& positions);
 
-/// Removes the bubbles that are turned inside out: the water around them has closed. Those near an obstacle
-/// stay. `of_vertex`: data per vertex, from which theirs are removed.
-void remove_closed_bubbles(const MeshParts& parts, RawMesh& mesh, std::vector<float>& of_vertex);
+/// Removes the parts that are turned inside out, bubbles that the water around them has closed and crumbs of
+/// water, except near obstacles. `of_vertex`: data per vertex, from which theirs are removed.
+void remove_turned_parts(const MeshParts& parts, RawMesh& mesh, std::vector<float>& of_vertex);
 
 /// The connected parts of a mesh that enclose less than a given volume.
 struct SmallPieces {
@@ -41,6 +41,8 @@ class PieceFinder {
   /// obstacle hides from it, or of the nearest one if all are hidden; none: it is not of a small piece, or
   /// there is none.
   std::uint32_t find(const Vec3& x) const;
+  /// The small piece of a node inside the water, or none.
+  std::uint32_t of_node(const NodeRef& node) const;
 
  private:
   void mark_near(const NodeRef& node);

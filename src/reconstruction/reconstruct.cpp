@@ -190,7 +190,7 @@ void Reconstruction::finish(RawMesh& raw, WaterMesh& mesh) {
               .held;
     }
     if (keeps_gap()) put_back_what_fails(start, raw);
-    if (keeps) remove_closed_bubbles(parts, raw, mesh.thickness);
+    if (keeps) remove_turned_parts(parts, raw, mesh.thickness);
   }
   for (float& t : mesh.thickness) t *= static_cast<float>(cell);
   interpolate(input, particles, field, obstacles, contact.uses_visibility(), options.nearest, grid, raw, mesh,

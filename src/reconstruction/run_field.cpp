@@ -218,8 +218,9 @@ void Reconstruction::evaluate_field() {
     for (auto b = static_cast<std::uint32_t>(from); b < to; ++b)
       if (grid.blocks[b].field != none) evaluate_block(b, evaluator, near, visibility);
   });
-  if (water.is_kept())
-    open_sparse_water(particles, water, field, 1 / options.cell, contact.band, workers, grid);
+  if (!water.is_kept()) return;
+  open_sparse_water(particles, water, field, 1 / options.cell, contact.band, workers, grid);
+  fill_single_nodes(workers, grid);
 }
 
 }  // namespace oilskin::reconstruction

@@ -16,4 +16,8 @@ namespace oilskin::reconstruction {
 void open_sparse_water(const ParticleBlocks& particles, const Water& water, const FieldParameters& field,
                        double spacing, double band, const Workers& workers, Grid& grid);
 
+/// Sets nodes inside that alone are outside, away from obstacles: bubbles that the grid does not resolve. The
+/// fit may move the surface past them.
+void fill_single_nodes(const Workers& workers, Grid& grid);
+
 }  // namespace oilskin::reconstruction

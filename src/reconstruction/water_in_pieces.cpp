@@ -14,7 +14,7 @@ constexpr double far_from_piece = 3;
 
 WaterInPieces water_in_pieces(const ParticleBlocks& particles, const Water& water, const Film& film,
                               const Grid& grid, const Obstacles& obstacles, const RawMesh& mesh,
-                              const SmallPieces& pieces, const Workers& workers) {
+                              SmallPieces& pieces, const Workers& workers) {
   WaterInPieces result{std::vector<double>(pieces.count + 1, 0), {}};
   const PieceFinder finder(grid, obstacles, mesh, pieces);
   result.water.back() =
@@ -25,6 +25,8 @@ WaterInPieces water_in_pieces(const ParticleBlocks& particles, const Water& wate
         return sum;
       });
   if (pieces.count == 0) return result;
+  for (std::size_t v = 0; v < pieces.of_vertex.size(); ++v)
+    if (pieces.of_vertex[v] == none) pieces.of_vertex[v] = finder.of_node(mesh.inside_nodes[v]);
   std::vector<std::uint32_t>& piece_of = result.of_particle;
   piece_of.assign(particles.size(), none);
   workers.for_each(particles.blocks.size(), 8, [&](std::size_t n) {
@@ -80,7 +82,7 @@ std::vector<double> water_of_small_pieces(double max_volume, const ParticleBlock
                                           const Obstacles& obstacles, const RawMesh& mesh,
                                           const Workers& workers) {
   const double cell_volume = std::pow(grid.cell, 3);
-  const SmallPieces pieces = small_pieces(mesh, parts_of(mesh, mesh.positions), max_volume);
+  SmallPieces pieces = small_pieces(mesh, parts_of(mesh, mesh.positions), max_volume);
   const std::vector<double> in_pieces =
       water_in_pieces(particles, water, film, grid, obstacles, mesh, pieces, workers).water;
   std::vector<double> result(mesh.positions.size(), 0.0);

@@ -11,9 +11,10 @@ struct WaterInPieces {
   std::vector<std::uint32_t> of_particle;  ///< its piece, none: of a larger part; empty without small pieces
 };
 
+/// Bubbles in a small piece get its number in `pieces`, so that they count for its volume.
 WaterInPieces water_in_pieces(const ParticleBlocks& particles, const Water& water, const Film& film,
                               const Grid& grid, const Obstacles& obstacles, const RawMesh& mesh,
-                              const SmallPieces& pieces, const Workers& workers);
+                              SmallPieces& pieces, const Workers& workers);
 
 /// Particles draw pieces in which there is none of them, as at the rims of films where obstacles bend. Such a
 /// piece is fitted together with that of the particle that is nearest to it.
