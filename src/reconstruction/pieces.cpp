@@ -16,20 +16,30 @@ std::uint64_t key_of_node(const NodeRef& n) {
   return std::uint64_t(n.block) << 9 | std::uint64_t(n.node);
 }
 
-/// Per first vertex, what its part encloses [m³].
+/// Per first vertex, what its part encloses [m³]. The sums of chunks are added in their order.
 std::vector<double> volumes_of(const RawMesh& mesh, const MeshParts& parts,
-                               const std::vector<std::array<float, 3>>& positions) {
+                               const std::vector<std::array<float, 3>>& positions, const Workers& workers) {
+  constexpr std::size_t chunk = 1 << 12;
+  const std::size_t n = mesh.triangles.size();
+  std::vector<std::vector<std::pair<std::uint32_t, double>>> sums((n + chunk - 1) / chunk);
+  workers.for_chunks(n, chunk, [&](std::size_t from, std::size_t to, std::size_t c) {
+    for (std::size_t k = from; k < to; ++k) {
+      const Triangle& t = mesh.triangles[k];
+      const std::uint32_t p = parts.of_vertex[t[0]];
+      if (sums[c].empty() || sums[c].back().first != p) sums[c].emplace_back(p, 0.0);
+      sums[c].back().second += six_volumes(positions, t, positions[p]) / 6;
+    }
+  });
   std::vector<double> volume(positions.size(), 0);
-  for (const Triangle& t : mesh.triangles) {
-    const std::uint32_t p = parts.of_vertex[t[0]];
-    volume[p] += six_volumes(positions, t, positions[p]) / 6;
-  }
+  for (const auto& part : sums)
+    for (const auto& [p, sum] : part) volume[p] += sum;
   return volume;
 }
 
 }  // namespace
 
-MeshParts parts_of(const RawMesh& mesh, const std::vector<std::array<float, 3>>& positions) {
+MeshParts parts_of(const RawMesh& mesh, const std::vector<std::array<float, 3>>& positions,
+                   const Workers& workers) {
   const std::size_t n = positions.size();
   OILSKIN_ASSERT(n == mesh.positions.size());
   DisjointSets sets(n);
@@ -40,15 +50,16 @@ MeshParts parts_of(const RawMesh& mesh, const std::vector<std::array<float, 3>>&
   MeshParts parts;
   parts.of_vertex.resize(n);
   for (std::uint32_t v = 0; v < n; ++v) parts.of_vertex[v] = sets.find(v);  // its smallest vertex
-  const std::vector<double> volume = volumes_of(mesh, parts, positions);
+  const std::vector<double> volume = volumes_of(mesh, parts, positions, workers);
   parts.is_bubble.resize(n);
   for (std::size_t v = 0; v < n; ++v) parts.is_bubble[v] = parts.of_vertex[v] == v && !(volume[v] > 0);
   return parts;
 }
 
-void remove_turned_parts(const MeshParts& parts, RawMesh& mesh, std::vector<float>& of_vertex) {
+void remove_turned_parts(const MeshParts& parts, const Workers& workers, RawMesh& mesh,
+                         std::vector<float>& of_vertex) {
   OILSKIN_ASSERT(of_vertex.size() == mesh.positions.size());
-  const std::vector<double> volume = volumes_of(mesh, parts, mesh.positions);
+  const std::vector<double> volume = volumes_of(mesh, parts, mesh.positions, workers);
   std::vector<std::uint8_t> turned(mesh.positions.size(), 0);
   for (std::size_t v = 0; v < turned.size(); ++v)
     if (parts.of_vertex[v] == v) turned[v] = parts.is_bubble[v] ? volume[v] >= 0 : volume[v] <= 0;
@@ -63,8 +74,9 @@ void remove_turned_parts(const MeshParts& parts, RawMesh& mesh, std::vector<floa
   remove_vertices(turned, mesh);
 }
 
-SmallPieces small_pieces(const RawMesh& mesh, const MeshParts& parts, double max_volume) {
-  const std::vector<double> volume = volumes_of(mesh, parts, mesh.positions);
+SmallPieces small_pieces(const RawMesh& mesh, const MeshParts& parts, double max_volume,
+                         const Workers& workers) {
+  const std::vector<double> volume = volumes_of(mesh, parts, mesh.positions, workers);
   SmallPieces pieces;
   pieces.of_vertex.assign(mesh.positions.size(), none);
   for (std::uint32_t v = 0; v < pieces.of_vertex.size(); ++v) {

@@ -12,11 +12,13 @@ struct MeshParts {
 };
 
 /// `positions`: of the mesh as it was polygonised. A bubble that has shrunk since may be turned inside out.
-MeshParts parts_of(const RawMesh& mesh, const std::vector<std::array<float, 3>>& positions);
+MeshParts parts_of(const RawMesh& mesh, const std::vector<std::array<float, 3>>& positions,
+                   const Workers& workers);
 
 /// Removes the parts that are turned inside out, bubbles that the water around them has closed and crumbs of
 /// water, except near obstacles. `of_vertex`: data per vertex, from which theirs are removed.
-void remove_turned_parts(const MeshParts& parts, RawMesh& mesh, std::vector<float>& of_vertex);
+void remove_turned_parts(const MeshParts& parts, const Workers& workers, RawMesh& mesh,
+                         std::vector<float>& of_vertex);
 
 /// The connected parts of a mesh that enclose less than a given volume.
 struct SmallPieces {
@@ -25,7 +27,8 @@ struct SmallPieces {
 };
 
 /// `max_volume` [m³].
-SmallPieces small_pieces(const RawMesh& mesh, const MeshParts& parts, double max_volume);
+SmallPieces small_pieces(const RawMesh& mesh, const MeshParts& parts, double max_volume,
+                         const Workers& workers);
 
 /// Finds the small piece in which a point lies.
 class PieceFinder {

@@ -182,7 +182,7 @@ void Reconstruction::finish(RawMesh& raw, WaterMesh& mesh) {
     MeshParts parts;
     if (keeps) {
       const std::vector<std::array<float, 3>>& before = moves ? polygonised : raw.positions;
-      parts = parts_of(raw, before);
+      parts = parts_of(raw, before, workers);
       mesh.thickness = fit_to_water(before, parts, blocks, raw);
     } else {
       report.vertices_held +=
@@ -190,7 +190,7 @@ void Reconstruction::finish(RawMesh& raw, WaterMesh& mesh) {
               .held;
     }
     if (keeps_gap()) put_back_what_fails(start, raw);
-    if (keeps) remove_turned_parts(parts, raw, mesh.thickness);
+    if (keeps) remove_turned_parts(parts, workers, raw, mesh.thickness);
   }
   for (float& t : mesh.thickness) t *= static_cast<float>(cell);
   interpolate(input, particles, field, obstacles, contact.uses_visibility(), options.nearest, grid, raw, mesh,

@@ -325,7 +325,7 @@ std::size_t fit_volume(const FitLimits& limits, const ParticleBlocks& particles,
   const Untangled untangled = untangle(limits.cell, limits.clip, keep_off, limits.gap, blocks, mesh, workers);
   const bool tests_again = keep_off && !untangled.triangles.empty();
   const std::vector<Float3> before = tests_again ? mesh.positions : std::vector<Float3>();
-  SmallPieces pieces = small_pieces(mesh, parts, limits.small_piece * std::pow(limits.cell, 3));
+  SmallPieces pieces = small_pieces(mesh, parts, limits.small_piece * std::pow(limits.cell, 3), workers);
   WaterInPieces found = water_in_pieces(particles, water, film, grid, obstacles, mesh, pieces, workers);
   join_pieces_without_water(particles, water, found, mesh, limits.cell, limits.spacing, pieces);
   std::vector<double>& in_pieces = found.water;

@@ -82,7 +82,7 @@ std::vector<double> water_of_small_pieces(double max_volume, const ParticleBlock
                                           const Obstacles& obstacles, const RawMesh& mesh,
                                           const Workers& workers) {
   const double cell_volume = std::pow(grid.cell, 3);
-  SmallPieces pieces = small_pieces(mesh, parts_of(mesh, mesh.positions), max_volume);
+  SmallPieces pieces = small_pieces(mesh, parts_of(mesh, mesh.positions, workers), max_volume, workers);
   const std::vector<double> in_pieces =
       water_in_pieces(particles, water, film, grid, obstacles, mesh, pieces, workers).water;
   std::vector<double> result(mesh.positions.size(), 0.0);
