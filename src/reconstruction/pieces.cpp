@@ -81,6 +81,7 @@ SmallPieces small_pieces(const RawMesh& mesh, const MeshParts& parts, double max
   pieces.of_vertex.assign(mesh.positions.size(), none);
   for (std::uint32_t v = 0; v < pieces.of_vertex.size(); ++v) {
     const std::uint32_t p = parts.of_vertex[v];
+    if (parts.is_bubble[p]) pieces.in_bubbles.push_back(v);
     if (parts.is_bubble[p] || !(volume[p] < max_volume)) continue;
     pieces.of_vertex[v] = v == p ? pieces.count++ : pieces.of_vertex[p];
   }

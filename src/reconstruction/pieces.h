@@ -24,6 +24,7 @@ void remove_turned_parts(const MeshParts& parts, const Workers& workers, RawMesh
 struct SmallPieces {
   std::vector<std::uint32_t> of_vertex;  ///< none: the vertex is of a larger part, or of a bubble
   std::uint32_t count = 0;
+  std::vector<std::uint32_t> in_bubbles;  ///< vertices of bubbles, in whatever piece these are
 };
 
 /// `max_volume` [m³].

@@ -25,8 +25,7 @@ WaterInPieces water_in_pieces(const ParticleBlocks& particles, const Water& wate
         return sum;
       });
   if (pieces.count == 0) return result;
-  for (std::size_t v = 0; v < pieces.of_vertex.size(); ++v)
-    if (pieces.of_vertex[v] == none) pieces.of_vertex[v] = finder.of_node(mesh.inside_nodes[v]);
+  for (const std::uint32_t v : pieces.in_bubbles) pieces.of_vertex[v] = finder.of_node(mesh.inside_nodes[v]);
   std::vector<std::uint32_t>& piece_of = result.of_particle;
   piece_of.assign(particles.size(), none);
   workers.for_each(particles.blocks.size(), 8, [&](std::size_t n) {
