@@ -10,7 +10,8 @@ namespace {
 /// Rings of blocks around those with surface.
 constexpr int rings = 3;
 
-/// Per block −x, +x, −y, …
+}  // namespace
+
 std::vector<std::array<std::uint32_t, 6>> neighbours_of(const Grid& grid) {
   std::array<std::uint32_t, 6> alone;
   alone.fill(none);
@@ -24,8 +25,6 @@ std::vector<std::array<std::uint32_t, 6>> neighbours_of(const Grid& grid) {
     }
   return result;
 }
-
-}  // namespace
 
 CubeLattice::CubeLattice(const Grid& grid, std::vector<std::uint8_t> has_surface)
     : grid_(grid), place_of_(grid.blocks.size(), none) {

@@ -17,6 +17,9 @@ inline std::size_t cube_of(int i, int j, int k) {
 /// A value per cube, per block of the lattice.
 using Cubes = std::vector<std::array<float, 8>>;
 
+/// Per block of the grid those beside it: −x, +x, −y, …; none: there is none.
+std::vector<std::array<std::uint32_t, 6>> neighbours_of(const Grid& grid);
+
 /// The cubes that count for the surface: those of the blocks with surface and of three rings around them.
 /// What lies deeper is not reached by CubeLattice::smooth() with up to 4 passes.
 class CubeLattice {

@@ -224,12 +224,14 @@ void Film::part_films(const ParticleBlocks& particles, const Water& water, const
     const FilmParticle* const across = opposite(p);
     return double(across ? std::min(p.height, across->height) : p.height);
   };
+  const auto is_wide = [&](const FilmParticle& p) { return p.other != none && width_at(p) >= least_width; };
+  if (std::none_of(items_.begin(), items_.end(), is_wide)) return;
   std::vector<std::uint8_t> is_apart(items_.size(), 0);
   for_items(particles, rule_.link, workers,
             [&](std::uint32_t item, std::uint32_t, const Vec3& x, const NearFilm& near) {
               const FilmParticle& own = items_[item];
               const double width = width_at(own);
-              if (own.other == none || double(own.height) > width / 2 || width < least_width) return;
+              if (!is_wide(own) || double(own.height) > width / 2) return;
               double all = 0, joined = 0, height = 0;
               for_film_neighbours(rule_, near, own, x, rule_.link,
                                   [&](const FilmParticle& p, std::uint32_t number, const Vec3&, double rho2) {

@@ -120,27 +120,21 @@ void open_sparse_water(const ParticleBlocks& particles, const Water& water, cons
 void fill_single_nodes(const Workers& workers, Grid& grid) {
   static constexpr std::uint64_t first_column = 0x0101010101010101, last_column = first_column << 7,
                                  first_row = 0xff, last_row = first_row << 56;
+  const std::vector<std::array<std::uint32_t, 6>> neighbours = neighbours_of(grid);
   std::vector<std::array<std::uint64_t, side>> filled(grid.blocks.size());
   workers.for_each(grid.blocks.size(), 16, [&](std::size_t b) {
     const Block& block = grid.blocks[b];
     filled[b] = {};
     if (block.field == none) return;
-    const auto beside = [&](const Int3& step) { return grid.index.find(key_of(block.at + step)); };
-    std::array<std::uint32_t, 6> around;
-    bool is_known = false;
+    const std::array<std::uint32_t, 6>& around = neighbours[b];
+    const auto own = static_cast<std::uint32_t>(b);
     for (int k = 0; k < side; ++k) {
-      const std::uint64_t in = grid.slice(std::uint32_t(b), k);
-      if (in == 0 || in == ~0ull) continue;
-      if (!is_known)
-        around = {beside({-1, 0, 0}), beside({1, 0, 0}),  beside({0, -1, 0}),
-                  beside({0, 1, 0}),  beside({0, 0, -1}), beside({0, 0, 1})};
-      is_known = true;
+      const std::uint64_t in = grid.slice(own, k);
       const std::uint64_t before_x =
           (in << 1 & ~first_column) | (grid.slice(around[0], k) >> 7 & first_column);
       const std::uint64_t after_x = (in >> 1 & ~last_column) | (grid.slice(around[1], k) << 7 & last_column);
       const std::uint64_t before_y = (in << 8 & ~first_row) | (grid.slice(around[2], k) >> 56 & first_row);
       const std::uint64_t after_y = (in >> 8 & ~last_row) | (grid.slice(around[3], k) << 56 & last_row);
-      const auto own = static_cast<std::uint32_t>(b);
       const std::uint64_t before_z = k > 0 ? grid.slice(own, k - 1) : grid.slice(around[4], side - 1);
       const std::uint64_t after_z = k + 1 < side ? grid.slice(own, k + 1) : grid.slice(around[5], 0);
       filled[b][std::size_t(k)] = ~in & before_x & after_x & before_y & after_y & before_z & after_z;

@@ -33,8 +33,7 @@ TEST(FilmInATrough, keeps_its_volume) {
             0.05 * dx * random.in_cube(1));
       ReconstructionReport report;
       test::reconstruct(s.input(), test::options_for(s, cell, gap, ObstacleMode::gap), &report);
-      EXPECT_NEAR(report.volume / (double(s.particles.size()) * std::pow(dx, 3)), 1, 0.03)
-          << radius << ' ' << cell;
+      EXPECT_NEAR(test::share_of(report, s), 1, 0.03) << radius << ' ' << cell;
     }
 }
 
@@ -59,8 +58,7 @@ TEST(FilmInAValley, keeps_its_volume) {
             s.particles.push_back(place(x, y + 0.5 * random.uniform(0, 1), random.uniform(0.25, 0.5)));
         ReconstructionReport report;
         test::reconstruct(s.input(), test::options_for(s, cell, gap, mode), &report);
-        EXPECT_NEAR(report.volume / (double(s.particles.size()) * std::pow(dx, 3)), 1, 0.05)
-            << length << ' ' << int(mode) << ' ' << cell;
+        EXPECT_NEAR(test::share_of(report, s), 1, 0.05) << length << ' ' << int(mode) << ' ' << cell;
       }
 }
 
@@ -136,7 +134,7 @@ TEST(FilmsBetween, two_sheets_lie_on_their_sheets) {
       }
       ReconstructionReport report;
       const WaterMesh mesh = test::reconstruct(s.input(), test::options_for(s, 0.5, gap, mode), &report);
-      EXPECT_NEAR(report.volume / (double(s.particles.size()) * std::pow(dx, 3)), 1, 0.01);
+      EXPECT_NEAR(test::share_of(report, s), 1, 0.01);
       std::size_t lower = 0, upper = 0, between = 0;
       float thickest = 0;
       for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -175,22 +173,21 @@ TEST(FilmInATube, fills_it) {
     test::reconstruct(s.input(), test::options_for(s, 0.5, gap, mode), &report);
     test::record(
         "volume over water, radius " + std::to_string(radius) + ", mode " + std::to_string(int(mode)),
-        report.volume / (count * std::pow(dx, 3)));
-    EXPECT_NEAR(report.volume / (count * std::pow(dx, 3)), 1, 0.1) << radius << ' ' << int(mode);
+        test::share_of(report, s));
+    EXPECT_NEAR(test::share_of(report, s), 1, 0.1) << radius << ' ' << int(mode);
   }
 }
 
 TEST_P(FilmBetween, two_sheets_has_its_volume) {
   const WaterScene s = scene();
-  const double water = double(s.particles.size()) * std::pow(s.spacing, 3);
   for (const ObstacleMode mode : {ObstacleMode::gap, ObstacleMode::touch})
     for (const double cell : {0.5, 0.8, 1.0}) {
       const ReconstructionOptions options = test::options_for(s, cell, gap, mode);
       ReconstructionReport report;
       const WaterMesh mesh = test::reconstruct(s.input(), options, &report);
       test::record("volume over water, mode " + std::to_string(int(mode)) + ", cell " + std::to_string(cell),
-                   report.volume / water);
-      EXPECT_NEAR(report.volume / water, 1, 0.05) << int(mode) << ' ' << cell;
+                   test::share_of(report, s));
+      EXPECT_NEAR(test::share_of(report, s), 1, 0.05) << int(mode) << ' ' << cell;
       test::expect_promise(s, mesh, options.gap);
     }
 }

@@ -18,6 +18,11 @@ inline ReconstructionOptions options_for(const WaterScene& s, double cell, doubl
   return o;
 }
 
+/// The volume of the mesh over that of the water, spacing³ a particle.
+inline double share_of(const ReconstructionReport& report, const WaterScene& s) {
+  return report.volume / (double(s.particles.size()) * std::pow(s.spacing, 3));
+}
+
 inline Vec3 position(const WaterMesh& mesh, std::uint32_t v) {
   return {mesh.positions[v][0], mesh.positions[v][1], mesh.positions[v][2]};
 }

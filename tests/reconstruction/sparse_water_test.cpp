@@ -27,10 +27,6 @@ WaterScene cloud(double density, const Vec3& size, std::uint64_t seed) {
   return s;
 }
 
-double share_of(const ReconstructionReport& report, const WaterScene& s) {
-  return report.volume / (double(s.particles.size()) * std::pow(s.spacing, 3));
-}
-
 class SparseWater : public testing::TestWithParam<double> {
  protected:
   static ReconstructionOptions options_for(const WaterScene& s, int smoothing,
@@ -51,7 +47,7 @@ TEST_P(SparseWater, has_its_volume_wherever_the_grid_lies) {
         ReconstructionReport report;
         const WaterMesh mesh = test::reconstruct(s.input(), options_for(s, smoothing), &report);
         test::expect_closed(check_mesh(mesh, {}, 0));
-        EXPECT_NEAR(share_of(report, s), 1, 0.01) << density << ' ' << smoothing << ' ' << shift;
+        EXPECT_NEAR(test::share_of(report, s), 1, 0.01) << density << ' ' << smoothing << ' ' << shift;
       }
     }
 }
@@ -66,7 +62,7 @@ TEST_P(SparseWater, has_its_volume_on_both_sides_of_a_sheet) {
     ReconstructionReport report;
     const WaterMesh mesh = test::reconstruct(s.input(), options, &report);
     test::expect_promise(s, mesh, options.gap);
-    EXPECT_NEAR(share_of(report, s), 1, 0.02) << int(mode);
+    EXPECT_NEAR(test::share_of(report, s), 1, 0.02) << int(mode);
   }
 }
 
@@ -121,7 +117,7 @@ TEST_P(SparseWater, closes_bubbles) {
     const WaterScene s = cloud(1.1, {16, 16, 16}, 14);
     ReconstructionReport report;
     const WaterMesh mesh = test::reconstruct(s.input(), options_for(s, smoothing), &report);
-    EXPECT_NEAR(share_of(report, s), 1, 0.02) << smoothing;
+    EXPECT_NEAR(test::share_of(report, s), 1, 0.02) << smoothing;
     std::size_t pieces = 0;
     for (const Part& part : parts_of(mesh)) pieces += part.volume > 0;
     test::record("pieces, smoothing " + std::to_string(smoothing), double(pieces));
@@ -167,7 +163,7 @@ TEST_P(SparseWater, around_a_cavity_has_its_volume) {
     ReconstructionReport report;
     const WaterMesh mesh = test::reconstruct(s.input(), options, &report);
     if (with_ball) test::expect_clean(check_mesh(mesh, s.obstacles(), options.gap), options.gap);
-    EXPECT_NEAR(share_of(report, s), 1, 0.02) << with_ball;
+    EXPECT_NEAR(test::share_of(report, s), 1, 0.02) << with_ball;
   }
 }
 
