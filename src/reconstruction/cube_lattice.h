@@ -1,6 +1,8 @@
 /// Sums over the cubes of 4³ cells that divide the blocks of the grid, and their smoothing.
 #pragma once
 
+#include <algorithm>
+
 #include "core/parallel.h"
 #include "reconstruction/grid.h"
 
@@ -12,6 +14,11 @@ constexpr int cube_side = side / 2;
 /// Cube of a block that contains cell or node (i, j, k): x + 2y + 4z.
 inline std::size_t cube_of(int i, int j, int k) {
   return std::size_t(i >> 2 | j >> 2 << 1 | k >> 2 << 2);
+}
+
+/// From 0 at `from` to 1 at `to`.
+inline float ramp(float x, float from, float to) {
+  return std::clamp((x - from) / (to - from), 0.0f, 1.0f);
 }
 
 /// A value per cube, per block of the lattice.

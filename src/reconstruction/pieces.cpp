@@ -214,8 +214,8 @@ Vec3 place_in_film(const Film& film, std::uint32_t p, const Vec3& x) {
   return x + (middle - double(item->height)) * vec(item->normal);
 }
 
-std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const Film& film, const Grid& grid,
-                                         const Workers& workers) {
+std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const Film& film,
+                                         const DrawnIn& drawn_in, const Grid& grid, const Workers& workers) {
   std::vector<std::uint8_t> result(particles.size(), 1);
   workers.for_each(particles.blocks.size(), 64, [&](std::size_t b) {
     const std::uint32_t block = grid.index.find(key_of(particles.blocks[b]));
@@ -232,7 +232,8 @@ std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const 
         result[p] = !grid.is_inside(corner_node(grid, block, i, j, k, c));
       if (!result[p]) continue;
       const Vec3 x = particles.place(b, p), in_film = place_in_film(film, static_cast<std::uint32_t>(p), x);
-      result[p] = !is_near_water(grid, x) && (in_film == x || !is_near_water(grid, in_film));
+      result[p] =
+          !is_near_water(grid, x + drawn_in.move(p)) && (in_film == x || !is_near_water(grid, in_film));
     }
   });
   return result;

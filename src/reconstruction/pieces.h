@@ -1,6 +1,7 @@
 /// Pieces of water: connected parts of the mesh, and the particles in them.
 #pragma once
 
+#include "reconstruction/even_water.h"
 #include "reconstruction/film.h"
 
 namespace oilskin::reconstruction {
@@ -70,8 +71,9 @@ bool is_near_water(const Grid& grid, const Vec3& x);
 /// it is x.
 Vec3 place_in_film(const Film& film, std::uint32_t p, const Vec3& x);
 
-/// Per particle of ParticleBlocks: 1 if neither it nor its film is near water, so the grid does not see it.
-std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const Film& film, const Grid& grid,
-                                         const Workers& workers);
+/// Per particle of ParticleBlocks: 1 if neither it, nor where it was drawn in to, nor its film is near water,
+/// so the grid does not see it.
+std::vector<std::uint8_t> far_from_water(const ParticleBlocks& particles, const Film& film,
+                                         const DrawnIn& drawn_in, const Grid& grid, const Workers& workers);
 
 }  // namespace oilskin::reconstruction

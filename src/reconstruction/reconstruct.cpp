@@ -86,7 +86,8 @@ void Reconstruction::remove_small_pieces(RawMesh& mesh) {
   const double least = options.min_blob * std::pow(options.spacing, 3);
   std::vector<double> water_near;
   if (water.is_kept())
-    water_near = water_of_small_pieces(least, particles, water, film, grid, obstacles, mesh, workers);
+    water_near =
+        water_of_small_pieces(least, particles, water, film, drawn_in, grid, obstacles, mesh, workers);
   report.blobs_removed = remove_blobs(grid, least, water_near, mesh);
 }
 
@@ -94,7 +95,7 @@ void Reconstruction::remove_small_pieces(RawMesh& mesh) {
 std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<float, 3>>& polygonised,
                                                 const MeshParts& parts, const SurfaceBlocks& blocks,
                                                 RawMesh& raw) {
-  const std::vector<std::uint8_t> missing = far_from_water(particles, film, grid, workers);
+  const std::vector<std::uint8_t> missing = far_from_water(particles, film, drawn_in, grid, workers);
   for (std::size_t p = 0; p < missing.size(); ++p)
     if (missing[p]) water.make_drop(p);
   FilmVertices films =
@@ -109,8 +110,8 @@ std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<flo
   limits.clip = options.clip;
   limits.gap = options.gap;
   if (contact.promises()) limits.known = obstacle_region;
-  report.vertices_held += fit_volume(limits, particles, water, film, grid, obstacles, polygonised, films,
-                                     parts, blocks, raw, workers);
+  report.vertices_held += fit_volume(limits, particles, water, film, drawn_in, grid, obstacles, polygonised,
+                                     films, parts, blocks, raw, workers);
   return std::move(films.thickness);
 }
 

@@ -59,6 +59,7 @@ struct Reconstruction {
   MemoryPlan memory{options.memory_limit};
   Water water;
   Film film;
+  DrawnIn drawn_in;
 
   // The field
   Status gather_obstacles();

@@ -219,7 +219,7 @@ void Reconstruction::evaluate_field() {
       if (grid.blocks[b].field != none) evaluate_block(b, evaluator, near, visibility);
   });
   if (!water.is_kept()) return;
-  open_sparse_water(particles, water, field, 1 / options.cell, contact.band, workers, grid);
+  drawn_in = open_sparse_water(particles, water, field, 1 / options.cell, contact.band, workers, grid);
   fill_single_nodes(workers, grid);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/node_bits.h"
 #include "reconstruction/water_in_cubes.h"
 
 namespace oilskin::reconstruction {
@@ -19,9 +20,8 @@ constexpr float partly_filled = 0.5f, filled = 0.65f;
 /// The share of the enclosed volume that must be without water. The fit after the mesh makes up for less.
 constexpr float some_air = 0.12f, much_air = 0.25f;
 
-float ramp(float x, float from, float to) {
-  return std::clamp((x - from) / (to - from), 0.0f, 1.0f);
-}
+/// Blocks with less of their space enclosed, or with less of that without water, are not looked at.
+constexpr double hardly_filled = 0.25, hardly_any_air = 0.07;
 
 /// Volumes per cube that the levels enclose [cells³]: nodes.
 using Enclosed = std::array<Cubes, levels>;
@@ -58,7 +58,7 @@ float level_of(const std::array<float, levels>& enclosed, float water) {
   return float(levels - 1) / float(levels);
 }
 
-/// Blocks that enclose most of their space, with less water. The others are not looked at.
+/// Blocks that enclose less water than space.
 std::vector<std::uint8_t> sparse_blocks(const ParticleBlocks& particles, const Water& water, double least,
                                         const Grid& grid, const Workers& workers) {
   std::vector<std::uint8_t> result(grid.blocks.size(), 0);
@@ -67,30 +67,34 @@ std::vector<std::uint8_t> sparse_blocks(const ParticleBlocks& particles, const W
     if (block.field == none) return;
     const float* const values = &grid.values[std::size_t(block.field) * nodes];
     const auto enclosed = double(std::count_if(values, values + nodes, [](float v) { return v < 0; }));
-    if (enclosed < double(partly_filled) * nodes) return;
+    if (enclosed < hardly_filled * nodes) return;
     double own = 0;
     if (const std::uint32_t p = particles.index.find(key_of(block.at)); p != none)
       for (std::size_t i = particles.begin[p]; i < particles.begin[p + 1]; ++i)
         if (!water.is_drop(i)) own += std::max(water.of(i), least);
-    result[b] = own < double(1 - some_air) * enclosed;
+    result[b] = own < (1 - hardly_any_air) * enclosed;
   });
   return result;
 }
 
 }  // namespace
 
-void open_sparse_water(const ParticleBlocks& particles, const Water& water, const FieldParameters& field,
-                       double spacing, double band, const Workers& workers, Grid& grid) {
+DrawnIn open_sparse_water(const ParticleBlocks& particles, const Water& water, const FieldParameters& field,
+                          double spacing, double band, const Workers& workers, Grid& grid) {
+  DrawnIn drawn_in;
   // Water at rest whose particles are given less volume stays whole.
   const double least = spacing * spacing * spacing;
-  std::vector<std::uint8_t> sparse = sparse_blocks(particles, water, least, grid, workers);
-  if (std::find(sparse.begin(), sparse.end(), 1) == sparse.end()) return;
+  const std::vector<std::uint8_t> sparse = sparse_blocks(particles, water, least, grid, workers);
+  if (std::find(sparse.begin(), sparse.end(), 1) == sparse.end()) return drawn_in;
   const float radius = field.particle_radius + field.sparse_radius;
   const CubeLattice lattice(grid, sparse);
-  Enclosed enclosed = count_enclosed(grid, lattice, radius, workers);
   Cubes in_cubes = water_in_cubes(particles, water, spacing, grid, lattice, workers, least);
-  for (Cubes& at_level : enclosed) lattice.smooth(at_level, 2, workers);
+  const EvenWater even(particles, in_cubes, spacing, band, grid, lattice, workers);
   lattice.smooth(in_cubes, 2, workers);
+  if (!even.empty()) drawn_in = even.draw_in(grid);
+  Enclosed enclosed = count_enclosed(grid, lattice, radius, workers);
+  for (Cubes& at_level : enclosed) lattice.smooth(at_level, 2, workers);
+  if (!even.empty()) even.share_out(enclosed[0], grid, in_cubes);
   Cubes raised = lattice.zeros();
   workers.for_each(lattice.size(), 64, [&](std::size_t n) {
     for (std::size_t c = 0; c < 8; ++c) {
@@ -115,29 +119,21 @@ void open_sparse_water(const ParticleBlocks& particles, const Water& water, cons
     }
     grid.find_inside(block.field);
   });
+  return drawn_in;
 }
 
 void fill_single_nodes(const Workers& workers, Grid& grid) {
-  static constexpr std::uint64_t first_column = 0x0101010101010101, last_column = first_column << 7,
-                                 first_row = 0xff, last_row = first_row << 56;
   const std::vector<std::array<std::uint32_t, 6>> neighbours = neighbours_of(grid);
-  std::vector<std::array<std::uint64_t, side>> filled(grid.blocks.size());
+  std::vector<NodeBits> filled(grid.blocks.size());
+  const auto slice = [&](std::uint32_t block, int k) { return grid.slice(block, k); };
   workers.for_each(grid.blocks.size(), 16, [&](std::size_t b) {
-    const Block& block = grid.blocks[b];
     filled[b] = {};
-    if (block.field == none) return;
-    const std::array<std::uint32_t, 6>& around = neighbours[b];
+    if (grid.blocks[b].field == none) return;
     const auto own = static_cast<std::uint32_t>(b);
     for (int k = 0; k < side; ++k) {
-      const std::uint64_t in = grid.slice(own, k);
-      const std::uint64_t before_x =
-          (in << 1 & ~first_column) | (grid.slice(around[0], k) >> 7 & first_column);
-      const std::uint64_t after_x = (in >> 1 & ~last_column) | (grid.slice(around[1], k) << 7 & last_column);
-      const std::uint64_t before_y = (in << 8 & ~first_row) | (grid.slice(around[2], k) >> 56 & first_row);
-      const std::uint64_t after_y = (in >> 8 & ~last_row) | (grid.slice(around[3], k) << 56 & last_row);
-      const std::uint64_t before_z = k > 0 ? grid.slice(own, k - 1) : grid.slice(around[4], side - 1);
-      const std::uint64_t after_z = k + 1 < side ? grid.slice(own, k + 1) : grid.slice(around[5], 0);
-      filled[b][std::size_t(k)] = ~in & before_x & after_x & before_y & after_y & before_z & after_z;
+      std::uint64_t around = ~grid.slice(own, k);
+      for (const std::uint64_t beside : bits_beside(own, neighbours[b], k, slice)) around &= beside;
+      filled[b][std::size_t(k)] = around;
     }
   });
   // Only now: neighbours read the bits.

@@ -67,7 +67,7 @@ class Fit {
   }
 
   /// Moves the surface by what the cubes around it lack, over its area there.
-  void fit_cubes(const ParticleBlocks& particles, const Water& water,
+  void fit_cubes(const ParticleBlocks& particles, const Water& water, const DrawnIn& drawn_in,
                  const std::vector<Float3>& polygonised) {
     const CubeLattice lattice(grid_, blocks_with_surface());
     Cubes lacking = water_in_cubes(particles, water, limits_.spacing, grid_, lattice, workers_);
@@ -75,6 +75,13 @@ class Fit {
       for (std::size_t c = 0; c < 8; ++c) lacking[n][c] -= mesh_.cube_volumes[lattice.block(n)][c];
     });
     if (&polygonised != &mesh_.positions) subtract_swept(lattice, polygonised, lacking);
+    // Where water has been drawn in, its particles do not show where it is.
+    if (!drawn_in.even.empty())
+      for (std::size_t n = 0; n < lattice.size(); ++n)
+        for (std::size_t c = 0; c < 8; ++c) {
+          const float even = drawn_in.even[lattice.block(n)][c];
+          lacking[n][c] *= 1 - even * even * even * even;
+        }
     const Cubes area = areas(lattice);
     for (std::size_t round = 0; round < smoothing_passes.size(); ++round) {
       const bool is_last = round + 1 == smoothing_passes.size();
@@ -311,22 +318,23 @@ class Fit {
 }  // namespace
 
 std::size_t fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const Water& water,
-                       const Film& film, const Grid& grid, const Obstacles& obstacles,
-                       const std::vector<Float3>& polygonised, const FilmVertices& films,
-                       const MeshParts& parts, const SurfaceBlocks& blocks, RawMesh& mesh,
-                       const Workers& workers) {
+                       const Film& film, const DrawnIn& drawn_in, const Grid& grid,
+                       const Obstacles& obstacles, const std::vector<Float3>& polygonised,
+                       const FilmVertices& films, const MeshParts& parts, const SurfaceBlocks& blocks,
+                       RawMesh& mesh, const Workers& workers) {
   OILSKIN_ASSERT(water.size() == particles.size());
   if (mesh.positions.empty()) return 0;
   OILSKIN_ASSERT(mesh.cube_volumes.size() == grid.blocks.size());
   OILSKIN_ASSERT(mesh.distances.size() == mesh.positions.size());
   Fit fit(limits, grid, obstacles, polygonised, films, blocks, mesh, workers);
-  if (!limits.clip) fit.fit_cubes(particles, water, polygonised);
+  if (!limits.clip) fit.fit_cubes(particles, water, drawn_in, polygonised);
   const Obstacles* const keep_off = limits.known && !obstacles.empty() ? &obstacles : nullptr;
   const Untangled untangled = untangle(limits.cell, limits.clip, keep_off, limits.gap, blocks, mesh, workers);
   const bool tests_again = keep_off && !untangled.triangles.empty();
   const std::vector<Float3> before = tests_again ? mesh.positions : std::vector<Float3>();
   SmallPieces pieces = small_pieces(mesh, parts, limits.small_piece * std::pow(limits.cell, 3), workers);
-  WaterInPieces found = water_in_pieces(particles, water, film, grid, obstacles, mesh, pieces, workers);
+  WaterInPieces found =
+      water_in_pieces(particles, water, film, drawn_in, grid, obstacles, mesh, pieces, workers);
   join_pieces_without_water(particles, water, found, mesh, limits.cell, limits.spacing, pieces);
   std::vector<double>& in_pieces = found.water;
   if (limits.clip) fit.leave_clipped_pieces(pieces, in_pieces);

@@ -29,9 +29,9 @@ struct FitLimits {
 /// `parts`: of the mesh as polygonised. Turns triangles back that are turned over, and returns the number of
 /// vertices that this put back for the promise.
 std::size_t fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const Water& water,
-                       const Film& film, const Grid& grid, const Obstacles& obstacles,
-                       const std::vector<std::array<float, 3>>& polygonised, const FilmVertices& films,
-                       const MeshParts& parts, const SurfaceBlocks& blocks, RawMesh& mesh,
-                       const Workers& workers);
+                       const Film& film, const DrawnIn& drawn_in, const Grid& grid,
+                       const Obstacles& obstacles, const std::vector<std::array<float, 3>>& polygonised,
+                       const FilmVertices& films, const MeshParts& parts, const SurfaceBlocks& blocks,
+                       RawMesh& mesh, const Workers& workers);
 
 }  // namespace oilskin::reconstruction

@@ -13,8 +13,8 @@ constexpr double far_from_piece = 3;
 }  // namespace
 
 WaterInPieces water_in_pieces(const ParticleBlocks& particles, const Water& water, const Film& film,
-                              const Grid& grid, const Obstacles& obstacles, const RawMesh& mesh,
-                              SmallPieces& pieces, const Workers& workers) {
+                              const DrawnIn& drawn_in, const Grid& grid, const Obstacles& obstacles,
+                              const RawMesh& mesh, SmallPieces& pieces, const Workers& workers) {
   WaterInPieces result{std::vector<double>(pieces.count + 1, 0), {}};
   const PieceFinder finder(grid, obstacles, mesh, pieces);
   result.water.back() =
@@ -30,11 +30,11 @@ WaterInPieces water_in_pieces(const ParticleBlocks& particles, const Water& wate
   piece_of.assign(particles.size(), none);
   workers.for_each(particles.blocks.size(), 8, [&](std::size_t n) {
     const bool is_near = finder.is_near(particles.blocks[n]);
-    if (!is_near && film.empty()) return;
+    if (!is_near && film.empty() && drawn_in.moves.empty()) return;
     for (std::size_t p = particles.begin[n]; p < particles.begin[n + 1]; ++p) {
       if (water.is_drop(p)) continue;
-      const Vec3 x = particles.place(n, p);
-      if (is_near) piece_of[p] = finder.find(x);
+      const Vec3 x = particles.place(n, p), drawn = x + drawn_in.move(p);
+      if (drawn == x ? is_near : finder.is_near(block_at(drawn))) piece_of[p] = finder.find(drawn);
       if (piece_of[p] != none) continue;
       const Vec3 in_film = place_in_film(film, static_cast<std::uint32_t>(p), x);
       if (in_film != x && finder.is_near(block_at(in_film))) piece_of[p] = finder.find(in_film);
@@ -77,13 +77,13 @@ void join_pieces_without_water(const ParticleBlocks& particles, const Water& wat
 }
 
 std::vector<double> water_of_small_pieces(double max_volume, const ParticleBlocks& particles,
-                                          const Water& water, const Film& film, const Grid& grid,
-                                          const Obstacles& obstacles, const RawMesh& mesh,
+                                          const Water& water, const Film& film, const DrawnIn& drawn_in,
+                                          const Grid& grid, const Obstacles& obstacles, const RawMesh& mesh,
                                           const Workers& workers) {
   const double cell_volume = std::pow(grid.cell, 3);
   SmallPieces pieces = small_pieces(mesh, parts_of(mesh, mesh.positions, workers), max_volume, workers);
   const std::vector<double> in_pieces =
-      water_in_pieces(particles, water, film, grid, obstacles, mesh, pieces, workers).water;
+      water_in_pieces(particles, water, film, drawn_in, grid, obstacles, mesh, pieces, workers).water;
   std::vector<double> result(mesh.positions.size(), 0.0);
   for (std::size_t v = 0; v < result.size(); ++v)
     if (pieces.of_vertex[v] != none) result[v] = cell_volume * in_pieces[pieces.of_vertex[v]];

@@ -13,8 +13,8 @@ struct WaterInPieces {
 
 /// Bubbles in a small piece get its number in `pieces`, so that they count for its volume.
 WaterInPieces water_in_pieces(const ParticleBlocks& particles, const Water& water, const Film& film,
-                              const Grid& grid, const Obstacles& obstacles, const RawMesh& mesh,
-                              SmallPieces& pieces, const Workers& workers);
+                              const DrawnIn& drawn_in, const Grid& grid, const Obstacles& obstacles,
+                              const RawMesh& mesh, SmallPieces& pieces, const Workers& workers);
 
 /// Particles draw pieces in which there is none of them, as at the rims of films where obstacles bend. Such a
 /// piece is fitted together with that of the particle that is nearest to it.
@@ -24,8 +24,8 @@ void join_pieces_without_water(const ParticleBlocks& particles, const Water& wat
 
 /// The water of the piece at each vertex [m³], 0 where the piece encloses `max_volume` [m³] or more.
 std::vector<double> water_of_small_pieces(double max_volume, const ParticleBlocks& particles,
-                                          const Water& water, const Film& film, const Grid& grid,
-                                          const Obstacles& obstacles, const RawMesh& mesh,
+                                          const Water& water, const Film& film, const DrawnIn& drawn_in,
+                                          const Grid& grid, const Obstacles& obstacles, const RawMesh& mesh,
                                           const Workers& workers);
 
 }  // namespace oilskin::reconstruction

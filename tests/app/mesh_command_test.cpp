@@ -219,6 +219,25 @@ TEST_F(Mesh, a_spacing_in_other_units_is_refused_with_the_numbers) {
   EXPECT_FALSE(exists("run/surface_0000.ply"));
 }
 
+/// A run knows the water of its particles: however densely they lie, its spacing is right.
+TEST_F(Mesh, the_spacing_of_a_run_is_not_doubted_if_its_masses_agree) {
+  std::filesystem::create_directory(folder.path("pressed"));
+  folder.write("pressed/particles_0000.vtp", two_particles(R"(Name="density" format="ascii">1000 1000)"));
+  const auto report = [&](const std::string& mass) {
+    folder.write(
+        "pressed/report.json",
+        R"({"settings":{"fluid":{"spacing":1,"rest_density":1000}},"mass":{"particle":)" + mass + "}}");
+  };
+  report("1000");
+  EXPECT_EQ(oilskin({"mesh", folder.path("pressed")}).exit_code, 0);
+  report("1e-6");
+  const Outcome other = oilskin({"mesh", folder.path("pressed"), "--overwrite"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_NE(other.err.find("is 1 m, but half of the 2 particles"), std::string::npos) << other.err;
+  report("1000");
+  EXPECT_EQ(oilskin({"mesh", folder.path("pressed"), "--overwrite", "--spacing", "1.01"}).exit_code, 2);
+}
+
 TEST_F(Mesh, what_may_be_wrong_with_a_folder_is_noted_once) {
   EXPECT_EQ(mesh().out.find("note:"), std::string::npos);
   EXPECT_EQ(mesh({"--overwrite"}).out.find("not read"), std::string::npos);

@@ -4,14 +4,12 @@
 
 #include <cmath>
 
-#include "core/disjoint_sets.h"
-#include "reconstruction/promise.h"
+#include "reconstruction/mesh_parts.h"
 #include "support/record.h"
 
 namespace oilskin {
 namespace {
 
-using test::position;
 using test::WaterScene;
 
 /// Of all scenes [spacings]: the audit needs coordinates away from 0.
@@ -87,29 +85,6 @@ TEST_P(SparseWater, of_particles_side_by_side_stays_whole) {
   EXPECT_EQ(test::reconstruct(thin, options_for(s, 0)).triangles, expected.triangles);
 }
 
-struct Part {
-  double volume = 0;  ///< [m³]
-  std::size_t triangles = 0;
-};
-
-/// The connected parts of a mesh.
-std::vector<Part> parts_of(const WaterMesh& mesh) {
-  DisjointSets sets(mesh.positions.size());
-  for (const Triangle& t : mesh.triangles) {
-    sets.unite(t[0], t[1]);
-    sets.unite(t[0], t[2]);
-  }
-  std::vector<Part> parts(mesh.positions.size()), result;
-  for (const Triangle& t : mesh.triangles) {
-    Part& part = parts[sets.find(t[0])];
-    part.volume += position(mesh, t[0]).dot(position(mesh, t[1]).cross(position(mesh, t[2]))) / 6;
-    ++part.triangles;
-  }
-  for (const Part& part : parts)
-    if (part.triangles > 0) result.push_back(part);
-  return result;
-}
-
 /// Where water lacks volume its surface moves into bubbles. One that was turned inside out counted as a piece
 /// of the water around it, and was blown up to that: 0.78 to 2 times the volume.
 TEST_P(SparseWater, closes_bubbles) {
@@ -119,7 +94,7 @@ TEST_P(SparseWater, closes_bubbles) {
     const WaterMesh mesh = test::reconstruct(s.input(), options_for(s, smoothing), &report);
     EXPECT_NEAR(test::share_of(report, s), 1, 0.02) << smoothing;
     std::size_t pieces = 0;
-    for (const Part& part : parts_of(mesh)) pieces += part.volume > 0;
+    for (const test::MeshPart& part : test::parts_of(mesh)) pieces += part.volume > 0;
     test::record("pieces, smoothing " + std::to_string(smoothing), double(pieces));
     EXPECT_EQ(pieces, 1u) << "others are bubbles turned inside out";
     EXPECT_EQ(mesh.normals.size(), mesh.positions.size());
@@ -134,7 +109,7 @@ TEST_P(SparseWater, has_no_specks) {
     for (const int smoothing : {0, 10}) {
       const WaterScene s = cloud(density, {16, 16, 16}, 15);
       const WaterMesh mesh = test::reconstruct(s.input(), options_for(s, smoothing));
-      for (const Part& part : parts_of(mesh))
+      for (const test::MeshPart& part : test::parts_of(mesh))
         EXPECT_TRUE(part.volume > 0 || part.triangles > 8) << density << ' ' << smoothing;
     }
 }
