@@ -98,6 +98,10 @@ bool CubeLattice::Around::is_zero() const {
   return std::all_of(values_.begin(), values_.end(), [](float v) { return v == 0; });
 }
 
+double CubeLattice::Around::at_node(int node) const {
+  return at(Vec3(node & 7, node >> 3 & 7, node >> 6) + Vec3::Constant(0.5));
+}
+
 double CubeLattice::Around::at(const Vec3& x) const {
   std::array<std::size_t, 3> low;
   std::array<double, 3> f;

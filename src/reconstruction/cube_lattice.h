@@ -50,6 +50,8 @@ class CubeLattice {
     Around(const CubeLattice& lattice, const Cubes& values, std::uint32_t block);
     /// Linear between the centres of cubes; x relative to the block [cells], at most two cells outside it.
     double at(const Vec3& x) const;
+    /// As at(), of values per cube of nodes: those of 4³ nodes are half a cell lower than those of 4³ cells.
+    double at_node(int node) const;
     bool is_zero() const;
 
    private:

@@ -20,6 +20,11 @@ constexpr std::array<float, 16> shares = {0,     0.12f, 0.25f, 0.33f, 0.42f, 0.5
 /// Cubes that enclose less of their space keep their surface.
 constexpr float hardly_any = 0.05f, some = 0.1f;
 
+/// Water is thin if no node within so far [dx] has a larger share: sheets of up to three layers of particles,
+/// and threads. They are not drawn in: the grid has no space for less.
+constexpr double thin_reach = 3;
+constexpr float thin = 0.66f, thick = 0.76f;
+
 /// Excess over the water from which on the surface is drawn in, and from which on by all of it.
 constexpr float small_excess = 0.02f, whole_excess = 0.07f;
 
@@ -89,23 +94,21 @@ float free_to_move(const Grid& grid, const NodeRef& node, double band) {
   return ramp(grid.distance(node), float(band - 1), float(band));
 }
 
-/// The least share at a node, if the surface may move there; else 0.
+/// The least share at a node, if the surface may move there; else 0. `may_move`: per node how far, 0 … 1.
 class LeastShare {
  public:
-  LeastShare(const Grid& grid, const CubeLattice& lattice, const Cubes& of_cubes, std::uint32_t block,
-             double band)
-      : grid_(grid), around_(lattice, of_cubes, block), block_(block), band_(band) {}
+  LeastShare(const CubeLattice& lattice, const Cubes& of_cubes, std::uint32_t block,
+             const std::array<float, nodes>& may_move)
+      : around_(lattice, of_cubes, block), may_move_(may_move) {}
   bool is_zero() const { return around_.is_zero(); }
   float at(int node) const {
-    const float free = free_to_move(grid_, {block_, node}, band_);
-    return free > 0 ? free * float(around_.at(Vec3(node & 7, node >> 3 & 7, node >> 6))) : 0;
+    const float free = may_move_[std::size_t(node)];
+    return free > 0 ? free * float(around_.at_node(node)) : 0;
   }
 
  private:
-  const Grid& grid_;
   CubeLattice::Around around_;
-  std::uint32_t block_;
-  double band_;
+  const std::array<float, nodes>& may_move_;
 };
 
 }  // namespace
@@ -115,7 +118,33 @@ EvenWater::EvenWater(const ParticleBlocks& particles, const Cubes& in_cubes, dou
     : particles_(particles), lattice_(lattice), workers_(workers), spacing_(spacing), band_(band) {
   find_free_cubes(in_cubes, grid);
   even_ = evenness(particles, spacing, even_, grid, lattice, workers);
+  const auto is_even = [](const std::array<float, 8>& own) {
+    return std::any_of(own.begin(), own.end(), [](float e) { return e > 0; });
+  };
+  if (std::none_of(even_.begin(), even_.end(), is_even)) return;
+  leave_thin_water(grid);
   find_pieces(grid);
+}
+
+/// Finds how far the surface may move at each node.
+void EvenWater::leave_thin_water(const Grid& grid) {
+  may_move_ = largest_around(
+      inside_shares(inside_parts(grid, lattice_, workers_), deviation * spacing_, grid, lattice_, workers_),
+      static_cast<int>(std::lround(thin_reach * spacing_)), grid, lattice_, workers_);
+  workers_.for_each(lattice_.size(), 16, [&](std::size_t n) {
+    const std::uint32_t b = lattice_.block(n);
+    std::array<float, 8> sum{}, count{}, most{};
+    for (int node = 0; node < nodes; ++node) {
+      float& own = may_move_[n][std::size_t(node)];
+      own = ramp(own, thin, thick) * free_to_move(grid, {b, node}, band_);
+      const std::size_t cube = cube_of(node & 7, node >> 3 & 7, node >> 6);
+      most[cube] = std::max(most[cube], own);
+      if (!grid.is_inside({b, node})) continue;
+      sum[cube] += own;
+      ++count[cube];
+    }
+    for (std::size_t c = 0; c < 8; ++c) even_[n][c] *= count[c] > 0 ? sum[c] / count[c] : most[c];
+  });
 }
 
 /// Cubes that enclose more than their water and have no obstacle near. The others do not count: films are
@@ -200,7 +229,7 @@ std::vector<float> EvenWater::shares_of_pieces(const NodeValues& around, const C
                                                const Grid& grid) const {
   constexpr std::size_t bins = 64;
   const auto sums = sums_of_pieces<bins + 1>(grid, [&](std::size_t n, std::uint32_t block) {
-    return [&, n, at = LeastShare(grid, lattice_, least, block, band_)](int node) {
+    return [&, n, at = LeastShare(lattice_, least, block, may_move_[n])](int node) {
       const float most = at.at(node), own = around[n][std::size_t(node)];
       return own >= most ? bins : std::size_t(own / most * float(bins));
     };
@@ -267,7 +296,7 @@ void EvenWater::for_free_nodes(const Cubes& least, const Grid& grid, const F& f)
   workers_.for_each(lattice_.size(), 16, [&](std::size_t n) {
     const std::uint32_t b = lattice_.block(n), field = grid.blocks[b].field;
     if (field == none) return;
-    const LeastShare at(grid, lattice_, least, b, band_);
+    const LeastShare at(lattice_, least, b, may_move_[n]);
     if (at.is_zero()) return;
     for (int node = 0; node < nodes; ++node)
       if (const float share = at.at(node); share > 0) f(n, field, node, share);

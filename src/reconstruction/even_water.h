@@ -42,6 +42,7 @@ class EvenWater {
     std::vector<NodeBits> leave, stay;  // per place
   };
   void find_free_cubes(const Cubes& in_cubes, const Grid& grid);
+  void leave_thin_water(const Grid& grid);
   void find_pieces(const Grid& grid);
   /// Per piece, for each of `bins` numbers, the nodes inside that f(place, block)(node) maps to it, weighted
   /// by their evenness.
@@ -69,8 +70,9 @@ class EvenWater {
   Cubes even_;  // per cube: evenness() where it encloses more than its water
   std::vector<std::array<std::uint8_t, 8>> is_free_;  // per cube: no obstacle is near
   Cubes water_in_cubes_, enclosed_;                   // of free cubes [cells³]
-  std::vector<std::uint32_t> piece_;                  // per place; none: there is no even water
-  std::vector<double> water_;                         // per piece [cells³]
+  NodeValues may_move_;               // per node: how far the surface may be drawn in, 0 … 1
+  std::vector<std::uint32_t> piece_;  // per place; none: there is no even water
+  std::vector<double> water_;         // per piece [cells³]
   std::size_t pieces_ = 0;
 };
 

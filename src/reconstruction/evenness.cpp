@@ -16,6 +16,9 @@ constexpr double farthest = 2;
 /// less than the second all is drawn in that encloses too much.
 constexpr float dense = 0.97f, sparse = 0.91f;
 
+/// Particles at the surface have the mean of their neighbours farther away than this [dx].
+constexpr float one_sided = 0.15f;
+
 /// Standard deviation over mean of these distances: 0.36 of random places, 0.2 of a lattice of which each
 /// particle has moved by up to 0.3 dx along each axis.
 constexpr float even_below = 0.22f, random_from = 0.28f;
@@ -24,8 +27,8 @@ constexpr float even_below = 0.22f, random_from = 0.28f;
 /// from each other; up to the first they cannot be.
 constexpr float joined_below = 0.75f, apart_from = 1.25f;
 
-/// Calls f(particle, squared distances of the others within reach of the block) for some particles of block
-/// b. `near`: memory.
+/// For some particles of block b, calls f(g) with a function g that calls h(offset) for the offsets of the
+/// others within reach of the block. `near`: memory.
 template <class F>
 void for_sample(const ParticleBlocks& particles, std::uint32_t b, std::size_t most, float reach,
                 NearParticles& near, const F& f) {
@@ -35,12 +38,10 @@ void for_sample(const ParticleBlocks& particles, std::uint32_t b, std::size_t mo
                     step = (end - begin + most - 1) / most;
   for (std::size_t p = begin; p < end; p += step)
     f([&](const auto& of_neighbour) {
-      for (std::size_t c = 0; c < near.count; ++c) {
-        if (near.particle[c] == p) continue;
-        const float x = near.x[c] - particles.x[p], y = near.y[c] - particles.y[p],
-                    z = near.z[c] - particles.z[p];
-        of_neighbour(x * x + y * y + z * z);
-      }
+      for (std::size_t c = 0; c < near.count; ++c)
+        if (near.particle[c] != p)
+          of_neighbour(Eigen::Vector3f(near.x[c] - particles.x[p], near.y[c] - particles.y[p],
+                                       near.z[c] - particles.z[p]));
     });
 }
 
@@ -55,7 +56,7 @@ Distances nearest_distances(const ParticleBlocks& particles, std::uint32_t b, fl
   Distances result;
   for_sample(particles, b, distance_sample, reach, near, [&](const auto& for_neighbours) {
     float least = reach * reach;
-    for_neighbours([&](float squared) { least = std::min(least, squared); });
+    for_neighbours([&](const Eigen::Vector3f& x) { least = std::min(least, x.squaredNorm()); });
     const float distance = std::sqrt(least) / spacing;
     ++result.count;
     result.sum += distance;
@@ -64,21 +65,41 @@ Distances nearest_distances(const ParticleBlocks& particles, std::uint32_t b, fl
   return result;
 }
 
-/// The mean of the two densest particles, with the kernel of (R.3).
-float density_of(const ParticleBlocks& particles, std::uint32_t b, float spacing, NearParticles& near) {
+/// The mean of the two densest particles, with the kernel of (R.3); of those with neighbours on all sides if
+/// there are any.
+struct Density {
+  float value = 0;
+  bool is_inside = false;
+
+  void add(float density, bool inside) {
+    if (is_inside && !inside) return;
+    if (inside && !is_inside) first_ = second_ = 0;
+    is_inside = inside;
+    second_ = std::max(second_, std::min(first_, density));
+    first_ = std::max(first_, density);
+    value = second_ > 0 ? (first_ + second_) / 2 : first_;
+  }
+
+ private:
+  float first_ = 0, second_ = 0;
+};
+
+Density density_of(const ParticleBlocks& particles, std::uint32_t b, float spacing, NearParticles& near) {
   const float reach = float(farthest) * spacing;
   const auto norm = static_cast<float>(315 / (64 * 3.14159265358979 * farthest * farthest * farthest));
-  float first = 0, second = 0;
+  Density result;
   for_sample(particles, b, density_sample, reach, near, [&](const auto& for_neighbours) {
-    float density = norm;
-    for_neighbours([&](float squared) {
-      const float within = std::max(0.0f, 1 - squared / (reach * reach));
-      density += norm * within * within * within;
+    float sum = 1;
+    Eigen::Vector3f offset = Eigen::Vector3f::Zero();
+    for_neighbours([&](const Eigen::Vector3f& x) {
+      const float within = std::max(0.0f, 1 - x.squaredNorm() / (reach * reach)),
+                  k = within * within * within;
+      sum += k;
+      offset += k * x;
     });
-    second = std::max(second, std::min(first, density));
-    first = std::max(first, density);
+    result.add(norm * sum, offset.norm() < one_sided * spacing * sum);
   });
-  return second > 0 ? (first + second) / 2 : first;
+  return result;
 }
 
 /// Calls f(place) for the blocks around place n and itself.
@@ -106,24 +127,26 @@ void for_particles(const ParticleBlocks& particles, const Grid& grid, const Cube
   });
 }
 
-/// How sparse each block is, between 0 and 1. Particles at the surface have fewer neighbours: those of the
-/// blocks around show the water there, too.
+/// How sparse each block is, between 0 and 1. Particles at the surface have fewer neighbours: where a block
+/// has only such, those of the blocks around show the water.
 std::vector<float> sparseness(const ParticleBlocks& particles, double spacing, const Grid& grid,
                               const CubeLattice& lattice, const std::vector<std::uint8_t>& chosen,
                               const Workers& workers) {
   std::vector<std::uint8_t> needed = chosen;
   for (std::size_t n = 0; n < chosen.size(); ++n)
     if (chosen[n]) for_blocks_around(grid, lattice, n, [&](std::uint32_t place) { needed[place] = 1; });
-  std::vector<float> density(lattice.size(), 0.0f), result = density;
+  std::vector<Density> density(lattice.size());
   for_particles(particles, grid, lattice, needed, workers,
                 [&](std::uint32_t b, std::size_t n, NearParticles& near) {
                   density[n] = density_of(particles, b, float(spacing), near);
                 });
+  std::vector<float> result(lattice.size(), 0.0f);
   for (std::size_t n = 0; n < chosen.size(); ++n) {
     if (!chosen[n]) continue;
-    float densest = 0;
-    for_blocks_around(grid, lattice, n,
-                      [&](std::uint32_t place) { densest = std::max(densest, density[place]); });
+    float densest = density[n].value;
+    if (!density[n].is_inside)
+      for_blocks_around(grid, lattice, n,
+                        [&](std::uint32_t place) { densest = std::max(densest, density[place].value); });
     result[n] = ramp(densest, dense, sparse);
   }
   return result;

@@ -35,15 +35,17 @@ class NodeBlur {
     outside_.fill(0);
     solid_.fill(1);
   }
-  void pass(const NodeValues& from, std::size_t axis, int step, NodeValues& to) const {
+  /// `combine`: of the values at −step, 0 and step.
+  template <class F>
+  void pass(const NodeValues& from, std::size_t axis, int step, const F& combine, NodeValues& to) const {
     workers_.for_each(lattice_.size(), 16, [&](std::size_t n) {
       const std::array<std::uint32_t, 6>& around = around_[lattice_.block(n)];
       const float *const before = values(from, around[2 * axis]), *const after =
                                                                       values(from, around[2 * axis + 1]);
       if (axis == 0)
-        along_rows(before, from[n].data(), after, step, to[n].data());
+        along_rows(before, from[n].data(), after, step, combine, to[n].data());
       else
-        across_rows(before, from[n].data(), after, axis, step, to[n].data());
+        across_rows(before, from[n].data(), after, axis, step, combine, to[n].data());
     });
   }
 
@@ -52,19 +54,21 @@ class NodeBlur {
     if (const std::uint32_t place = lattice_.place(block); place != none) return from[place].data();
     return block != none && grid_.blocks[block].solid ? solid_.data() : outside_.data();
   }
-  static float mean(float below, float own, float above) { return 0.5f * own + 0.25f * (below + above); }
-  static void along_rows(const float* before, const float* own, const float* after, int step, float* to) {
+  template <class F>
+  static void along_rows(const float* before, const float* own, const float* after, int step,
+                         const F& combine, float* to) {
     for (int row = 0; row < nodes; row += side) {
       std::array<float, side + 2 * longest_step> line;
       std::copy(before + row + side - longest_step, before + row + side, line.begin());
       std::copy(own + row, own + row + side, line.begin() + longest_step);
       std::copy(after + row, after + row + longest_step, line.begin() + longest_step + side);
       const float* const at = &line[longest_step];
-      for (int i = 0; i < side; ++i) to[row + i] = mean(at[i - step], at[i], at[i + step]);
+      for (int i = 0; i < side; ++i) to[row + i] = combine(at[i - step], at[i], at[i + step]);
     }
   }
+  template <class F>
   static void across_rows(const float* before, const float* own, const float* after, std::size_t axis,
-                          int step, float* to) {
+                          int step, const F& combine, float* to) {
     const int along = axis == 1 ? side : side * side, other = axis == 1 ? side * side : side;
     const auto row = [&](int at, int beside) {
       const float* const block = at < 0 ? before : (at < side ? own : after);
@@ -75,7 +79,7 @@ class NodeBlur {
         const float *const below = row(at - step, beside), *const middle = row(at, beside),
                            *const above = row(at + step, beside);
         float* const result = to + at * along + beside * other;
-        for (int i = 0; i < side; ++i) result[i] = mean(below[i], middle[i], above[i]);
+        for (int i = 0; i < side; ++i) result[i] = combine(below[i], middle[i], above[i]);
       }
   }
 
@@ -120,12 +124,30 @@ NodeValues inside_shares(NodeValues parts, double deviation, const Grid& grid, c
                          const Workers& workers) {
   NodeValues other(lattice.size());
   const NodeBlur blur(grid, lattice, workers);
+  const auto mean = [](float below, float own, float above) { return 0.5f * own + 0.25f * (below + above); };
   for (const int step : steps_for(deviation * deviation))
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      blur.pass(parts, axis, step, other);
+      blur.pass(parts, axis, step, mean, other);
       std::swap(parts, other);
     }
   return parts;
+}
+
+NodeValues largest_around(NodeValues values, int reach, const Grid& grid, const CubeLattice& lattice,
+                          const Workers& workers) {
+  NodeValues other(lattice.size());
+  const NodeBlur blur(grid, lattice, workers);
+  const auto largest = [](float below, float own, float above) { return std::max({below, own, above}); };
+  for (int reached = 0; reached < reach;) {
+    // A longer step would leave gaps.
+    const int step = std::min({longest_step, 2 * reached + 1, reach - reached});
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      blur.pass(values, axis, step, largest, other);
+      std::swap(values, other);
+    }
+    reached += step;
+  }
+  return values;
 }
 
 }  // namespace oilskin::reconstruction

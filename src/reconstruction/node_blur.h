@@ -1,4 +1,4 @@
-/// Means over the nodes around each node of the grid.
+/// Means and largest values over the nodes around each node of the grid.
 #pragma once
 
 #include "reconstruction/cube_lattice.h"
@@ -16,5 +16,9 @@ NodeValues inside_parts(const Grid& grid, const CubeLattice& lattice, const Work
 /// inside if they are solid.
 NodeValues inside_shares(NodeValues parts, double deviation, const Grid& grid, const CubeLattice& lattice,
                          const Workers& workers);
+
+/// The largest of the values in the cube of nodes that reaches so far to each side.
+NodeValues largest_around(NodeValues values, int reach, const Grid& grid, const CubeLattice& lattice,
+                          const Workers& workers);
 
 }  // namespace oilskin::reconstruction

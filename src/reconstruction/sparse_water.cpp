@@ -88,7 +88,7 @@ DrawnIn open_sparse_water(const ParticleBlocks& particles, const Water& water, c
   if (std::find(sparse.begin(), sparse.end(), 1) == sparse.end()) return drawn_in;
   const float radius = field.particle_radius + field.sparse_radius;
   const CubeLattice lattice(grid, sparse);
-  Cubes in_cubes = water_in_cubes(particles, water, spacing, grid, lattice, workers, least);
+  Cubes in_cubes = water_in_cubes(particles, water, spacing, grid, lattice, workers, least, true);
   const EvenWater even(particles, in_cubes, spacing, band, grid, lattice, workers);
   lattice.smooth(in_cubes, 2, workers);
   if (!even.empty()) drawn_in = even.draw_in(grid);
@@ -115,7 +115,7 @@ DrawnIn open_sparse_water(const ParticleBlocks& particles, const Water& water, c
     float* const values = &grid.values[std::size_t(block.field) * nodes];
     for (int node = 0; node < nodes; ++node) {
       const float weight = ramp(grid.distance({b, node}), float(band - 1), float(band));
-      if (weight > 0) values[node] += weight * float(around.at(Vec3(node & 7, node >> 3 & 7, node >> 6)));
+      if (weight > 0) values[node] += weight * float(around.at_node(node));
     }
     grid.find_inside(block.field);
   });

@@ -45,15 +45,16 @@ void add_from_neighbour(const WithRing& from, const Int3& d, std::array<float, 8
 }  // namespace
 
 Cubes water_in_cubes(const ParticleBlocks& particles, const Water& water, double spacing, const Grid& grid,
-                     const CubeLattice& lattice, const Workers& workers, double least) {
+                     const CubeLattice& lattice, const Workers& workers, double least, bool of_nodes) {
   const auto half = static_cast<float>(std::min(spacing, double(cube_side)) / 2);
+  const float up = of_nodes ? 0.5f : 0.0f;
   std::vector<WithRing> own(lattice.size(), WithRing{});
   workers.for_each(lattice.size(), 16, [&](std::size_t n) {
     const std::uint32_t b = particles.index.find(key_of(grid.blocks[lattice.block(n)].at));
     if (b == none) return;
     for (std::size_t p = particles.begin[b]; p < particles.begin[b + 1]; ++p)
       if (!water.is_drop(p))
-        add({particles.x[p], half}, {particles.y[p], half}, {particles.z[p], half},
+        add({particles.x[p] + up, half}, {particles.y[p] + up, half}, {particles.z[p] + up, half},
             float(std::max(water.of(p), least)), own[n]);
   });
   Cubes result = lattice.zeros();

@@ -75,6 +75,47 @@ TEST_P(EvenWater, that_is_stretched_is_narrower_and_whole) {
     }
 }
 
+/// Towards the place of its particles: cubes of nodes are half a cell lower than those of cells.
+TEST_P(EvenWater, is_drawn_in_from_all_sides_alike) {
+  for (const double radius : {5.2, 8.2}) {
+    WaterScene s = stream(radius, 6 * radius, 1.5, 0.1, 30);
+    for (Vec3& p : s.particles) p += 0.31 * s.spacing * Vec3(1, 2, -1);
+    const WaterMesh mesh = test::reconstruct(s.input(), options_for(s));
+    Vec3 of_particles = Vec3::Zero(), of_mesh = Vec3::Zero();
+    for (const Vec3& p : s.particles) of_particles += p / double(s.particles.size());
+    double volume = 0;
+    for (const Triangle& t : mesh.triangles) {
+      const Vec3 a = test::position(mesh, t[0]) - of_particles, b = test::position(mesh, t[1]) - of_particles,
+                 c = test::position(mesh, t[2]) - of_particles;
+      const double part = a.dot(b.cross(c)) / 6;
+      volume += part;
+      of_mesh += part * (a + b + c) / 4;
+    }
+    const Vec3 shift = of_mesh / (volume * s.spacing);
+    test::record("shift, radius " + std::to_string(radius), shift.norm());
+    EXPECT_LT(shift.norm(), 0.15) << radius << ": " << shift.transpose();
+  }
+}
+
+/// Sheets of up to three layers, which the grid hardly resolves, keep their surface.
+TEST_P(EvenWater, in_thin_sheets_stays) {
+  for (const int layers : {1, 2, 3})
+    for (const double stretch : {1.1, 1.25}) {
+      WaterScene s;
+      test::Random random(31);
+      for (int k = 0; k < layers; ++k)
+        for (int j = 0; j < 24; ++j)
+          for (int i = 0; i < 24; ++i)
+            s.particles.push_back(s.spacing *
+                                  (middle + Vec3(stretch * i, stretch * j, k) + random.in_cube(0.1)));
+      ReconstructionReport report;
+      const WaterMesh mesh = test::reconstruct(s.input(), options_for(s), &report);
+      EXPECT_EQ(report.drops, 0u) << layers << ' ' << stretch;
+      EXPECT_EQ(test::parts_of(mesh).size(), 1u) << layers << ' ' << stretch;
+      EXPECT_NEAR(test::share_of(report, s), 1, 0.03) << layers << ' ' << stretch;
+    }
+}
+
 /// Wider water is drawn in in several rounds.
 TEST_P(EvenWater, that_is_wide_is_whole) {
   WaterScene s;
@@ -121,6 +162,17 @@ TEST_P(EvenWater, leaves_the_water_beside_it) {
     const double smaller = std::min(parts[0].volume, parts[1].volume) / std::pow(s.spacing, 3);
     EXPECT_NEAR(smaller / volume, 1, 0.01) << edge;
   }
+}
+
+TEST_P(EvenWater, leaves_a_thread_beside_it) {
+  WaterScene s = stream(4.2, 40, 1.6, 0.1, 32);
+  constexpr int length = 30;
+  for (int k = 0; k < length; ++k)
+    for (const int j : {0, 1}) s.particles.push_back(s.spacing * (middle + Vec3(7.5, j, k - 15)));
+  const std::vector<test::MeshPart> parts = test::parts_of(test::reconstruct(s.input(), options_for(s, 10)));
+  ASSERT_EQ(parts.size(), 2u);
+  const double smaller = std::min(parts[0].volume, parts[1].volume) / std::pow(s.spacing, 3);
+  EXPECT_NEAR(smaller / (2 * length), 1, 0.02);
 }
 
 TEST_P(EvenWater, that_falls_on_a_sheet_keeps_the_promise) {
