@@ -16,8 +16,10 @@ constexpr double farthest = 2;
 /// less than the second all is drawn in that encloses too much.
 constexpr float dense = 0.97f, sparse = 0.91f;
 
-/// Particles at the surface have the mean of their neighbours farther away than this [dx].
+/// Particles at the surface have the mean of their neighbours farther away than this [dx]. So many others
+/// show the density of a block.
 constexpr float one_sided = 0.15f;
+constexpr int several = 4;
 
 /// Standard deviation over mean of these distances: 0.36 of random places, 0.2 of a lattice of which each
 /// particle has moved by up to 0.3 dx along each axis.
@@ -66,22 +68,29 @@ Distances nearest_distances(const ParticleBlocks& particles, std::uint32_t b, fl
 }
 
 /// The mean of the two densest particles, with the kernel of (R.3); of those with neighbours on all sides if
-/// there are any.
-struct Density {
-  float value = 0;
-  bool is_inside = false;
-
-  void add(float density, bool inside) {
-    if (is_inside && !inside) return;
-    if (inside && !is_inside) first_ = second_ = 0;
-    is_inside = inside;
-    second_ = std::max(second_, std::min(first_, density));
-    first_ = std::max(first_, density);
-    value = second_ > 0 ? (first_ + second_) / 2 : first_;
+/// there are several.
+class Density {
+ public:
+  void add(float density, bool is_inside) {
+    all_.add(density);
+    if (is_inside) inside_.add(density);
   }
+  bool is_inside() const { return inside_.count >= several; }
+  float value() const { return is_inside() ? inside_.mean() : all_.mean(); }
 
  private:
-  float first_ = 0, second_ = 0;
+  struct Densest {
+    float first = 0, second = 0;
+    int count = 0;
+
+    void add(float density) {
+      second = std::max(second, std::min(first, density));
+      first = std::max(first, density);
+      ++count;
+    }
+    float mean() const { return count > 1 ? (first + second) / 2 : first; }
+  };
+  Densest all_, inside_;
 };
 
 Density density_of(const ParticleBlocks& particles, std::uint32_t b, float spacing, NearParticles& near) {
@@ -143,10 +152,10 @@ std::vector<float> sparseness(const ParticleBlocks& particles, double spacing, c
   std::vector<float> result(lattice.size(), 0.0f);
   for (std::size_t n = 0; n < chosen.size(); ++n) {
     if (!chosen[n]) continue;
-    float densest = density[n].value;
-    if (!density[n].is_inside)
+    float densest = density[n].value();
+    if (!density[n].is_inside())
       for_blocks_around(grid, lattice, n,
-                        [&](std::uint32_t place) { densest = std::max(densest, density[place].value); });
+                        [&](std::uint32_t place) { densest = std::max(densest, density[place].value()); });
     result[n] = ramp(densest, dense, sparse);
   }
   return result;
