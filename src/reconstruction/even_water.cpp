@@ -118,12 +118,16 @@ EvenWater::EvenWater(const ParticleBlocks& particles, const Cubes& in_cubes, dou
     : particles_(particles), lattice_(lattice), workers_(workers), spacing_(spacing), band_(band) {
   find_free_cubes(in_cubes, grid);
   even_ = evenness(particles, spacing, even_, grid, lattice, workers);
-  const auto is_even = [](const std::array<float, 8>& own) {
-    return std::any_of(own.begin(), own.end(), [](float e) { return e > 0; });
-  };
-  if (std::none_of(even_.begin(), even_.end(), is_even)) return;
-  leave_thin_water(grid);
-  find_pieces(grid);
+}
+
+std::vector<std::uint8_t> EvenWater::blocks(std::size_t count) const {
+  std::vector<std::uint8_t> result(count, 0);
+  for (std::size_t n = 0; n < lattice_.size(); ++n) result[lattice_.block(n)] = is_even(n);
+  return result;
+}
+
+bool EvenWater::is_even(std::size_t place) const {
+  return std::any_of(even_[place].begin(), even_[place].end(), [](float e) { return e > 0; });
 }
 
 /// Finds how far the surface may move at each node.
@@ -180,17 +184,14 @@ void EvenWater::find_free_cubes(const Cubes& in_cubes, const Grid& grid) {
 }
 
 void EvenWater::find_pieces(const Grid& grid) {
-  std::vector<std::uint8_t> is_even(lattice_.size(), 0);
-  for (std::size_t n = 0; n < lattice_.size(); ++n)
-    is_even[n] = std::any_of(even_[n].begin(), even_[n].end(), [](float e) { return e > 0; });
   DisjointSets sets(lattice_.size());
   for (std::uint32_t n = 0; n < lattice_.size(); ++n)
     for (const std::uint32_t above : grid.blocks[lattice_.block(n)].plus)
-      if (const std::uint32_t other = lattice_.place(above); other != none && is_even[n] && is_even[other])
+      if (const std::uint32_t other = lattice_.place(above); other != none && is_even(n) && is_even(other))
         sets.unite(n, other);
   piece_.assign(lattice_.size(), none);
   for (std::uint32_t n = 0; n < lattice_.size(); ++n) {
-    if (!is_even[n]) continue;
+    if (!is_even(n)) continue;
     const std::uint32_t first = sets.find(n);
     if (first == n) {
       piece_[n] = static_cast<std::uint32_t>(pieces_++);
@@ -247,7 +248,9 @@ std::vector<float> EvenWater::shares_of_pieces(const NodeValues& around, const C
   return result;
 }
 
-DrawnIn EvenWater::draw_in(Grid& grid) const {
+DrawnIn EvenWater::draw_in(Grid& grid) {
+  leave_thin_water(grid);
+  find_pieces(grid);
   Cubes water = water_in_cubes_;
   lattice_.smooth(water, 2, workers_);
   DrawnIn result;
@@ -425,13 +428,15 @@ void EvenWater::move_particles(const NodeValues& around, const std::vector<NodeB
   });
 }
 
-void EvenWater::share_out(const Cubes& enclosed, const Grid& grid, Cubes& in_cubes) const {
+void EvenWater::share_out(const Cubes& enclosed, const CubeLattice& lattice, const Grid& grid,
+                          Cubes& in_cubes) const {
   const std::vector<double> all = enclosed_by_pieces(grid);
-  for (std::size_t n = 0; n < lattice_.size(); ++n) {
-    if (piece_[n] == none || !(all[piece_[n]] > 0)) continue;
-    const auto share = static_cast<float>(std::min(1.0, water_[piece_[n]] / all[piece_[n]]));
+  for (std::size_t own = 0; own < lattice_.size(); ++own) {
+    const std::uint32_t n = lattice.place(lattice_.block(own));
+    if (n == none || piece_[own] == none || !(all[piece_[own]] > 0)) continue;
+    const auto share = static_cast<float>(std::min(1.0, water_[piece_[own]] / all[piece_[own]]));
     for (std::size_t c = 0; c < 8; ++c)
-      in_cubes[n][c] += even_[n][c] * std::max(0.0f, share * enclosed[n][c] - in_cubes[n][c]);
+      in_cubes[n][c] += even_[own][c] * std::max(0.0f, share * enclosed[n][c] - in_cubes[n][c]);
   }
 }
 

@@ -28,19 +28,22 @@ class EvenWater {
   EvenWater(const ParticleBlocks& particles, const Cubes& in_cubes, double spacing, double band,
             const Grid& grid, const CubeLattice& lattice, const Workers& workers);
 
-  bool empty() const { return pieces_ == 0; }
+  /// Per block of the grid, of which there are `count`: 1 if it has such water.
+  std::vector<std::uint8_t> blocks(std::size_t count) const;
 
   /// Draws the surface in by what it encloses beyond the water (R.42), and the particles outside with it.
-  DrawnIn draw_in(Grid& grid) const;
+  DrawnIn draw_in(Grid& grid);
 
   /// Changes the water in cubes to what they are to enclose: where water has been drawn in from outside, what
   /// lacks in its midst is that of others, unless its whole piece encloses too much.
-  void share_out(const Cubes& enclosed, const Grid& grid, Cubes& in_cubes) const;
+  /// `enclosed` and `in_cubes` are of that lattice.
+  void share_out(const Cubes& enclosed, const CubeLattice& lattice, const Grid& grid, Cubes& in_cubes) const;
 
  private:
   struct Choice {
     std::vector<NodeBits> leave, stay;  // per place
   };
+  bool is_even(std::size_t place) const;
   void find_free_cubes(const Cubes& in_cubes, const Grid& grid);
   void leave_thin_water(const Grid& grid);
   void find_pieces(const Grid& grid);

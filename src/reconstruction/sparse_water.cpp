@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "reconstruction/node_bits.h"
 #include "reconstruction/water_in_cubes.h"
@@ -89,12 +90,18 @@ DrawnIn open_sparse_water(const ParticleBlocks& particles, const Water& water, c
   const float radius = field.particle_radius + field.sparse_radius;
   const CubeLattice lattice(grid, sparse);
   Cubes in_cubes = water_in_cubes(particles, water, spacing, grid, lattice, workers, least, true);
-  const EvenWater even(particles, in_cubes, spacing, band, grid, lattice, workers);
+  const EvenWater found(particles, in_cubes, spacing, band, grid, lattice, workers);
+  std::vector<std::uint8_t> even_blocks = found.blocks(grid.blocks.size());
+  const bool has_even_water = std::find(even_blocks.begin(), even_blocks.end(), 1) != even_blocks.end();
+  // A smaller lattice: drawing in takes much longer than finding such water.
+  const CubeLattice near_even(grid, std::move(even_blocks));
+  EvenWater even(particles, water_in_cubes(particles, water, spacing, grid, near_even, workers, least, true),
+                 spacing, band, grid, near_even, workers);
+  if (has_even_water) drawn_in = even.draw_in(grid);
   lattice.smooth(in_cubes, 2, workers);
-  if (!even.empty()) drawn_in = even.draw_in(grid);
   Enclosed enclosed = count_enclosed(grid, lattice, radius, workers);
   for (Cubes& at_level : enclosed) lattice.smooth(at_level, 2, workers);
-  if (!even.empty()) even.share_out(enclosed[0], grid, in_cubes);
+  if (has_even_water) even.share_out(enclosed[0], lattice, grid, in_cubes);
   Cubes raised = lattice.zeros();
   workers.for_each(lattice.size(), 64, [&](std::size_t n) {
     for (std::size_t c = 0; c < 8; ++c) {
