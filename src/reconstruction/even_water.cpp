@@ -58,12 +58,8 @@ std::array<Cubes, shares.size()> count_enclosed(const Grid& grid, const CubeLatt
   std::array<Cubes, shares.size()> result;
   for (Cubes& at_share : result) at_share = lattice.zeros();
   workers.for_each(lattice.size(), 16, [&](std::size_t n) {
-    const Block& block = grid.blocks[lattice.block(n)];
-    if (block.field == none && !block.solid) return;
-    const float* const values =
-        block.field == none ? nullptr : &grid.values[std::size_t(block.field) * nodes];
     for (int node = 0; node < nodes; ++node) {
-      if (values && !(values[node] < 0)) continue;
+      if (!grid.is_inside({lattice.block(n), node})) continue;
       const std::size_t cube = cube_of(node & 7, node >> 3 & 7, node >> 6);
       if (!is_free[n][cube]) continue;
       const float own = around[n][std::size_t(node)];
@@ -87,11 +83,6 @@ Cubes shares_of_cubes(const std::array<Cubes, shares.size()>& enclosed, const Cu
     }
   });
   return result;
-}
-
-/// 1: the surface may move there, 0: the node is near an obstacle.
-float free_to_move(const Grid& grid, const NodeRef& node, double band) {
-  return ramp(grid.distance(node), float(band - 1), float(band));
 }
 
 /// The least share at a node, if the surface may move there; else 0. `may_move`: per node how far, 0 … 1.
@@ -130,11 +121,15 @@ bool EvenWater::is_even(std::size_t place) const {
   return std::any_of(even_[place].begin(), even_[place].end(), [](float e) { return e > 0; });
 }
 
+NodeValues EvenWater::shares_around(const Grid& grid) const {
+  return inside_shares(inside_parts(grid, lattice_, workers_), deviation * spacing_, grid, lattice_,
+                       workers_);
+}
+
 /// Finds how far the surface may move at each node.
-void EvenWater::leave_thin_water(const Grid& grid) {
-  may_move_ = largest_around(
-      inside_shares(inside_parts(grid, lattice_, workers_), deviation * spacing_, grid, lattice_, workers_),
-      static_cast<int>(std::lround(thin_reach * spacing_)), grid, lattice_, workers_);
+void EvenWater::leave_thin_water(const NodeValues& around, const Grid& grid) {
+  may_move_ =
+      largest_around(around, static_cast<int>(std::lround(thin_reach * spacing_)), grid, lattice_, workers_);
   workers_.for_each(lattice_.size(), 16, [&](std::size_t n) {
     const std::uint32_t b = lattice_.block(n);
     std::array<float, 8> sum{}, count{}, most{};
@@ -210,8 +205,7 @@ std::vector<std::array<double, bins>> EvenWater::sums_of_pieces(const Grid& grid
   workers_.for_each(lattice_.size(), 16, [&](std::size_t n) {
     own[n].fill(0);
     const std::uint32_t b = lattice_.block(n);
-    const Block& block = grid.blocks[b];
-    if (piece_[n] == none || (block.field == none && !block.solid)) return;
+    if (piece_[n] == none) return;
     const auto bin_of = f(n, b);
     for (int node = 0; node < nodes; ++node)
       if (grid.is_inside({b, node}))
@@ -249,7 +243,8 @@ std::vector<float> EvenWater::shares_of_pieces(const NodeValues& around, const C
 }
 
 DrawnIn EvenWater::draw_in(Grid& grid) {
-  leave_thin_water(grid);
+  NodeValues around = shares_around(grid);
+  leave_thin_water(around, grid);
   find_pieces(grid);
   Cubes water = water_in_cubes_;
   lattice_.smooth(water, 2, workers_);
@@ -259,13 +254,12 @@ DrawnIn EvenWater::draw_in(Grid& grid) {
   result.moves.assign(particles_.size(), {});
   std::vector<std::uint8_t> chosen(pieces_, 1);
   for (int round = 0; round < rounds; ++round) {
-    const NodeValues around =
-        inside_shares(inside_parts(grid, lattice_, workers_), deviation * spacing_, grid, lattice_, workers_);
     Cubes least;
     if (round == 0) {
       least = shares_of_cubes(count_enclosed(grid, lattice_, is_free_, around, workers_), water, even_,
                               lattice_, workers_);
     } else {
+      around = shares_around(grid);
       // Cubes at the surface enclose no more than their water now: what is left is farther in.
       least = even_;
       for (std::array<float, 8>& own : least)
@@ -408,9 +402,7 @@ void EvenWater::move_particles(const NodeValues& around, const std::vector<NodeB
     const std::uint32_t b = particles_.index.find(key_of(block));
     if (b == none) return;
     for (std::size_t p = particles_.begin[b]; p < particles_.begin[b + 1]; ++p) {
-      const std::array<float, 3>& before = moves[p];
-      const Vec3 start =
-          particles_.place(b, p) + Vec3(double(before[0]), double(before[1]), double(before[2]));
+      const Vec3 start = particles_.place(b, p) + vec(moves[p]);
       if (!is_left_out(start)) continue;
       Vec3 x = start;
       for (int step = 0; step < most_steps && !grid.is_inside(grid.node_at(nearest(x))); ++step) {

@@ -13,12 +13,14 @@ struct DrawnIn {
   Cubes even;  ///< per block of the grid: the share of the water that has its volume there; empty: none
   std::vector<std::array<float, 3>> moves;  ///< per particle [cells]: to where its water is; empty: none
 
-  Vec3 move(std::size_t particle) const {
-    if (moves.empty()) return Vec3::Zero();
-    const std::array<float, 3>& m = moves[particle];
-    return {double(m[0]), double(m[1]), double(m[2])};
-  }
+  Vec3 move(std::size_t particle) const { return moves.empty() ? Vec3::Zero() : vec(moves[particle]); }
 };
+
+/// 1: the surface may move there, 0: the node is nearer to an obstacle than band − 1 [cells], where films
+/// are.
+inline float free_to_move(const Grid& grid, const NodeRef& node, double band) {
+  return ramp(grid.distance(node), float(band - 1), float(band));
+}
 
 /// Even water next to each other is a piece.
 class EvenWater {
@@ -45,7 +47,8 @@ class EvenWater {
   };
   bool is_even(std::size_t place) const;
   void find_free_cubes(const Cubes& in_cubes, const Grid& grid);
-  void leave_thin_water(const Grid& grid);
+  NodeValues shares_around(const Grid& grid) const;
+  void leave_thin_water(const NodeValues& around, const Grid& grid);
   void find_pieces(const Grid& grid);
   /// Per piece, for each of `bins` numbers, the nodes inside that f(place, block)(node) maps to it, weighted
   /// by their evenness.

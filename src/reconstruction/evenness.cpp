@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/field.h"
+
 namespace oilskin::reconstruction {
 
 namespace {
@@ -95,7 +97,7 @@ class Density {
 
 Density density_of(const ParticleBlocks& particles, std::uint32_t b, float spacing, NearParticles& near) {
   const float reach = float(farthest) * spacing;
-  const auto norm = static_cast<float>(315 / (64 * 3.14159265358979 * farthest * farthest * farthest));
+  const float norm = kernel_norm(farthest);
   Density result;
   for_sample(particles, b, density_sample, reach, near, [&](const auto& for_neighbours) {
     float sum = 1;

@@ -63,12 +63,16 @@ float density_decay(float w) {
 
 }  // namespace
 
+float kernel_norm(double radius) {
+  return static_cast<float>(315 / (64 * pi * std::pow(radius, 3)));
+}
+
 FieldParameters field_parameters(const ReconstructionOptions& o) {
   FieldParameters p;
   p.kind = o.field;
   p.kernel_radius = static_cast<float>(o.kernel_radius / o.cell);
   p.particle_radius = static_cast<float>(o.particle_radius / o.cell);
-  p.kernel_norm = static_cast<float>(315 / (64 * pi * std::pow(o.kernel_radius, 3)));
+  p.kernel_norm = kernel_norm(o.kernel_radius);
   p.rest_count = static_cast<float>(std::pow(side * o.cell, 3));
   if (keeps_volume(o) && p.needs_volumes())
     p.sparse_radius = std::max(0.0f, static_cast<float>(seen_radius) - p.particle_radius);

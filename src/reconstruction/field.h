@@ -15,7 +15,7 @@ struct FieldParameters {
   ReconstructionField kind = ReconstructionField::density_decay;
   float kernel_radius = 0;    ///< R
   float particle_radius = 0;  ///< r
-  float kernel_norm = 0;      ///< 315 / 64π (R/dx)⁻³: W/k for a particle of volume dx³
+  float kernel_norm = 0;      ///< 315 / 64π (R/dx)⁻³
   float rest_count = 0;       ///< particles of a full block
   /// Added to r where particles have few neighbours, so that coarse cells see them.
   float sparse_radius = 0;
@@ -26,6 +26,9 @@ struct FieldParameters {
   /// Value of nodes that no particle reaches.
   float outside() const { return kernel_radius; }
 };
+
+/// W/k for a particle of volume dx³, with the kernel radius R/dx.
+float kernel_norm(double radius);
 
 FieldParameters field_parameters(const ReconstructionOptions& options);
 

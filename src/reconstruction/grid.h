@@ -18,6 +18,11 @@ constexpr std::uint32_t none = 0xffffffffu;  ///< no number
 /// x of the nodes of a row [cells].
 constexpr float row_nodes[side] = {0, 1, 2, 3, 4, 5, 6, 7};
 
+/// A position in floats, in doubles.
+inline Vec3 vec(const std::array<float, 3>& p) {
+  return {p[0], p[1], p[2]};
+}
+
 struct Int3 {
   int x = 0, y = 0, z = 0;
   bool operator==(const Int3& o) const { return x == o.x && y == o.y && z == o.z; }

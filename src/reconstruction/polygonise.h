@@ -28,11 +28,6 @@ inline VertexRef cell_vertex(const Grid& grid, std::uint32_t block, int i, int j
 /// The inside end to which a vertex belongs.
 NodeRef inside_end(const Grid& grid, const VertexRef& v);
 
-/// A position of a mesh in doubles.
-inline Vec3 vec(const std::array<float, 3>& p) {
-  return {p[0], p[1], p[2]};
-}
-
 struct RawMesh {
   std::vector<std::array<float, 3>> positions;
   std::vector<Triangle> triangles;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <optional>
 
 #include "reconstruction/node_bits.h"
 #include "reconstruction/water_in_cubes.h"
@@ -91,17 +91,20 @@ DrawnIn open_sparse_water(const ParticleBlocks& particles, const Water& water, c
   const CubeLattice lattice(grid, sparse);
   Cubes in_cubes = water_in_cubes(particles, water, spacing, grid, lattice, workers, least, true);
   const EvenWater found(particles, in_cubes, spacing, band, grid, lattice, workers);
-  std::vector<std::uint8_t> even_blocks = found.blocks(grid.blocks.size());
-  const bool has_even_water = std::find(even_blocks.begin(), even_blocks.end(), 1) != even_blocks.end();
-  // A smaller lattice: drawing in takes much longer than finding such water.
-  const CubeLattice near_even(grid, std::move(even_blocks));
-  EvenWater even(particles, water_in_cubes(particles, water, spacing, grid, near_even, workers, least, true),
-                 spacing, band, grid, near_even, workers);
-  if (has_even_water) drawn_in = even.draw_in(grid);
+  const std::vector<std::uint8_t> even_blocks = found.blocks(grid.blocks.size());
+  std::optional<CubeLattice> near_even;
+  std::optional<EvenWater> even;
+  if (std::find(even_blocks.begin(), even_blocks.end(), 1) != even_blocks.end()) {
+    // A smaller lattice: drawing in takes much longer than finding such water.
+    near_even.emplace(grid, even_blocks);
+    even.emplace(particles, water_in_cubes(particles, water, spacing, grid, *near_even, workers, least, true),
+                 spacing, band, grid, *near_even, workers);
+    drawn_in = even->draw_in(grid);
+  }
   lattice.smooth(in_cubes, 2, workers);
   Enclosed enclosed = count_enclosed(grid, lattice, radius, workers);
   for (Cubes& at_level : enclosed) lattice.smooth(at_level, 2, workers);
-  if (has_even_water) even.share_out(enclosed[0], lattice, grid, in_cubes);
+  if (even) even->share_out(enclosed[0], lattice, grid, in_cubes);
   Cubes raised = lattice.zeros();
   workers.for_each(lattice.size(), 64, [&](std::size_t n) {
     for (std::size_t c = 0; c < 8; ++c) {
@@ -121,7 +124,7 @@ DrawnIn open_sparse_water(const ParticleBlocks& particles, const Water& water, c
     if (around.is_zero()) return;
     float* const values = &grid.values[std::size_t(block.field) * nodes];
     for (int node = 0; node < nodes; ++node) {
-      const float weight = ramp(grid.distance({b, node}), float(band - 1), float(band));
+      const float weight = free_to_move(grid, {b, node}, band);
       if (weight > 0) values[node] += weight * float(around.at_node(node));
     }
     grid.find_inside(block.field);

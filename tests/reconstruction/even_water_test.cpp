@@ -182,11 +182,7 @@ TEST_P(EvenWater, that_falls_on_a_sheet_keeps_the_promise) {
       return Vec3(s.spacing * (middle + Vec3(24 * (u - 0.5), 24 * (v - 0.5), 3 * std::sin(5 * u) - 9)));
     });
     s.push_off(0.2);
-    const ReconstructionOptions options = options_for(s, 10, mode);
-    ReconstructionReport report;
-    const WaterMesh mesh = test::reconstruct(s.input(), options, &report);
-    test::expect_promise(s, mesh, options.gap);
-    EXPECT_NEAR(test::share_of(report, s), 1, 0.01) << int(mode);
+    test::expect_promise_and_volume(s, options_for(s, 10, mode), 0.01);
   }
 }
 
@@ -216,12 +212,7 @@ TEST_P(EvenWater, changes_continuously) {
 
 TEST_P(EvenWater, gives_the_same_mesh_on_any_number_of_threads) {
   const WaterScene s = stream(6.2, 30, 1.6, 0.1, 28);
-  ReconstructionOptions options = options_for(s, 5);
-  const WaterMesh two = test::reconstruct(s.input(), options);
-  options.threads = 1;
-  const WaterMesh one = test::reconstruct(s.input(), options);
-  EXPECT_EQ(one.positions, two.positions);
-  EXPECT_EQ(one.triangles, two.triangles);
+  test::expect_same_on_any_number_of_threads(s, options_for(s, 5));
 }
 
 INSTANTIATE_TEST_SUITE_P(Cells, EvenWater, testing::Values(0.5, 0.8, 1.0));

@@ -27,6 +27,16 @@ inline Vec3 position(const WaterMesh& mesh, std::uint32_t v) {
   return {mesh.positions[v][0], mesh.positions[v][1], mesh.positions[v][2]};
 }
 
+/// Two threads give the bits of one.
+inline void expect_same_on_any_number_of_threads(const WaterScene& s, ReconstructionOptions options) {
+  options.threads = 2;
+  const WaterMesh two = reconstruct(s.input(), options);
+  options.threads = 1;
+  const WaterMesh one = reconstruct(s.input(), options);
+  EXPECT_EQ(one.positions, two.positions);
+  EXPECT_EQ(one.triangles, two.triangles);
+}
+
 /// By both routes: the library's check, and exact signs and long doubles.
 inline void expect_promise(const WaterScene& s, const WaterMesh& mesh, double gap) {
   expect_clean(check_mesh(mesh, s.obstacles(), gap), gap);
@@ -41,6 +51,15 @@ inline void expect_promise(const WaterScene& s, const WaterMesh& mesh, double ga
     EXPECT_EQ(audit_of_floats.meeting, 0u);
     EXPECT_GE(audit_of_floats.minimum, gap);
   }
+}
+
+/// The mesh keeps the promise, and its volume over that of the water is 1 within `tolerance`.
+inline void expect_promise_and_volume(const WaterScene& s, const ReconstructionOptions& options,
+                                      double tolerance) {
+  ReconstructionReport report;
+  const WaterMesh mesh = reconstruct(s.input(), options, &report);
+  expect_promise(s, mesh, options.gap);
+  EXPECT_NEAR(share_of(report, s), 1, tolerance) << int(options.contact);
 }
 
 }  // namespace oilskin::test

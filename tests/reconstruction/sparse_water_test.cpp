@@ -56,22 +56,13 @@ TEST_P(SparseWater, has_its_volume_on_both_sides_of_a_sheet) {
     s.add_sheet(
         12, [&](double u, double v) { return Vec3(s.spacing * (middle + 20 * Vec3(u - 0.5, v - 0.5, 0))); });
     s.push_off(0.2);
-    const ReconstructionOptions options = options_for(s, 10, mode);
-    ReconstructionReport report;
-    const WaterMesh mesh = test::reconstruct(s.input(), options, &report);
-    test::expect_promise(s, mesh, options.gap);
-    EXPECT_NEAR(test::share_of(report, s), 1, 0.02) << int(mode);
+    test::expect_promise_and_volume(s, options_for(s, 10, mode), 0.02);
   }
 }
 
 TEST_P(SparseWater, gives_the_same_mesh_on_any_number_of_threads) {
   const WaterScene s = cloud(0.5, {20, 20, 20}, 13);
-  ReconstructionOptions options = options_for(s, 5);
-  const WaterMesh two = test::reconstruct(s.input(), options);
-  options.threads = 1;
-  const WaterMesh one = test::reconstruct(s.input(), options);
-  EXPECT_EQ(one.positions, two.positions);
-  EXPECT_EQ(one.triangles, two.triangles);
+  test::expect_same_on_any_number_of_threads(s, options_for(s, 5));
 }
 
 /// Particles side by side are no spray, however little water they have.
