@@ -59,6 +59,23 @@ ClosestPoint closest_point(const Vec3& p, const Vec3& pa, const Vec3& pb, const 
     return from_weights(a, b, c, wa / sum, wb / sum,
                         1 - wa / sum - wb / sum > 0 ? 1 - wa / sum - wb / sum : 0);
   }
+  // Outside of one edge and beside it, that edge is closest. Thin triangles may take the wrong one by
+  // rounding.
+  constexpr double margin = 1e-3, thin = 1e-6;
+  if (!(n2 > thin * longest2 * longest2)) return closest_of_segments(a, b, c);
+  const auto is_beside = [](double t) { return t > margin && t < 1 - margin; };
+  if (wc < 0) {
+    const double t = segment_parameter(a, b);
+    if (is_beside(t)) return from_weights(a, b, c, 1 - t, t, 0);
+  }
+  if (wa < 0) {
+    const double t = segment_parameter(b, c);
+    if (is_beside(t)) return from_weights(a, b, c, 0, 1 - t, t);
+  }
+  if (wb < 0) {
+    const double t = segment_parameter(c, a);
+    if (is_beside(t)) return from_weights(a, b, c, t, 0, 1 - t);
+  }
   return closest_of_segments(a, b, c);
 }
 

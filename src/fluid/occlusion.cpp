@@ -11,11 +11,10 @@ namespace {
 
 constexpr std::size_t triangle_chunk = 64, particle_chunk = 64;
 
-using Pair = std::pair<std::uint32_t, std::uint32_t>;
+/// So many particles on one side are not compared with those within H/2.
+constexpr std::size_t few = 8;
 
-struct TriangleRef {
-  std::uint32_t surface, triangle;
-};
+using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
 Box triangle_box(const SurfaceMotion& s, std::uint32_t triangle) {
   Box box;
@@ -23,36 +22,20 @@ Box triangle_box(const SurfaceMotion& s, std::uint32_t triangle) {
   return box;
 }
 
-/// Are there particles within H on both sides?
-bool separates_particles(const SightTest& test, const Box& box, Span<const Vec3> x, double reach,
-                         const Neighbours& neighbours) {
-  const double plane_reach = reach * test.normal_length();
-  bool front = false, back = false;
-  neighbours.for_runs_in(box, [&](std::uint32_t begin, std::uint32_t end) {
-    for (std::uint32_t i = begin; i < end && !(front && back); ++i) {
-      const double side = test.side(x[i]);
-      if (std::abs(side) > plane_reach || !box.contains(x[i])) continue;
-      front |= side >= 0;
-      back |= side <= 0;
-    }
-  });
-  return front && back;
-}
-
+/// A particle, and a triangle that may hide some of its neighbours: an index into TriangleCells::triangles().
 struct NearPair {
-  std::uint32_t particle;
-  TriangleRef triangle;
+  std::uint32_t particle, triangle;
 };
 
-/// Per particle, the triangles within H/2 that separate particles: of a hidden pair, one end is as near to
-/// the triangle.
+/// The triangles from whose hidden pairs a particle is an end, by particle. Each hidden pair is found from an
+/// end of it at least.
 struct DividingTriangles {
   std::vector<std::uint32_t> particle;  // ascending
   std::vector<std::uint32_t> begin;     // one more than particles
-  std::vector<TriangleRef> triangle;
+  std::vector<std::uint32_t> triangle;
 
   explicit DividingTriangles(std::vector<NearPair> all);
-  Span<const TriangleRef> of(std::size_t k) const {
+  Span<const std::uint32_t> of(std::size_t k) const {
     return {triangle.data() + begin[k], begin[k + 1] - begin[k]};
   }
 };
@@ -71,47 +54,110 @@ DividingTriangles::DividingTriangles(std::vector<NearPair> all) {
   OILSKIN_ASSERT(begin.size() == particle.size() + 1);
 }
 
-/// The particles within H/2 of a triangle, if it separates particles.
-void find_near_particles(const SurfaceMotion& motion, TriangleRef ref, Span<const Vec3> x,
-                         double support_radius, const Neighbours& neighbours, std::vector<NearPair>& found) {
-  const SightTest test(motion, ref.triangle);
-  if (test.normal_length() == 0) return;
-  const Box box = triangle_box(motion, ref.triangle);
-  if (!separates_particles(test, box.inflated(support_radius), x, support_radius, neighbours)) return;
-  const double half = 0.5 * support_radius * (1 + 1e-9);
-  const Box near = box.inflated(half);
-  const double plane_reach = half * test.normal_length();
-  neighbours.for_runs_in(near, [&](std::uint32_t begin, std::uint32_t end) {
-    for (std::uint32_t i = begin; i < end; ++i)
-      if (near.contains(x[i]) && std::abs(test.side(x[i])) <= plane_reach) found.push_back({i, ref});
+/// How far points are from a triangle at least: by the planes through its edges that are normal to it.
+class EdgeDistance {
+ public:
+  EdgeDistance(const SurfaceMotion& s, std::uint32_t triangle) {
+    const Triangle& node = s.triangles[triangle];
+    for (std::size_t k = 0; k < 3; ++k) corner_[k] = s.x_t0[node[k]];
+    normal_ = (corner_[1] - corner_[0]).cross(corner_[2] - corner_[0]).normalized();
+    for (std::size_t k = 0; k < 3; ++k)
+      outward_[k] = (corner_[(k + 1) % 3] - corner_[k]).cross(normal_).normalized();
+  }
+  double squared(const Vec3& p) const {
+    double beside = 0;
+    for (std::size_t k = 0; k < 3; ++k) beside = std::max(beside, outward_[k].dot(p - corner_[k]));
+    const double above = normal_.dot(p - corner_[0]);
+    return beside * beside + above * above;
+  }
+
+ private:
+  std::array<Vec3, 3> corner_, outward_;
+  Vec3 normal_;
+};
+
+/// Of a pair that a triangle hides, each side of the plane has an end. Both are within H of the triangle, and
+/// one within H/2. So it is found from the particles on one side, and from those within H/2.
+class EndsOfPairs {
+ public:
+  EndsOfPairs(Span<const Vec3> x, double support_radius, const TriangleCells& cells)
+      : x_(x), reach_(support_radius * (1 + 1e-9)), cells_(cells) {}
+
+  /// The fewest particles from which all pairs are found that the triangle hides; none where all are on one
+  /// side.
+  const std::vector<std::uint32_t>& find(const SurfaceMotion& motion, std::uint32_t triangle);
+
+ private:
+  Span<const Vec3> x_;
+  double reach_;
+  const TriangleCells& cells_;
+  std::vector<std::uint32_t> ends_, near_;
+};
+
+const std::vector<std::uint32_t>& EndsOfPairs::find(const SurfaceMotion& motion, std::uint32_t triangle) {
+  const NearbyTriangle& nearby = cells_.triangles()[triangle];
+  const SightTest test(motion, nearby.triangle);
+  ends_.clear();
+  if (test.normal_length() == 0) return ends_;
+  const Box corners = triangle_box(motion, nearby.triangle);
+  const EdgeDistance distance(motion, nearby.triangle);
+  const auto find_ends = [&](Sides sides, double reach, std::vector<std::uint32_t>& found) {
+    found.clear();
+    const Box box = corners.inflated(reach);
+    const double most = reach * test.normal_length(), highest = sides.front ? most : 0,
+                 lowest = sides.back ? -most : 0;
+    cells_.for_particles_near(triangle, [&](std::uint32_t begin, std::uint32_t end, Sides of_run) {
+      if (!(sides.front && of_run.front) && !(sides.back && of_run.back)) return;
+      for (std::uint32_t i = begin; i < end; ++i) {
+        const double side = test.side(x_[i]);
+        if (side >= lowest && side <= highest && box.contains(x_[i])) found.push_back(i);
+      }
+    });
+    const auto is_far = [&](std::uint32_t i) { return distance.squared(x_[i]) > reach * reach; };
+    found.erase(std::remove_if(found.begin(), found.end(), is_far), found.end());
+  };
+  std::uint32_t front = 0, back = 0;
+  cells_.for_particles_near(triangle, [&](std::uint32_t begin, std::uint32_t end, Sides of_run) {
+    front += of_run.front ? end - begin : 0;
+    back += of_run.back ? end - begin : 0;
   });
+  find_ends({front < back, front >= back}, reach_, ends_);
+  if (ends_.size() > few) {
+    find_ends({true, true}, 0.5 * reach_, near_);
+    if (near_.size() < ends_.size()) ends_.swap(near_);
+  }
+  return ends_;
 }
 
 DividingTriangles find_dividing_triangles(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces,
                                           const TriangleCells& cells, double support_radius,
-                                          const Neighbours& neighbours, const Workers& workers) {
-  std::vector<TriangleRef> triangles;  // nearly all have water on one side
-  for (const NearbyTriangle& t : cells.triangles())
-    if (t.has_front && t.has_back) triangles.push_back({t.surface, t.triangle});
+                                          const Workers& workers) {
+  std::vector<std::uint32_t> triangles;  // nearly all have water on one side
+  for (std::uint32_t t = 0; t < cells.triangles().size(); ++t)
+    if (cells.triangles()[t].sides.front && cells.triangles()[t].sides.back) triangles.push_back(t);
   std::vector<std::vector<NearPair>> found((triangles.size() + triangle_chunk - 1) / triangle_chunk);
   workers.for_chunks(triangles.size(), triangle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
-    for (std::size_t k = b; k < e; ++k)
-      find_near_particles(*surfaces[triangles[k].surface], triangles[k], x, support_radius, neighbours,
-                          found[c]);
+    EndsOfPairs ends(x, support_radius, cells);
+    for (std::size_t k = b; k < e; ++k) {
+      const std::uint32_t t = triangles[k];
+      for (std::uint32_t i : ends.find(*surfaces[cells.triangles()[t].surface], t))
+        found[c].push_back({i, t});
+    }
   });
   std::vector<NearPair> all;
   for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
   return DividingTriangles(std::move(all));
 }
 
-void find_hidden_neighbours(std::uint32_t i, Span<const TriangleRef> triangles, Span<const Vec3> x,
-                            Span<SurfaceMotion* const> surfaces, const Neighbours& neighbours,
-                            std::vector<Pair>& hidden) {
+void find_hidden_neighbours(std::uint32_t i, Span<const std::uint32_t> triangles, Span<const Vec3> x,
+                            Span<SurfaceMotion* const> surfaces, const TriangleCells& cells,
+                            const Neighbours& neighbours, std::vector<Pair>& hidden) {
   const std::uint32_t* list = neighbours.list(i);
   const std::uint32_t count = neighbours.count(i);
   std::vector<std::uint8_t> is_hidden(count, 0);
-  for (const TriangleRef& t : triangles) {
-    const SightTest test(*surfaces[t.surface], t.triangle);
+  for (std::uint32_t t : triangles) {
+    const NearbyTriangle& nearby = cells.triangles()[t];
+    const SightTest test(*surfaces[nearby.surface], nearby.triangle);
     const double own = test.side(x[i]);
     for (std::uint32_t k = 0; k < count; ++k) {
       if (is_hidden[k]) continue;
@@ -162,13 +208,12 @@ std::uint64_t remove_hidden_neighbours(Span<const Vec3> x, Span<SurfaceMotion* c
                                        const TriangleCells& cells, double support_radius,
                                        Neighbours& neighbours, const Workers& workers) {
   OILSKIN_ASSERT(support_radius > 0 && neighbours.size() == x.size() && cells.is_found());
-  const DividingTriangles dividing =
-      find_dividing_triangles(x, surfaces, cells, support_radius, neighbours, workers);
+  const DividingTriangles dividing = find_dividing_triangles(x, surfaces, cells, support_radius, workers);
   const std::size_t count = dividing.particle.size();
   std::vector<std::vector<Pair>> hidden((count + particle_chunk - 1) / particle_chunk);
   workers.for_chunks(count, particle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
     for (std::size_t k = b; k < e; ++k)
-      find_hidden_neighbours(dividing.particle[k], dividing.of(k), x, surfaces, neighbours, hidden[c]);
+      find_hidden_neighbours(dividing.particle[k], dividing.of(k), x, surfaces, cells, neighbours, hidden[c]);
     sort_unique(hidden[c]);
   });
   const std::vector<Pair> pairs = both_orders(hidden);

@@ -11,7 +11,7 @@ namespace oilskin::fluid {
 
 namespace {
 
-constexpr std::size_t triangle_chunk = 64, group_chunk = 64;
+constexpr std::size_t group_chunk = 64;
 
 /// Triangles that are looked at together, at most, and by how much their box may be wider than that of one
 /// [H]: consecutive triangles of a mesh mostly lie side by side. 2 to 6 take about the same time.
@@ -62,13 +62,27 @@ void TriangleCells::find(Span<const Vec3> x, Span<SurfaceMotion* const> surfaces
   find_groups(x, neighbours, workers);
   const std::size_t chunks = (triangles_.size() + triangle_chunk - 1) / triangle_chunk;
   if (found_.size() < chunks) found_.resize(chunks);
+  touches_.resize(triangles_.size());
   workers.for_chunks(triangles_.size(), triangle_chunk, [&](std::size_t b, std::size_t e, std::size_t c) {
-    found_[c].clear();
+    std::vector<Touch>& found = found_[c];
+    found.clear();
+    std::vector<std::uint32_t> groups;
     const auto end = static_cast<std::uint32_t>(e);
     for (auto t = static_cast<std::uint32_t>(b); t < end;) {
-      const std::uint32_t first = t;
-      t = end_of_block(first, end, support_radius);
-      touch(x, first, t, support_radius, neighbours, found_[c]);
+      const std::uint32_t last = end_of_block(t, end, support_radius);
+      groups_near(t, last, neighbours, groups);
+      for (; t < last; ++t) {
+        touches_[t].begin = static_cast<std::uint32_t>(found.size());
+        for (std::uint32_t g : groups) {
+          if (!boxes_[t].overlaps(groups_[g].box)) continue;
+          const Sides sides = touch(x, t, groups_[g], support_radius);
+          if (!sides.front && !sides.back) continue;
+          found.push_back({g, t, sides});
+          triangles_[t].sides.front |= sides.front;
+          triangles_[t].sides.back |= sides.back;
+        }
+        touches_[t].end = static_cast<std::uint32_t>(found.size());
+      }
     }
   });
   sort_by_cell(chunks, workers);
@@ -120,39 +134,30 @@ void TriangleCells::find_groups(Span<const Vec3> x, const Neighbours& neighbours
 }
 
 /// Finds the groups whose particles may be within H of the triangles `first` … `last` − 1, which are
-/// neighbours, and on which sides of them they are.
-void TriangleCells::touch(Span<const Vec3> x, std::uint32_t first, std::uint32_t last, double support_radius,
-                          const Neighbours& neighbours, std::vector<Touch>& found) {
+/// neighbours.
+void TriangleCells::groups_near(std::uint32_t first, std::uint32_t last, const Neighbours& neighbours,
+                                std::vector<std::uint32_t>& groups) const {
+  groups.clear();
   Box all;
   for (std::uint32_t t = first; t < last; ++t) all.add(boxes_[t]);
   neighbours.for_cells_in(all, [&](std::size_t begin, std::size_t end) {
-    for (std::uint32_t g = group_of_[begin]; g <= group_of_[end - 1]; ++g)
-      for (std::uint32_t t = first; t < last; ++t)
-        if (boxes_[t].overlaps(groups_[g].box) && touch(x, t, groups_[g], support_radius))
-          found.push_back({g, t});
+    for (std::uint32_t g = group_of_[begin]; g <= group_of_[end - 1]; ++g) groups.push_back(g);
   });
 }
 
-/// May particles of the group be within H of the plane of the triangle? Then on which side of it they are.
-bool TriangleCells::touch(Span<const Vec3> x, std::uint32_t triangle, const Cell& group,
-                          double support_radius) {
-  NearbyTriangle& t = triangles_[triangle];
+/// The sides of the triangle on which particles of the group may be within H of its plane.
+Sides TriangleCells::touch(Span<const Vec3> x, std::uint32_t triangle, const Cell& group,
+                           double support_radius) const {
+  const NearbyTriangle& t = triangles_[triangle];
   const Vec3 a = Eigen::Map<const Vec3>(corners_[triangle].x);
   const double reach = support_radius * rounding * t.cross_norm, tie = 1e-9 * reach;
-  // Of the particles a … b. A height of nearly 0 counts as both sides.
-  const auto see = [&](double lowest, double highest) {
-    t.has_front |= highest >= -tie;
-    t.has_back |= lowest <= tie;
-  };
+  // Of particles between these heights. A height of nearly 0 counts as both.
+  const auto sides = [&](double lowest, double highest) { return Sides{highest >= -tie, lowest <= tie}; };
   const Vec3 middle = 0.5 * (group.box.min + group.box.max);
   const Vec3 half = (group.box.max - middle).cwiseMax(middle - group.box.min);
   const double height = t.cross.dot(middle - a), extent = rounding * t.cross.cwiseAbs().dot(half);
-  if (std::abs(height) - extent > reach) return false;
-  if (std::abs(height) > extent) {
-    see(height - extent, height + extent);
-    return true;
-  }
-  if (t.has_front && t.has_back) return true;
+  if (std::abs(height) - extent > reach) return {};
+  if (std::abs(height) > extent) return sides(height - extent, height + extent);
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   for (std::uint32_t i = group.begin; i < group.end; ++i) {
     const double side = t.cross.dot(x[i] - a);
@@ -160,8 +165,7 @@ bool TriangleCells::touch(Span<const Vec3> x, std::uint32_t triangle, const Cell
     lowest = is_near && side < lowest ? side : lowest;
     highest = is_near && side > highest ? side : highest;
   }
-  see(lowest, highest);
-  return true;
+  return sides(lowest, highest);
 }
 
 /// The end of the triangles from `first` on that are looked at together.

@@ -13,6 +13,11 @@
 
 namespace oilskin::fluid {
 
+/// Sides of the plane of a triangle.
+struct Sides {
+  bool front = false, back = false;
+};
+
 /// A triangle at x_t0.
 struct NearbyTriangle {
   std::uint32_t surface = 0, triangle = 0;
@@ -24,7 +29,7 @@ struct NearbyTriangle {
   /// MeshTopology::part() where that is closed, else none. Cloth may pass through itself: none at free nodes.
   std::uint32_t closed_part = MeshTopology::none;
   /// Particles within H may lie on this side of its plane, or in it.
-  bool has_front = false, has_back = false;
+  Sides sides;
 };
 
 class TriangleCells {
@@ -54,19 +59,35 @@ class TriangleCells {
   const std::vector<NearbyTriangle>& triangles() const { return triangles_; }
   /// Of triangles().
   const Corners* corners() const { return corners_.data(); }
+  /// f(begin, end, sides) for runs of particles: all that are within H of the triangle, and few others.
+  /// `sides` of its plane on which they may be.
+  template <class F>
+  void for_particles_near(std::uint32_t triangle, const F& f) const {
+    const std::vector<Touch>& touches = found_[triangle / triangle_chunk];
+    for (std::uint32_t k = touches_[triangle].begin; k < touches_[triangle].end; ++k) {
+      const Cell& group = groups_[touches[k].group];
+      f(group.begin, group.end, touches[k].sides);
+    }
+  }
 
  private:
+  static constexpr std::size_t triangle_chunk = 64;
+
   struct Touch {
     std::uint32_t group, triangle;
+    Sides sides;
+  };
+  struct Range {
+    std::uint32_t begin = 0, end = 0;
   };
 
   void read_triangles(Span<SurfaceMotion* const> surfaces, Span<const MeshTopology* const> topologies,
                       Span<const TriangleList> near, double support_radius, const Workers& workers);
   void find_groups(Span<const Vec3> x, const Neighbours& neighbours, const Workers& workers);
   std::uint32_t end_of_block(std::uint32_t first, std::uint32_t end, double support_radius) const;
-  void touch(Span<const Vec3> x, std::uint32_t first, std::uint32_t last, double support_radius,
-             const Neighbours& neighbours, std::vector<Touch>& found);
-  bool touch(Span<const Vec3> x, std::uint32_t triangle, const Cell& group, double support_radius);
+  void groups_near(std::uint32_t first, std::uint32_t last, const Neighbours& neighbours,
+                   std::vector<std::uint32_t>& groups) const;
+  Sides touch(Span<const Vec3> x, std::uint32_t triangle, const Cell& group, double support_radius) const;
   void sort_by_cell(std::size_t chunks, const Workers& workers);
 
   bool is_found_ = false;
@@ -77,7 +98,8 @@ class TriangleCells {
   std::vector<Cell> groups_;               // with and without triangles
   std::vector<std::uint32_t> group_of_;    // per cell of the neighbours
   KeyedLists<std::uint32_t> of_group_;     // triangles
-  std::vector<std::vector<Touch>> found_;  // per chunk of triangles
+  std::vector<std::vector<Touch>> found_;  // per chunk of triangles, in their order
+  std::vector<Range> touches_;             // of each triangle in those of its chunk
 };
 
 }  // namespace oilskin::fluid

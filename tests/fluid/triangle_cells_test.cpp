@@ -99,9 +99,9 @@ TEST(TriangleCells, know_on_which_sides_particles_are) {
       front |= t.cross.dot(x - m.x_t0[n[0]]) >= 0;
       back |= t.cross.dot(x - m.x_t0[n[0]]) <= 0;
     }
-    EXPECT_TRUE(t.has_front || !front);
-    EXPECT_TRUE(t.has_back || !back);
-    one_sided += t.has_front != t.has_back;
+    EXPECT_TRUE(t.sides.front || !front);
+    EXPECT_TRUE(t.sides.back || !back);
+    one_sided += t.sides.front != t.sides.back;
   }
   EXPECT_GT(one_sided, 10u);
 }
