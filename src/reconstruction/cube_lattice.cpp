@@ -66,7 +66,7 @@ void CubeLattice::smooth_twice(const Cubes& from, std::size_t axis, Cubes& to, c
 }
 
 void CubeLattice::smooth(Cubes& values, int passes, const Workers& workers) const {
-  OILSKIN_ASSERT(values.size() == size() && passes % 2 == 0 && passes <= 4);
+  OILSKIN_ASSERT(values.size() == size() && passes % 2 == 0);
   Cubes other(size());
   for (int pass = 0; pass < passes / 2; ++pass)
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -28,7 +28,7 @@ using Cubes = std::vector<std::array<float, 8>>;
 std::vector<std::array<std::uint32_t, 6>> neighbours_of(const Grid& grid);
 
 /// The cubes that count for the surface: those of the blocks with surface and of three rings around them.
-/// What lies deeper is not reached by CubeLattice::smooth() with up to 4 passes.
+/// Deeper ones have little influence.
 class CubeLattice {
  public:
   /// `has_surface` per block of the grid.

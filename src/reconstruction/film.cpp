@@ -82,25 +82,57 @@ constexpr std::array<std::array<double, 2>, 24> kernel_points = {
      {-0.0614, -0.4741}, {0.3841, 0.3237},  {-0.5274, 0.0218},  {0.3935, -0.3915}, {-0.0270, 0.5842},
      {-0.3960, -0.4746}, {0.6513, 0.0876},  {-0.5804, 0.4039},  {0.1728, -0.7683}}};
 
-/// The distance to the nearest neighbour in each of six sectors.
+/// The nearest neighbour in each of six sectors.
 class Sectors {
  public:
-  explicit Sectors(const Vec3& normal) : frame_(normal) { nearest_.fill(0); }
-  void add(const Vec3& offset, double rho) {
-    const double a = frame_.u.dot(offset), b = frame_.v.dot(offset);
+  explicit Sectors(const Vec3& normal) : frame_(normal) {}
+  void add(const Vec3& offset) {
+    const Eigen::Vector2d at(frame_.u.dot(offset), frame_.v.dot(offset));
     // Lines at 0, 60 and 120 degrees separate the sectors.
-    const bool above60 = b > 1.7320508 * a, above120 = b > -1.7320508 * a;
+    const double slope = 1.7320508;
+    const bool above60 = at.y() > slope * at.x(), above120 = at.y() > -slope * at.x();
     const std::size_t sector =
-        b >= 0 ? (above120 ? (above60 ? 1u : 0u) : 2u) : (above120 ? 5u : (above60 ? 3u : 4u));
-    double& n = nearest_[sector];
-    if (n == 0 || rho < n) n = rho;
+        at.y() >= 0 ? (above120 ? (above60 ? 1u : 0u) : 2u) : (above120 ? 5u : (above60 ? 3u : 4u));
+    Neighbour& nearest = nearest_[sector];
+    const double distance = at.norm();
+    if (nearest.distance == 0 || distance < nearest.distance) nearest = {at, distance};
   }
-  double farthest() const { return *std::max_element(nearest_.begin(), nearest_.end()); }
+  /// The largest of the distances, 0 without neighbours.
+  double farthest() const {
+    double result = 0;
+    for (const Neighbour& n : nearest_) result = std::max(result, n.distance);
+    return result;
+  }
+  /// The same of those that no other one, nearer to both, lies between.
+  double farthest_in_sight() const {
+    double result = 0;
+    for (const Neighbour& n : nearest_) {
+      const auto is_between = [&n](const Neighbour& other) {
+        return other.distance > 0 && other.distance < n.distance && (other.at - n.at).norm() < n.distance;
+      };
+      if (n.distance > result && std::none_of(nearest_.begin(), nearest_.end(), is_between))
+        result = n.distance;
+    }
+    return result;
+  }
 
  private:
+  struct Neighbour {
+    Eigen::Vector2d at = Eigen::Vector2d::Zero();
+    double distance = 0;
+  };
   TangentFrame frame_;
-  std::array<double, 6> nearest_;
+  std::array<Neighbour, 6> nearest_;
 };
+
+/// 1 at the edge of dense water, as at the surface of a pool beside a wall. There a distant neighbour may be
+/// alone in its sector, without a gap to be closed. `volume`: mean water per area within the link, `moment`:
+/// its first moment.
+double dense_edge(const FilmRule& rule, double volume, double moment) {
+  const double dx = rule.spacing;
+  const double dense = (volume / dx - 0.4) / 0.2, off = (moment / std::max(volume * dx, 1e-30) - 0.4) / 0.2;
+  return std::clamp(dense, 0.0, 1.0) * std::clamp(off, 0.0, 1.0);
+}
 
 double film_grid_height(const ReconstructionOptions& o) {
   return std::max(min_grid_height, min_height_in_spacings / o.cell);
@@ -266,12 +298,16 @@ void Film::find_radii(const ParticleBlocks& particles, const Workers& workers) {
               Sectors sectors(vec(own.normal));
               for_film_neighbours(
                   rule_, near, own, x, rule_.link,
-                  [&](const FilmParticle& other, std::uint32_t p, const Vec3& offset, double rho2) {
-                    if (p != particle && forms_film(other)) sectors.add(offset, std::sqrt(rho2));
+                  [&](const FilmParticle& other, std::uint32_t p, const Vec3& offset, double) {
+                    if (p != particle && forms_film(other)) sectors.add(offset);
                   });
+              const auto radius = [&](double distance) {
+                return static_cast<float>(
+                    std::clamp(radius_of_distance * distance, rule_.min_radius, rule_.max_radius));
+              };
               own.is_linked = sectors.farthest() > 0;
-              own.radius = static_cast<float>(
-                  std::clamp(radius_of_distance * sectors.farthest(), rule_.min_radius, rule_.max_radius));
+              own.radius = radius(sectors.farthest());
+              own.radius_in_sight = radius(sectors.farthest_in_sight());
             });
 }
 
@@ -282,6 +318,7 @@ void Film::find_shares(const ParticleBlocks& particles, const Water& water, cons
   const FilmKernel kernel(rule_.link);
   // Only when all are known: neighbours read the radii.
   std::vector<std::uint8_t> is_deep(items_.size(), 0);
+  std::vector<float> edge(items_.size(), 0.0f);
   for_items(particles, reach, workers,
             [&](std::uint32_t item, std::uint32_t particle, const Vec3& x, const NearFilm& near) {
               FilmParticle& own = items_[item];
@@ -289,10 +326,12 @@ void Film::find_shares(const ParticleBlocks& particles, const Water& water, cons
               const TangentFrame frame(vec(own.normal));
               std::array<bool, kernel_points.size()> is_covered{};
               double volume = 0, weight = 0, height = 0;
+              Vec3 moment = Vec3::Zero();
               for_film_neighbours(
                   rule_, near, own, x, reach,
                   [&](const FilmParticle& other, std::uint32_t p, const Vec3& offset, double rho2) {
                     volume += water.of(p) * kernel(rho2);
+                    moment += water.of(p) * kernel(rho2) * offset;
                     if (!(other.radius > 0)) return;
                     if (opposite_of_own) {
                       weight += kernel(rho2);
@@ -308,6 +347,8 @@ void Film::find_shares(const ParticleBlocks& particles, const Water& water, cons
                   });
               own.mean_height = weight > 0 ? static_cast<float>(height / weight) : own.height;
               own.grid_height = static_cast<float>(rule_.grid_height);
+              const Vec3 along = moment - moment.dot(vec(own.normal)) * vec(own.normal);
+              edge[item] = static_cast<float>(dense_edge(rule_, volume, along.norm()));
               const auto covered = std::count(is_covered.begin(), is_covered.end(), true);
               if (covered == 0) return;
               const double over_water = double(covered) / double(kernel_points.size());
@@ -325,6 +366,7 @@ void Film::find_shares(const ParticleBlocks& particles, const Water& water, cons
             });
   for (std::size_t i = 0; i < items_.size(); ++i) {
     FilmParticle& own = items_[i];
+    if (own.other == none) own.radius += edge[i] * (own.radius_in_sight - own.radius);
     if (is_deep[i]) own.radius = 0;
     if (own.other == none) continue;
     FilmParticle& other = items_[own.other];

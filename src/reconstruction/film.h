@@ -35,6 +35,7 @@ struct FilmParticle {
   std::array<float, 3> normal;  ///< unit, away from the nearest point of an obstacle
   float height = 0;             ///< distance from it
   float radius = 0;             ///< of its disc; 0: it does not form a film
+  float radius_in_sight = 0;    ///< the same without distant neighbours that nearer ones hide
   bool is_linked = false;       ///< there is another one within the link
   float thin = 0;               ///< 1: its column of water is a film, 0: it is not
   float share = 0;              ///< its volume over the part of its kernel that lies over water [cells³]

@@ -19,9 +19,9 @@ using Float3 = std::array<float, 3>;
 
 constexpr std::size_t chunk = 1 << 12;
 
-/// Passes of smoothing in each round of the local fit: the last ones carry what is deep inside to the
-/// surface.
-constexpr std::array<int, 2> smoothing_passes = {2, 4};
+/// Passes of smoothing in each round of the local fit. The last ones carry what is deep inside, and what is
+/// lacking at obstacles, to the surface.
+constexpr std::array<int, 3> smoothing_passes = {2, 16, 64};
 constexpr int piece_rounds = 3;
 
 /// A film keeps this fraction of its thickness, and vertices that face an obstacle this of their distance.
@@ -227,16 +227,15 @@ class Fit {
     for (std::uint32_t n = mesh_.first_triangle[block]; n < mesh_.first_triangle[block + 1]; ++n)
       f(mesh_.triangle_cubes[n], mesh_.triangles[n]);
   }
-  /// Of what is free to move, films included: what they lack is not made up for by others.
+  /// Films, and what an obstacle holds, are included: what they lack is not made up for by others nearby. It
+  /// would be a rim along the walls of a tank.
   Cubes areas(const CubeLattice& lattice) const {
     Cubes area = lattice.zeros();
     blocks_.for_each(workers_, [&](std::uint32_t b) {
       std::array<float, 8>& own = area[lattice.place(b)];
       for_triangles(b, [&](std::uint8_t cube, const Triangle& t) {
-        const int free = is_free(t[0]) + is_free(t[1]) + is_free(t[2]);
-        if (free == 0) return;
         const std::array<Vec3, 3> c = corners(t, mesh_.positions);
-        own[cube] += static_cast<float>(free * (c[1] - c[0]).cross(c[2] - c[0]).norm() / 6);
+        own[cube] += static_cast<float>(0.5 * (c[1] - c[0]).cross(c[2] - c[0]).norm());
       });
     });
     return area;
