@@ -58,13 +58,19 @@ TEST(WallIntegral, tiles_of_a_plane_hide_it_together) {
       }
 }
 
+/// ϖ(r) by the integral of the kernel.
+double beyond(double q) {
+  const double q3 = q * q * q, q5 = q3 * q * q;
+  if (q < 0.5) return -32 * q3 * q3 + 192 * q5 / 5 - 32 * q3 / 3 + 1;
+  return q < 1 ? 32 * q3 * q3 / 3 - 192 * q5 / 5 + 48 * q3 * q - 64 * q3 / 3 + 16.0 / 15 : 0;
+}
+
+TEST(WallIntegral, mass_beyond_a_distance) {
+  for (int k = 0; k <= 20; ++k) EXPECT_NEAR(mass_beyond(0.05 * k), beyond(0.05 * k), 1e-12) << k;
+}
+
 /// Λ_T by its definition (B.7): ∫ over the triangle of solid angle × kernel mass beyond.
 double shadow_mass(const std::array<Eigen::Vector3f, 3>& corners, int n) {
-  const auto beyond = [](double q) {
-    const double q3 = q * q * q, q5 = q3 * q * q;
-    if (q < 0.5) return -32 * q3 * q3 + 192 * q5 / 5 - 32 * q3 / 3 + 1;
-    return q < 1 ? 32 * q3 * q3 / 3 - 192 * q5 / 5 + 48 * q3 * q - 64 * q3 / 3 + 16.0 / 15 : 0;
-  };
   const Vec3 a = corners[0].cast<double>(), b = corners[1].cast<double>(), c = corners[2].cast<double>();
   const Vec3 normal = (b - a).cross(c - a);
   double sum = 0;
@@ -99,13 +105,6 @@ TEST(WallIntegral, hides_nothing_where_there_is_no_area) {
   EXPECT_EQ(view_of_wall({a, b, Eigen::Vector3f(0.2f, -0.2f, 0.05f)}).share, 0);
   const Eigen::Vector3f in_plane(1, 0, 0), too(0, 0, 1), third(1, 0, 1);
   EXPECT_EQ(view_of_wall({in_plane, too, third}).share, 0) << "edge-on";
-}
-
-/// ϖ(r): the kernel mass beyond the distance r.
-double mass_beyond(double q) {
-  const double q3 = q * q * q, q5 = q3 * q * q;
-  if (q < 0.5) return -32 * q3 * q3 + 192 * q5 / 5 - 32 * q3 / 3 + 1;
-  return q < 1 ? 32 * q3 * q3 / 3 - 192 * q5 / 5 + 48 * q3 * q - 64 * q3 / 3 + 16.0 / 15 : 0;
 }
 
 /// Distance of a triangle from the origin along a direction, or 1.
@@ -143,10 +142,51 @@ TEST(VisibleParts, hide_together_what_rays_to_the_first_triangle_do) {
       double first = 1;
       for (const auto& corners : triangles)
         first = std::min(first, hit(corners, Vec3(r * std::cos(phi), y, r * std::sin(phi))));
-      expected += mass_beyond(first) / rays;
+      expected += beyond(first) / rays;
     }
     EXPECT_NEAR(mass, expected, 3e-3) << "trial " << trial;
   }
+}
+
+/// Sums over all walls: λ, and the push in units of κ.
+struct Sums {
+  double lambda = 0;
+  Vec3 push = Vec3::Zero();
+  explicit Sums(const std::vector<WallView>& views) {
+    for (const WallView& v : views) {
+      lambda += static_cast<double>(v.share * half_space_mass(v.distance));
+      push += (v.share * plane_integral(v.distance) * v.normal).cast<double>();
+    }
+  }
+};
+
+TEST(VisibleParts, are_the_same_by_samples) {
+  test::Random random(33);
+  const auto all = [](std::size_t) { return true; };
+  for (int trial = 0; trial < 12; ++trial) {
+    // A ball of small triangles, in front of the particle or around it.
+    const Vec3 middle = trial % 2 ? Vec3(0, -0.6, 0) : Vec3::Zero();
+    VisibleParts parts;
+    for (int k = 0; k < 60 + 20 * trial; ++k) {
+      const Vec3 center = middle + (0.2 + 0.25 * random.uniform()) * random.direction();
+      std::array<Eigen::Vector3f, 3> corners;
+      for (Eigen::Vector3f& x : corners) x = (center + 0.12 * random.direction()).cast<float>();
+      parts.add(corners);
+    }
+    const Sums cut(parts.views(all, 100000000)), sampled(parts.views(all, 0));
+    EXPECT_NEAR(sampled.lambda, cut.lambda, 0.01) << trial;
+    EXPECT_LT((sampled.push - cut.push).norm(), 0.06 * cut.push.norm() + 0.03) << trial;
+  }
+}
+
+TEST(VisibleParts, by_samples_count_only_what_is_asked_for) {
+  VisibleParts parts;
+  for (float z : {-0.4f, -0.3f})
+    parts.add({Eigen::Vector3f(-1, -1, z), Eigen::Vector3f(2, -1, z), Eigen::Vector3f(-1, 2, z)});
+  parts.add({Eigen::Vector3f(1, 0, 0), Eigen::Vector3f(0, 1, 0), Eigen::Vector3f(0, 0, 0)});  // edge-on
+  EXPECT_EQ(parts.views([](std::size_t k) { return k == 0; }, 0)[0].share, 0) << "hidden";
+  EXPECT_GT(parts.views([](std::size_t k) { return k == 1; }, 0)[1].share, 0.9f);
+  for (const WallView& view : parts.views([](std::size_t) { return false; }, 0)) EXPECT_EQ(view.share, 0);
 }
 
 }  // namespace

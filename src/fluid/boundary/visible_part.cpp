@@ -174,6 +174,7 @@ bool VisibleParts::misses(const Occluder& occluder, const Piece& piece) const {
 void VisibleParts::subtract(const Occluder& occluder) {
   const float away = occluder.plane.offset > 0 ? 1.0f : -1.0f;
   remaining_.clear();
+  tests_ += pieces_.size();
   for (const Piece& piece : pieces_) {
     if (misses(occluder, piece)) {
       remaining_.push_back(piece);
@@ -192,7 +193,7 @@ void VisibleParts::subtract(const Occluder& occluder) {
 }
 
 /// Leaves the pieces of the k-th triangle that are seen.
-void VisibleParts::cut(std::size_t k) {
+void VisibleParts::cut_triangle(std::size_t k) {
   points_.assign(triangles_[k].corners.begin(), triangles_[k].corners.end());
   pieces_.assign(1, {0, 3});
   find_occluders(k);
@@ -203,14 +204,13 @@ void VisibleParts::cut(std::size_t k) {
 }
 
 void VisibleParts::cast_shadows(std::size_t k) {
-  cut(k);
+  cut_triangle(k);
   for (const Piece& p : pieces_)
     shadows_.add(triangles_[k].plane, {points_.data() + p.begin, p.end - p.begin});
 }
 
 void VisibleParts::find_views() {
   shadows_.integrate();
-  views_.assign(triangles_.size(), WallView());
   for (std::size_t k = 0, piece = 0; k < triangles_.size(); ++k) {
     if (piece == pieces_end_[k]) continue;
     float shadow = 0;

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "fluid/boundary/view_samples.h"
 #include "fluid/boundary/wall_integral.h"
 
 namespace oilskin::fluid {
@@ -24,21 +25,41 @@ class VisibleParts {
   /// A quick test. False only if each triangle is seen as a whole.
   bool any_may_hide();
   /// Planes of the triangles k for which `is_asked(k)`, and the shares of their visible parts. The others
-  /// have none.
+  /// have none. If it takes more than `most_tests` tests of pieces to cut them, the shares are sampled: in a
+  /// ball of crumpled cloth a particle sees hundreds of triangles, cut into thousands of pieces.
   template <class F>
-  const std::vector<WallView>& views(const F& is_asked) {
-    arrange();
-    shadows_.clear();
-    pieces_end_.clear();
-    for (std::size_t k = 0; k < triangles_.size(); ++k) {
-      if (is_asked(k) && triangles_[k].plane.acts()) cast_shadows(k);
-      pieces_end_.push_back(shadows_.size());
-    }
-    find_views();
+  const std::vector<WallView>& views(const F& is_asked, std::size_t most_tests = 10000) {
+    views_.assign(triangles_.size(), WallView());
+    if (!cut(is_asked, most_tests)) sample(is_asked);
     return views_;
   }
 
  private:
+  /// False if it takes too many tests.
+  template <class F>
+  bool cut(const F& is_asked, std::size_t most_tests) {
+    arrange();
+    shadows_.clear();
+    pieces_end_.clear();
+    tests_ = 0;
+    for (std::size_t k = 0; k < triangles_.size(); ++k) {
+      if (tests_ >= most_tests) return false;
+      if (is_asked(k) && triangles_[k].plane.acts()) cast_shadows(k);
+      pieces_end_.push_back(shadows_.size());
+    }
+    find_views();
+    return true;
+  }
+  template <class F>
+  void sample(const F& is_asked) {
+    samples_.clear();
+    for (const Occluder& o : triangles_) samples_.add(o.plane, o.side);
+    const std::vector<float>& masses = samples_.masses();
+    for (std::size_t k = 0; k < triangles_.size(); ++k)
+      if (masses[k] > 0 && is_asked(k) && triangles_[k].plane.acts())
+        views_[k] = view_with_shadow(triangles_[k].plane, masses[k]);
+  }
+
   struct Occluder {
     WallPlane plane;
     std::array<Eigen::Vector3f, 3> corners;
@@ -56,7 +77,7 @@ class VisibleParts {
   void sort_by_distance();
   void fill_blocks();
   void arrange();
-  void cut(std::size_t k);
+  void cut_triangle(std::size_t k);
   void cast_shadows(std::size_t k);
   void find_views();
   bool misses(const Occluder& occluder, const Piece& piece) const;
@@ -74,6 +95,8 @@ class VisibleParts {
   Shadows shadows_;                      ///< of the pieces that are seen
   std::vector<std::size_t> pieces_end_;  ///< per triangle
   std::vector<WallView> views_;
+  ViewSamples samples_;
+  std::size_t tests_ = 0;
   // Of cut(): what is left of the triangle
   std::vector<Eigen::Vector3f> points_, below_;
   std::vector<Piece> pieces_, remaining_;

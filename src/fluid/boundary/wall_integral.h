@@ -24,6 +24,12 @@ T plane_integral(T z) {
   return T(8.0 / 5) * (u * u * u * u * (T(1) + T(4) * z) - v * v * v * v * (T(2) + T(16) * z));
 }
 
+/// Kernel mass beyond the distance r ≥ 0 in all directions, ϖ(r) = 2 (Λ(r) + r L(r)) (B.41).
+template <class T>
+T mass_beyond(T r) {
+  return T(2) * (half_space_mass(r) + r * plane_integral(r));
+}
+
 /// −dL/dζ = 2π ζ W (B.3).
 template <class T>
 T plane_integral_slope(T z) {
