@@ -8,6 +8,7 @@
 #include "convert.h"
 #include "core/assert.h"
 #include "coupling_impl.h"
+#include "shape_region.h"
 
 namespace oilskin::bullet {
 
@@ -117,6 +118,8 @@ Status btFluidCoupling::Impl::add(Attachment a) {
     return Status::refused(std::string("this ") + (a.cloth ? "cloth" : "body") +
                            " is in another coupling: remove it there first");
   Status status = a.settings.validate();
+  if (status.ok() && a.rigid)
+    status = check_rigid(a.object->getWorldTransform(), "the transform of the body");
   SurfaceMotion trial;
   if (status.ok()) status = a.host().gather(0, trial).status;
   if (status.ok()) status = check_size(trial, a.settings);
@@ -286,6 +289,11 @@ Status btFluidCoupling::addCollisionObject(btCollisionObject* object, const Surf
   if (object->getInternalType() == btCollisionObject::CO_SOFT_BODY)
     return Status::refused("a soft body is a cloth: use addCloth()");
   const bool is_sensor = Sensor::is_sensor(*object);
+  if (!object->isStaticOrKinematicObject() && !is_sensor && !btRigidBody::upcast(object))
+    return Status::refused(
+        "this object is neither static nor kinematic nor a sensor: set "
+        "btCollisionObject::CF_KINEMATIC_OBJECT, "
+        "beside CF_CHARACTER_OBJECT if it is that of a character controller");
   if (!object->isStaticOrKinematicObject() && !is_sensor)
     return Status::refused(
         "this rigid body is dynamic: use addRigidBody(), or give it mass 0, or set "

@@ -20,6 +20,13 @@ Status check_speed(btScalar speed) {
   return Status::refused(text.str());
 }
 
+Status check_duration(double duration) {
+  if (std::isfinite(duration) && duration >= 0) return {};
+  std::ostringstream text;
+  text << "emitter: duration is " << duration << "; it must be finite and ≥ 0 s";
+  return Status::refused(text.str());
+}
+
 const Vec3 down(0, -1, 0);
 
 }  // namespace
@@ -41,6 +48,7 @@ EmitterPose btFluidEmitter::pose(const btTransform& transform) const {
 
 Status btFluidEmitter::place(const btTransform& transform, double duration, bool jumps) {
   Status status = check_rigid(transform, "the transform of the emitter");
+  if (status.ok()) status = check_duration(duration);
   if (status.ok() && world())
     status = jumps ? world()->place_emitter(m_id, pose(transform))
                    : world()->move_emitter(m_id, pose(transform), duration);

@@ -35,7 +35,8 @@ class btFluid {
   /// direction has any length > 0.
   Status addJet(const btVector3& position, const btVector3& direction, btScalar speed,
                 btScalar radius = btScalar(0.025));
-  /// Fills a box with fluid at the next step.
+  /// Fills a box with fluid at the next step, with as many layers as fit: a side of 6.7 spacings has 6, in
+  /// the middle.
   Status addBox(const btVector3& boxMin, const btVector3& boxMax,
                 const btVector3& velocity = btVector3(0, 0, 0));
 

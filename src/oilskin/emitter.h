@@ -114,7 +114,7 @@ struct DiscEmitter {
   Vec3 center = Vec3::Zero();
   /// The direction of the jet, of any length > 0.
   Vec3 direction = Vec3(0, -1, 0);
-  /// The radius r of the nozzle [m], half a spacing to 10⁴ spacings of the fluid.
+  /// The radius r of the nozzle [m], half a spacing to 1000 spacings of the fluid.
   double radius = 0.025;
   /// The speed v of the jet relative to the nozzle [m/s], ≥ 0.
   double speed = 1;
@@ -128,10 +128,12 @@ struct DiscEmitter {
   std::uint64_t seed = 1;
 };
 
-/// Fills a box with the lattice once. What would start compressed, and burst, is left out and counted in
-/// StepReport::blocked_starts: points closer than 2 δ to a surface; with BoundaryModel::mirrored also those
-/// closer than a fifth of a spacing, but for cloth that the volume lies on one side of, which yields; and
-/// those closer than 0.9 spacings to other water, as of an emitter that overlaps.
+/// Fills a box with the lattice once, centred, with as many layers as fit: a side of 6.7 spacings has 6. So a
+/// box whose sides are no multiples of the spacing has less water than its volume. What would start
+/// compressed, and burst, is left out and counted in StepReport::blocked_starts: points closer than 2 δ to a
+/// surface; with BoundaryModel::mirrored also those closer than a fifth of a spacing, but for cloth that the
+/// volume lies on one side of, which yields; and those closer than 0.9 spacings to other water, as of an
+/// emitter that overlaps.
 struct BoxEmitter {
   /// The box to fill [m].
   Box box;

@@ -165,6 +165,8 @@ TEST(Emitter, what_makes_no_sense_is_refused_in_words) {
   refused(hose.setInheritedVelocity({0, nan, 0}), "not finite");
   refused(hose.setWorldTransform(at(0, static_cast<double>(nan), 0)), "not finite");
   refused(hose.setWorldTransform(btTransform(btMatrix3x3(2, 0, 0, 0, 2, 0, 0, 0, 2))), "scales");
+  refused(hose.setWorldTransform(at(0, 0, 0), -1), "duration");
+  refused(hose.setWorldTransform(at(0, 0, 0), nan), "duration");
   refused(hose.teleport(btTransform(btMatrix3x3(-1, 0, 0, 0, 1, 0, 0, 0, 1))), "mirrors");
   ASSERT_TRUE(water.addEmitter(&hose).ok());
   refused(hose.setWorldTransform(at(0, 0, 0), -1), "duration");

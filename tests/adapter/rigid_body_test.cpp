@@ -1,4 +1,5 @@
 // Dynamic rigid bodies of Bullet in the water.
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -191,6 +192,21 @@ TEST(RigidBody, refusals_say_what_to_do) {
   EXPECT_NE(w.solver.addRigidBody(body, bt(0.001)).message.find("already"), std::string::npos);
   btFluidCoupling other;
   EXPECT_NE(other.addRigidBody(body, bt(0.001)).message.find("another coupling"), std::string::npos);
+  btRigidBody* scaled = w.add_box(0.1, {bt(0.03), bt(0.03), bt(0.03)}, {0, 0, 0});
+  for (const btScalar size : {bt(2), bt(-1), bt(0)}) {
+    scaled->getWorldTransform().getBasis().setValue(size, 0, 0, 0, 1, 0, 0, 0, 1);
+    EXPECT_NE(w.solver.addRigidBody(scaled, bt(0.001)).message.find("scales or mirrors"), std::string::npos);
+  }
+  scaled->getWorldTransform().setIdentity();
+  btPairCachingGhostObject ghost;
+  btCapsuleShape capsule(bt(0.05), bt(0.1));
+  ghost.setCollisionShape(&capsule);
+  ghost.setCollisionFlags(btCollisionObject::CF_CHARACTER_OBJECT);
+  EXPECT_NE(w.solver.addCollisionObject(&ghost, bt(0.001)).message.find("CF_KINEMATIC_OBJECT"),
+            std::string::npos);
+  ghost.setCollisionFlags(btCollisionObject::CF_CHARACTER_OBJECT | btCollisionObject::CF_KINEMATIC_OBJECT);
+  EXPECT_TRUE(w.solver.addCollisionObject(&ghost, bt(0.001)).ok());
+  w.solver.removeCollisionObject(&ghost);
 }
 
 /// Particles that a press removes which drives a body of `mass` through water onto the floor. `offset` is

@@ -246,6 +246,7 @@ TEST(Emission, refuses_invalid_settings_with_a_message) {
   refused([&](DiscEmitter& e) { e.radius = 0; }, jet(), "radius");
   refused([&](DiscEmitter& e) { e.radius = infinity; }, jet(), "radius");
   refused([&](DiscEmitter& e) { e.radius = 0.49 * dx; }, jet(), "radius");
+  refused([&](DiscEmitter& e) { e.radius = 1001 * dx; }, jet(), "radius");
   refused([&](DiscEmitter& e) { e.speed = -1; }, jet(), "speed");
   refused([&](DiscEmitter& e) { e.speed = 1e200; }, jet(), "speed");
   refused([&](DiscEmitter& e) { e.start = nan; }, jet(), "start");

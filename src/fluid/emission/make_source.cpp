@@ -35,6 +35,9 @@ Status first_of(std::initializer_list<Status> all) {
 /// Largest number of particles of a volume: a run of as many needs about 60 GB.
 constexpr double max_points = 5e7;
 
+/// Largest radius of a nozzle [spacings]: 3 million particles in a layer.
+constexpr double max_nozzle = 1e3;
+
 std::vector<Vec3> ball_sites(double radius, double spacing) {
   const double limit = radius / spacing * (1 + 1e-9);
   const int n = static_cast<int>(limit);
@@ -95,8 +98,8 @@ Status make_source(const DiscEmitter& e, const SourceMaterial& material, Source&
   if (!s.ok()) return s;
   if (!(e.direction.stableNorm() > 0))
     return refuse_value("disc emitter: direction", e.direction.transpose(), "longer than 0");
-  if (!(e.radius >= 0.5 * dx && e.radius <= 1e4 * dx))
-    return refuse_value("disc emitter: radius", e.radius, "half a spacing to 10000 spacings of the fluid");
+  if (!(e.radius >= 0.5 * dx && e.radius <= max_nozzle * dx))
+    return refuse_value("disc emitter: radius", e.radius, "half a spacing to 1000 spacings of the fluid");
   source.kind = Source::Kind::nozzle;
   source.center = e.center;
   source.direction = e.direction.stableNormalized();
