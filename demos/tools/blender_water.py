@@ -10,6 +10,7 @@ DIR/render_NNNN.png. Options:
     --size WxH       of the picture in pixels (default 960x720)
     --samples N      light paths per pixel (default 64)
     --eye X,Y,Z --target X,Y,Z --angle DEGREES    the camera (default: from above, around everything in the first frame)
+    --hide NAMES     what is left out, as body_0,cloth_1: a tank hides the water in it (default: nothing)
     --out DIR        where the pictures go (default: DIR)
 Coordinates are those of the run (metres, y up unless --up says otherwise).
 Without `--background` the first frame stays open in Blender, to go on from there.
@@ -50,6 +51,14 @@ def picture_size(text):
     return int(match.group(1)), int(match.group(2))
 
 
+def names(text):
+    found = text.split(",")
+    for name in found:
+        if not re.fullmatch(r"(body|cloth)_\d+", name):
+            raise argparse.ArgumentTypeError("%r must be names such as body_0,cloth_1" % text)
+    return found
+
+
 def arguments():
     own = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
     parser = argparse.ArgumentParser(prog="blender --background --python demos/tools/blender_water.py --")
@@ -63,6 +72,7 @@ def arguments():
     parser.add_argument("--target", type=vector)
     parser.add_argument("--up", type=vector, default=Vector((0, 1, 0)))
     parser.add_argument("--angle", type=float, default=30)
+    parser.add_argument("--hide", type=names, default=())
     parser.add_argument("--out")
     return parser.parse_args(own)
 
@@ -82,7 +92,9 @@ def frames_in(options):
     """[(number, water file, [cloth files], [body files])] of all frames with a surface."""
     frames = []
     for number, path in sorted(water_files(options).items()):
-        cloth, bodies = (sorted(glob.glob(os.path.join(options.directory, "%s_*_%04d.ply" % (kind, number))))
+        hidden = [os.path.join(options.directory, "%s_%04d.ply" % (name, number)) for name in options.hide]
+        cloth, bodies = (sorted(path for path in glob.glob(os.path.join(options.directory, "%s_*_%04d.ply" % (kind, number)))
+                                if path not in hidden)
                          for kind in ("cloth", "body"))
         frames.append((number, path, cloth, bodies))
     return frames
