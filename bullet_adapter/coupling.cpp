@@ -289,15 +289,14 @@ Status btFluidCoupling::addCollisionObject(btCollisionObject* object, const Surf
   if (object->getInternalType() == btCollisionObject::CO_SOFT_BODY)
     return Status::refused("a soft body is a cloth: use addCloth()");
   const bool is_sensor = Sensor::is_sensor(*object);
-  if (!object->isStaticOrKinematicObject() && !is_sensor && !btRigidBody::upcast(object))
-    return Status::refused(
-        "this object is neither static nor kinematic nor a sensor: set "
-        "btCollisionObject::CF_KINEMATIC_OBJECT, "
-        "beside CF_CHARACTER_OBJECT if it is that of a character controller");
   if (!object->isStaticOrKinematicObject() && !is_sensor)
     return Status::refused(
-        "this rigid body is dynamic: use addRigidBody(), or give it mass 0, or set "
-        "btCollisionObject::CF_KINEMATIC_OBJECT and move it yourself");
+        btRigidBody::upcast(object)
+            ? "this rigid body is dynamic: use addRigidBody(), or give it mass 0, or set "
+              "btCollisionObject::CF_KINEMATIC_OBJECT and move it yourself"
+            : "this object is neither static nor kinematic: set "
+              "btCollisionObject::CF_KINEMATIC_OBJECT, beside CF_CHARACTER_OBJECT if it is "
+              "that of a character controller");
   Attachment a;
   a.object = object;
   a.settings = settings;

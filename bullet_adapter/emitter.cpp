@@ -48,8 +48,10 @@ EmitterPose btFluidEmitter::pose(const btTransform& transform) const {
 
 Status btFluidEmitter::place(const btTransform& transform, double duration, bool jumps) {
   Status status = check_rigid(transform, "the transform of the emitter");
-  if (status.ok()) status = check_duration(duration);
-  if (status.ok() && world())
+  if (!status.ok()) return status;
+  if (!world())
+    status = check_duration(duration);
+  else
     status = jumps ? world()->place_emitter(m_id, pose(transform))
                    : world()->move_emitter(m_id, pose(transform), duration);
   if (status.ok()) m_transform = transform;

@@ -28,6 +28,13 @@ double segment_parameter(const Vec3& u, const Vec3& v) {
   return t <= 0 ? 0 : (t >= 1 ? 1 : t);
 }
 
+/// The point at the parameter t of an edge: 0 from a to b, 1 from b to c, 2 from c to a.
+ClosestPoint on_edge(const Vec3& a, const Vec3& b, const Vec3& c, int edge, double t) {
+  if (edge == 0) return from_weights(a, b, c, 1 - t, t, 0);
+  if (edge == 1) return from_weights(a, b, c, 0, 1 - t, t);
+  return from_weights(a, b, c, t, 0, 1 - t);
+}
+
 ClosestPoint closest_of_segments(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double t[3] = {segment_parameter(a, b), segment_parameter(b, c), segment_parameter(c, a)};
   const double d2[3] = {((1 - t[0]) * a + t[0] * b).squaredNorm(), ((1 - t[1]) * b + t[1] * c).squaredNorm(),
@@ -35,9 +42,7 @@ ClosestPoint closest_of_segments(const Vec3& a, const Vec3& b, const Vec3& c) {
   int best = 0;
   for (int k = 1; k < 3; ++k)
     if (d2[k] < d2[best]) best = k;
-  if (best == 0) return from_weights(a, b, c, 1 - t[0], t[0], 0);
-  if (best == 1) return from_weights(a, b, c, 0, 1 - t[1], t[1]);
-  return from_weights(a, b, c, t[2], 0, 1 - t[2]);
+  return on_edge(a, b, c, best, t[best]);
 }
 
 }  // namespace
@@ -59,22 +64,17 @@ ClosestPoint closest_point(const Vec3& p, const Vec3& pa, const Vec3& pb, const 
     return from_weights(a, b, c, wa / sum, wb / sum,
                         1 - wa / sum - wb / sum > 0 ? 1 - wa / sum - wb / sum : 0);
   }
-  // Outside of one edge and beside it, that edge is closest. Thin triangles may take the wrong one by
-  // rounding.
+  // Outside of an edge and between its ends, that edge is closest. For thin triangles rounding may decide on
+  // which side of an edge the point is.
   constexpr double margin = 1e-3, thin = 1e-6;
-  if (!(n2 > thin * longest2 * longest2)) return closest_of_segments(a, b, c);
-  const auto is_beside = [](double t) { return t > margin && t < 1 - margin; };
-  if (wc < 0) {
-    const double t = segment_parameter(a, b);
-    if (is_beside(t)) return from_weights(a, b, c, 1 - t, t, 0);
-  }
-  if (wa < 0) {
-    const double t = segment_parameter(b, c);
-    if (is_beside(t)) return from_weights(a, b, c, 0, 1 - t, t);
-  }
-  if (wb < 0) {
-    const double t = segment_parameter(c, a);
-    if (is_beside(t)) return from_weights(a, b, c, t, 0, 1 - t);
+  if (n2 > thin * longest2 * longest2) {
+    const Vec3* const corner[3] = {&a, &b, &c};
+    const double inside[3] = {wc, wa, wb};
+    for (int edge = 0; edge < 3; ++edge) {
+      if (!(inside[edge] < 0)) continue;
+      const double t = segment_parameter(*corner[edge], *corner[(edge + 1) % 3]);
+      if (t > margin && t < 1 - margin) return on_edge(a, b, c, edge, t);
+    }
   }
   return closest_of_segments(a, b, c);
 }

@@ -1,7 +1,6 @@
 #include "fluid/occlusion.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/assert.h"
 
@@ -15,12 +14,6 @@ constexpr std::size_t triangle_chunk = 64, particle_chunk = 64;
 constexpr std::size_t few = 8;
 
 using Pair = std::pair<std::uint32_t, std::uint32_t>;
-
-Box triangle_box(const SurfaceMotion& s, std::uint32_t triangle) {
-  Box box;
-  for (std::uint32_t n : s.triangles[triangle]) box.add(s.x_t0[n]);
-  return box;
-}
 
 /// A particle, and a triangle that may hide some of its neighbours: an index into TriangleCells::triangles().
 struct NearPair {
@@ -54,26 +47,21 @@ DividingTriangles::DividingTriangles(std::vector<NearPair> all) {
   OILSKIN_ASSERT(begin.size() == particle.size() + 1);
 }
 
-/// How far points are from a triangle at least: by the planes through its edges that are normal to it.
-class EdgeDistance {
+/// How far points are from a triangle, at least, along its plane: by the edges.
+class BesideTriangle {
  public:
-  EdgeDistance(const SurfaceMotion& s, std::uint32_t triangle) {
-    const Triangle& node = s.triangles[triangle];
-    for (std::size_t k = 0; k < 3; ++k) corner_[k] = s.x_t0[node[k]];
-    normal_ = (corner_[1] - corner_[0]).cross(corner_[2] - corner_[0]).normalized();
+  explicit BesideTriangle(const SightTest& triangle) : corner_(triangle.corners()) {
     for (std::size_t k = 0; k < 3; ++k)
-      outward_[k] = (corner_[(k + 1) % 3] - corner_[k]).cross(normal_).normalized();
+      outward_[k] = (corner_[(k + 1) % 3] - corner_[k]).cross(triangle.normal()).normalized();
   }
-  double squared(const Vec3& p) const {
+  double distance(const Vec3& p) const {
     double beside = 0;
     for (std::size_t k = 0; k < 3; ++k) beside = std::max(beside, outward_[k].dot(p - corner_[k]));
-    const double above = normal_.dot(p - corner_[0]);
-    return beside * beside + above * above;
+    return beside;
   }
 
  private:
   std::array<Vec3, 3> corner_, outward_;
-  Vec3 normal_;
 };
 
 /// Of a pair that a triangle hides, each side of the plane has an end. Both are within H of the triangle, and
@@ -99,22 +87,23 @@ const std::vector<std::uint32_t>& EndsOfPairs::find(const SurfaceMotion& motion,
   const SightTest test(motion, nearby.triangle);
   ends_.clear();
   if (test.normal_length() == 0) return ends_;
-  const Box corners = triangle_box(motion, nearby.triangle);
-  const EdgeDistance distance(motion, nearby.triangle);
+  const BesideTriangle beside(test);
+  Box corners;
+  for (const Vec3& corner : test.corners()) corners.add(corner);
   const auto find_ends = [&](Sides sides, double reach, std::vector<std::uint32_t>& found) {
     found.clear();
-    const Box box = corners.inflated(reach);
+    const Box box = corners.inflated(reach);  // a quick test
     const double most = reach * test.normal_length(), highest = sides.front ? most : 0,
                  lowest = sides.back ? -most : 0;
     cells_.for_particles_near(triangle, [&](std::uint32_t begin, std::uint32_t end, Sides of_run) {
       if (!(sides.front && of_run.front) && !(sides.back && of_run.back)) return;
       for (std::uint32_t i = begin; i < end; ++i) {
         const double side = test.side(x_[i]);
-        if (side >= lowest && side <= highest && box.contains(x_[i])) found.push_back(i);
+        if (!(side >= lowest && side <= highest && box.contains(x_[i]))) continue;
+        const double above = side / test.normal_length(), aside = beside.distance(x_[i]);
+        if (above * above + aside * aside <= reach * reach) found.push_back(i);
       }
     });
-    const auto is_far = [&](std::uint32_t i) { return distance.squared(x_[i]) > reach * reach; };
-    found.erase(std::remove_if(found.begin(), found.end(), is_far), found.end());
   };
   std::uint32_t front = 0, back = 0;
   cells_.for_particles_near(triangle, [&](std::uint32_t begin, std::uint32_t end, Sides of_run) {

@@ -21,6 +21,8 @@ class SightTest {
   /// Six times the signed volume of the tetrahedron with x: its sign is the side on which x lies.
   double side(const Vec3& x) const { return normal_.dot(x - corner_[0]); }
   double normal_length() const { return normal_length_; }
+  const Vec3& normal() const { return normal_; }  ///< not normalised
+  const std::array<Vec3, 3>& corners() const { return corner_; }
   /// Does the segment p q intersect the triangle? side_p = side(p), side_q = side(q). Rounding may depend on
   /// the order of p and q, which callers therefore fix.
   bool blocks(const Vec3& p, const Vec3& q, double side_p, double side_q) const {

@@ -330,8 +330,9 @@ void Film::find_shares(const ParticleBlocks& particles, const Water& water, cons
               for_film_neighbours(
                   rule_, near, own, x, reach,
                   [&](const FilmParticle& other, std::uint32_t p, const Vec3& offset, double rho2) {
-                    volume += water.of(p) * kernel(rho2);
-                    moment += water.of(p) * kernel(rho2) * offset;
+                    const double part = water.of(p) * kernel(rho2);
+                    volume += part;
+                    moment += part * offset;
                     if (!(other.radius > 0)) return;
                     if (opposite_of_own) {
                       weight += kernel(rho2);
@@ -348,7 +349,7 @@ void Film::find_shares(const ParticleBlocks& particles, const Water& water, cons
               own.mean_height = weight > 0 ? static_cast<float>(height / weight) : own.height;
               own.grid_height = static_cast<float>(rule_.grid_height);
               const Vec3 along = moment - moment.dot(vec(own.normal)) * vec(own.normal);
-              edge[item] = static_cast<float>(dense_edge(rule_, volume, along.norm()));
+              if (!opposite_of_own) edge[item] = static_cast<float>(dense_edge(rule_, volume, along.norm()));
               const auto covered = std::count(is_covered.begin(), is_covered.end(), true);
               if (covered == 0) return;
               const double over_water = double(covered) / double(kernel_points.size());
@@ -366,7 +367,7 @@ void Film::find_shares(const ParticleBlocks& particles, const Water& water, cons
             });
   for (std::size_t i = 0; i < items_.size(); ++i) {
     FilmParticle& own = items_[i];
-    if (own.other == none) own.radius += edge[i] * (own.radius_in_sight - own.radius);
+    own.radius += edge[i] * (own.radius_in_sight - own.radius);
     if (is_deep[i]) own.radius = 0;
     if (own.other == none) continue;
     FilmParticle& other = items_[own.other];
