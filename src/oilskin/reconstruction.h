@@ -215,7 +215,8 @@ struct ReconstructionReport {
   /// Such drops for which an obstacle leaves no space, that reach out of the clip box, or that are not larger
   /// than ReconstructionOptions::min_blob.
   std::size_t drops_left_out = 0;
-  /// Vertices that smoothing, or the fit of the volume, put back because they came too close.
+  /// Vertices that smoothing, or the fit of the volume, moved off obstacles, or back, because they came too
+  /// close.
   std::size_t vertices_held = 0;
   /// The volume inside the mesh [m³].
   double volume = 0;

@@ -23,6 +23,13 @@ constexpr double slot_width = 3.5, slot_fades_from = 3.2, opposite_reach = 3.2;
 /// within this [dx].
 constexpr double tube_reach = 1.7;
 
+/// Discs become smaller where less than this of a column is a film.
+constexpr double full_disc = 0.3;
+
+/// Where the obstacle facing a film has this part of the water of the one beside it, a column over it is of a
+/// tube, not of a corner.
+constexpr double most_facing = 0.1;
+
 /// Vertices of films only move inwards, so films between two obstacles are that much thicker on the grid.
 constexpr double grid_excess = 1.1;
 
@@ -62,6 +69,42 @@ void for_film_neighbours(const FilmRule& rule, const NearFilm& near, const FilmP
       return;
     f(other, near.particle(c), offset, along.rho_squared);
   });
+}
+
+/// Water over the place of a particle of a film, weighted by the film's kernel.
+struct ColumnSum {
+  double volume = 0;           ///< per area [cells]
+  Vec3 moment = Vec3::Zero();  ///< of the offsets
+
+  void add(double part, const Vec3& offset) {
+    volume += part;
+    moment += part * offset;
+  }
+};
+
+/// The water of a column that is nearer to an obstacle beside that of the film and has the film's particle
+/// above it: in a corner the two share the water between them. In a tube, where the obstacle is also on the
+/// other side, it does not count.
+ColumnSum water_in_corner(const FilmRule& rule, const NearFilm& near, const FilmParticle& own, const Vec3& x,
+                          const Water& water, const FilmKernel& kernel) {
+  ColumnSum beside;
+  double facing = 0;
+  near.for_along(own.normal, x, rule.link, [&](std::size_t c) {
+    const FilmParticle& other = near.item(c);
+    const double alike = vec(own.normal).dot(vec(other.normal));
+    if (alike >= 0.5) return;
+    const Vec3 offset = near.place(c) - x;
+    const AlongFilm along(own, offset), back(other, -offset);
+    if (!(along.height > 0 && back.height > 0)) return;
+    const double part = water.of(near.particle(c)) * kernel(along.rho_squared);
+    if (alike < -0.5)
+      facing += part;
+    else if (along.height < rule.column_reach)
+      beside.add(part, offset);
+  });
+  if (!(beside.volume > 0)) return {};
+  const double share = std::max(0.0, 1 - facing / (most_facing * beside.volume));
+  return {share * beside.volume, share * beside.moment};
 }
 
 /// Two unit vectors along a film.
@@ -317,61 +360,67 @@ void Film::find_shares(const ParticleBlocks& particles, const Water& water, cons
   const double reach = rule_.link + rule_.max_radius;
   const FilmKernel kernel(rule_.link);
   // Only when all are known: neighbours read the radii.
-  std::vector<std::uint8_t> is_deep(items_.size(), 0);
+  std::vector<float> in_film(items_.size(), 1.0f);
   std::vector<float> edge(items_.size(), 0.0f);
-  for_items(particles, reach, workers,
-            [&](std::uint32_t item, std::uint32_t particle, const Vec3& x, const NearFilm& near) {
-              FilmParticle& own = items_[item];
-              const FilmParticle* const opposite_of_own = opposite(own);
-              const TangentFrame frame(vec(own.normal));
-              std::array<bool, kernel_points.size()> is_covered{};
-              double volume = 0, weight = 0, height = 0;
-              Vec3 moment = Vec3::Zero();
-              for_film_neighbours(
-                  rule_, near, own, x, reach,
-                  [&](const FilmParticle& other, std::uint32_t p, const Vec3& offset, double rho2) {
-                    const double part = water.of(p) * kernel(rho2);
-                    volume += part;
-                    moment += part * offset;
-                    if (!(other.radius > 0)) return;
-                    if (opposite_of_own) {
-                      weight += kernel(rho2);
-                      height += kernel(rho2) * double(other.height);
-                    }
-                    const double a = frame.u.dot(offset), b = frame.v.dot(offset);
-                    const double r2 = double(other.radius) * double(other.radius);
-                    for (std::size_t s = 0; s < kernel_points.size(); ++s) {
-                      const double u = rule_.link * kernel_points[s][0] - a,
-                                   v = rule_.link * kernel_points[s][1] - b;
-                      is_covered[s] |= u * u + v * v < r2;
-                    }
-                  });
-              own.mean_height = weight > 0 ? static_cast<float>(height / weight) : own.height;
-              own.grid_height = static_cast<float>(rule_.grid_height);
-              const Vec3 along = moment - moment.dot(vec(own.normal)) * vec(own.normal);
-              if (!opposite_of_own) edge[item] = static_cast<float>(dense_edge(rule_, volume, along.norm()));
-              const auto covered = std::count(is_covered.begin(), is_covered.end(), true);
-              if (covered == 0) return;
-              const double over_water = double(covered) / double(kernel_points.size());
-              own.share = static_cast<float>(water.of(particle) / over_water);
-              double thin = thinness(rule_, volume / over_water);
-              if (opposite_of_own) {
-                own.squeezed = static_cast<float>(squeezed(rule_, own.height + opposite_of_own->height));
-                thin = std::max(thin, double(own.squeezed));
-                own.grid_height = static_cast<float>(
-                    std::max(rule_.grid_height, double(own.squeezed) * grid_excess * volume / over_water));
-              }
-              is_deep[item] = thin == 0;
-              // A drop alone is as high as it is wide: the field draws it.
-              own.thin = own.is_linked ? static_cast<float>(thin) : 0.0f;
-            });
+  for_items(
+      particles, reach, workers,
+      [&](std::uint32_t item, std::uint32_t particle, const Vec3& x, const NearFilm& near) {
+        FilmParticle& own = items_[item];
+        const FilmParticle* const opposite_of_own = opposite(own);
+        const TangentFrame frame(vec(own.normal));
+        std::array<bool, kernel_points.size()> is_covered{};
+        double weight = 0, height = 0;
+        ColumnSum column;
+        for_film_neighbours(rule_, near, own, x, reach,
+                            [&](const FilmParticle& other, std::uint32_t p, const Vec3& offset, double rho2) {
+                              column.add(water.of(p) * kernel(rho2), offset);
+                              if (!(other.radius > 0)) return;
+                              if (opposite_of_own) {
+                                weight += kernel(rho2);
+                                height += kernel(rho2) * double(other.height);
+                              }
+                              const double a = frame.u.dot(offset), b = frame.v.dot(offset);
+                              const double r2 = double(other.radius) * double(other.radius);
+                              for (std::size_t s = 0; s < kernel_points.size(); ++s) {
+                                const double u = rule_.link * kernel_points[s][0] - a,
+                                             v = rule_.link * kernel_points[s][1] - b;
+                                is_covered[s] |= u * u + v * v < r2;
+                              }
+                            });
+        own.mean_height = weight > 0 ? static_cast<float>(height / weight) : own.height;
+        own.grid_height = static_cast<float>(rule_.grid_height);
+        ColumnSum all = column;
+        if (!opposite_of_own) {
+          const ColumnSum beside = water_in_corner(rule_, near, own, x, water, kernel);
+          all.volume += beside.volume;
+          all.moment += beside.moment;
+          const Vec3 normal = vec(own.normal), along = all.moment - all.moment.dot(normal) * normal;
+          edge[item] = static_cast<float>(dense_edge(rule_, all.volume, along.norm()));
+        }
+        const auto covered = std::count(is_covered.begin(), is_covered.end(), true);
+        if (covered == 0) return;
+        const double over_water = double(covered) / double(kernel_points.size());
+        own.share = static_cast<float>(water.of(particle) / over_water);
+        const double alone = thinness(rule_, column.volume / over_water);
+        double thin = thinness(rule_, all.volume / over_water);
+        if (alone > 0) own.in_corner = static_cast<float>(1 - thin / alone);
+        if (opposite_of_own) {
+          own.squeezed = static_cast<float>(squeezed(rule_, own.height + opposite_of_own->height));
+          thin = std::max(thin, double(own.squeezed));
+          own.grid_height = static_cast<float>(
+              std::max(rule_.grid_height, double(own.squeezed) * grid_excess * column.volume / over_water));
+        }
+        in_film[item] = static_cast<float>(std::min(1.0, thin / full_disc));
+        // A drop alone is as high as it is wide: the field draws it.
+        own.thin = own.is_linked ? static_cast<float>(thin) : 0.0f;
+      });
   for (std::size_t i = 0; i < items_.size(); ++i) {
     FilmParticle& own = items_[i];
     own.radius += edge[i] * (own.radius_in_sight - own.radius);
-    if (is_deep[i]) own.radius = 0;
+    own.radius *= in_film[i];
     if (own.other == none) continue;
     FilmParticle& other = items_[own.other];
-    if (is_deep[own.other]) own.radius = 0;
+    own.radius *= in_film[own.other];
     own.other_height = other.mean_height;
     own.opposite_height = other.height;
     const double nearer = double(other.mean_height - own.mean_height) / (nearer_by * rule_.spacing);

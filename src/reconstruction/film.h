@@ -45,9 +45,10 @@ struct FilmParticle {
   float grid_height = 0;                    ///< thickness of its film on the grid
   std::uint32_t other = none;               ///< the number of the same particle at the obstacle opposite
   float other_height = 0, other_sinks = 0;  ///< mean height and `sinks` there
-  float beside = 0;                         ///< distance of obstacles beside it, where there is one opposite
   float opposite_height = 0;                ///< distance from the obstacle opposite
   float squeezed = 0;  ///< 1: the two are so near to each other that all water between them is a film, 0: not
+  float in_corner =
+      0;  ///< 1: only without the water at an obstacle beside it the column would be a film, 0: not
 };
 
 /// A film over an obstacle and, perhaps, below another one.

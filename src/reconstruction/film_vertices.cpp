@@ -31,6 +31,7 @@ struct FilmAt {
   Vec3 normal = Vec3::Zero();
   double weight = 0;
   double above = 0;  ///< height of the vertex over the planes of the nearest particles
+  double in_corner = 0;
   FilmLayer layer;
 };
 
@@ -43,6 +44,7 @@ class FilmSums {
     sum_.weight += k;
     const FilmLayer layer(p, 1);
     sum_.layer.height += k * layer.height;
+    sum_.in_corner += k * double(p.in_corner);
     sinks_ += k * layer.sinks;
     if (p.other == none) return;
     sum_.layer.opposite += k;
@@ -66,6 +68,7 @@ class FilmSums {
     at.normal.normalize();
     FilmLayer& mean = at.layer;
     mean.height /= at.weight;
+    at.in_corner /= at.weight;
     mean.sinks = sinks_ / at.weight;
     mean.grid_height = rule.grid_height;
     if (!is_between()) return at;
@@ -158,7 +161,7 @@ double height_of(const FilmAt& at, double distance, double now) {
 /// 1: the water is a film, 0: it is not. Near the greatest width between two obstacles some particles know of
 /// one of them only, so columns may look thin that are not.
 double film_share(const FilmRule& rule, const FilmAt& at) {
-  const double thin = thinness(rule, at.thickness);
+  const double thin = thinness(rule, at.thickness) * (1 - at.in_corner);
   return at.layer.opposite > 0 ? std::min(std::max(thin, at.layer.squeezed), at.layer.thin) : thin;
 }
 

@@ -140,7 +140,7 @@ std::vector<std::uint32_t> Reconstruction::moved_near_obstacles(
 void Reconstruction::put_back_what_fails(const std::vector<std::array<float, 3>>& start, RawMesh& raw) {
   const std::vector<std::uint32_t> moved = moved_near_obstacles(start, raw);
   for (;;) {
-    report.vertices_held += put_back(obstacles, options.gap, &moved, start, raw, workers);
+    report.vertices_held += put_back(obstacles, options.gap, options.clip, &moved, start, raw, workers);
     const std::size_t freed = put_back_around_enclosed(obstacles, grid, start, moved, raw, workers);
     if (freed == 0) return;
     report.vertices_held += freed;

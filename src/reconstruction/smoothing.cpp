@@ -143,47 +143,104 @@ void for_numbers(const std::vector<std::uint32_t>* only, std::size_t n, const F&
     for (std::uint32_t k = 0; k < n; ++k) f(k);
 }
 
-/// What put_back() knows of a vertex that it has put back: in this round, or earlier.
-constexpr std::uint8_t fresh = 1, old = 2;
+/// What put_back() knows of a vertex.
+struct PutBack {
+  std::uint8_t pushes = 0;  ///< how often it has been moved off an obstacle
+  bool is_back = false;     ///< at its start
+  bool is_changed = false;  ///< in this round
+};
+
+/// A vertex is moved off obstacles so many times before it goes back.
+constexpr std::uint8_t max_pushes = 3;
+
+/// The plane of a triangle of an obstacle from which vertices keep off.
+class Side {
+ public:
+  /// `distance`: what they keep [m].
+  Side(const Corners& triangle, double distance) : on_(triangle[0]), distance_(distance) {
+    normal_ = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
+    const double length = normal_.norm();
+    normal_ = length > 0 ? Vec3(normal_ / length) : Vec3::Zero();
+  }
+  /// Moves x along the normal if it is too near, but not farther than `start`, where the vertex began. False:
+  /// it stays.
+  bool push(const Vec3& start, Vec3& x) const {
+    const double lacking = std::min(distance_, height(start, start)) - height(start, x);
+    if (!(lacking > 0)) return false;
+    x += lacking * side_of(start) * normal_;
+    return true;
+  }
+
+ private:
+  double side_of(const Vec3& start) const { return normal_.dot(start - on_) < 0 ? -1 : 1; }
+  double height(const Vec3& start, const Vec3& x) const { return side_of(start) * normal_.dot(x - on_); }
+
+  Vec3 on_, normal_;
+  double distance_;
+};
 
 }  // namespace
 
-/// A vertex put back may make a neighbouring triangle fail, so this repeats until all pass.
-std::size_t put_back(const Obstacles& obstacles, double gap, const std::vector<std::uint32_t>* only,
-                     const std::vector<Float3>& start, RawMesh& mesh, const Workers& workers) {
-  std::vector<std::uint8_t> held(mesh.positions.size(), 0), failed(mesh.triangles.size(), 0);
+/// A vertex that has moved too near to an obstacle is moved off its plane. Where that does not help, it goes
+/// back. Either may make a neighbouring triangle fail, so this repeats until all pass.
+std::size_t put_back(const Obstacles& obstacles, double gap, const std::optional<Box>& clip,
+                     const std::vector<std::uint32_t>* only, const std::vector<Float3>& start, RawMesh& mesh,
+                     const Workers& workers) {
+  std::vector<PutBack> state(mesh.positions.size());
+  std::vector<std::uint32_t> failed(mesh.triangles.size(), none);  // at this triangle of an obstacle
   std::size_t count = 0;
+  const auto change = [&](std::uint32_t v, const Float3& to) {
+    count += state[v].pushes == 0 && !state[v].is_back;
+    state[v].is_changed = true;
+    mesh.positions[v] = to;
+  };
+  // True if a corner has been moved, now or for another triangle of this round.
+  const auto push_off = [&](const Triangle& t, const Side& side) {
+    bool is_changed = false;
+    for (const std::uint32_t v : t) {
+      const Vec3 from = vec(start[v]);
+      Vec3 x = vec(mesh.positions[v]);
+      if (!state[v].is_changed && !state[v].is_back && state[v].pushes < max_pushes && side.push(from, x)) {
+        x = clamped_to(clip, x);
+        change(v, {float(x.x()), float(x.y()), float(x.z())});
+        ++state[v].pushes;
+      }
+      is_changed |= state[v].is_changed;
+    }
+    return is_changed;
+  };
   std::vector<std::uint32_t> again;
   for (const std::vector<std::uint32_t>* tested = only;; tested = &again) {
     for_near_pairs(mesh.positions, mesh.triangles, tested, obstacles, 1.01 * gap + 1e-30, workers,
                    [&](std::uint32_t t, Span<const std::uint32_t> candidates) {
                      const Corners own = stored_corners(mesh.positions, mesh.triangles[t]);
                      for (std::uint32_t c : candidates) {
-                       const Corners other = obstacles.corners(c);
-                       if (!certified_apart(own, other, gap + obstacles.rounding(c))) failed[t] = 1;
+                       if (certified_apart(own, obstacles.corners(c), gap + obstacles.rounding(c))) continue;
+                       failed[t] = c;
+                       return;
                      }
                    });
-    const std::size_t before = count;
     for_numbers(tested, mesh.triangles.size(), [&](std::uint32_t t) {
-      if (!failed[t]) return;
-      failed[t] = 0;
-      for (std::uint32_t v : mesh.triangles[t]) {
-        if (held[v]) continue;
-        held[v] = fresh;
-        ++count;
-        mesh.positions[v] = start[v];
+      if (failed[t] == none) return;
+      // A little more than the gap, for rounding.
+      const Side side(obstacles.corners(failed[t]), 1.01 * gap + 4 * obstacles.rounding(failed[t]));
+      failed[t] = none;
+      if (push_off(mesh.triangles[t], side)) return;
+      for (const std::uint32_t v : mesh.triangles[t]) {
+        if (state[v].is_back) continue;
+        change(v, start[v]);
+        state[v].is_back = true;
       }
     });
-    if (count == before) return count;
-    // The others are as they were when they passed.
+    // The others are as they were when they passed, or their corners are nearer to where they passed.
     std::vector<std::uint32_t> next;
     for_numbers(only, mesh.triangles.size(), [&](std::uint32_t t) {
       const Triangle& c = mesh.triangles[t];
-      if (held[c[0]] == fresh || held[c[1]] == fresh || held[c[2]] == fresh) next.push_back(t);
+      if (state[c[0]].is_changed || state[c[1]].is_changed || state[c[2]].is_changed) next.push_back(t);
     });
+    if (next.empty()) return count;
     for (const std::uint32_t t : next)
-      for (const std::uint32_t v : mesh.triangles[t])
-        if (held[v] == fresh) held[v] = old;
+      for (const std::uint32_t v : mesh.triangles[t]) state[v].is_changed = false;
     again.swap(next);
   }
 }
@@ -205,7 +262,7 @@ SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, d
     move(lambda, neighbours, start, budget, mesh.positions, other, workers);
     move(mu, neighbours, start, budget, other, mesh.positions, workers);
   }
-  if (obstacles) report.held = put_back(*obstacles, gap, &budgets.near, start, mesh, workers);
+  if (obstacles) report.held = put_back(*obstacles, gap, clip, &budgets.near, start, mesh, workers);
   return report;
 }
 

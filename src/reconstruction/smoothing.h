@@ -17,9 +17,11 @@ struct SmoothingReport {
 SmoothingReport smooth(int iterations, const Obstacles* obstacles, double gap, double cell,
                        const std::optional<Box>& clip, RawMesh& mesh, const Workers& workers);
 
-/// Puts the vertices of triangles that fail the promise back to `start`, where all pass, until all pass.
-/// Returns the number of vertices. `only`: the triangles that may fail; null: all.
-std::size_t put_back(const Obstacles& obstacles, double gap, const std::vector<std::uint32_t>* only,
-                     const std::vector<std::array<float, 3>>& start, RawMesh& mesh, const Workers& workers);
+/// Moves the vertices of triangles that fail the promise off obstacles, or back to `start`, where all pass,
+/// until all pass. Returns the number of vertices. `only`: the triangles that may fail; null: all. Vertices
+/// end within `clip`, and not farther from `start` than they were.
+std::size_t put_back(const Obstacles& obstacles, double gap, const std::optional<Box>& clip,
+                     const std::vector<std::uint32_t>* only, const std::vector<std::array<float, 3>>& start,
+                     RawMesh& mesh, const Workers& workers);
 
 }  // namespace oilskin::reconstruction

@@ -239,7 +239,7 @@ Untangled untangle(double cell, const std::optional<Box>& clip, const Obstacles*
   const std::vector<Float3> before = obstacles ? mesh.positions : std::vector<Float3>();
   Untangled result;
   result.triangles = patch.write_to(clip, mesh);
-  if (obstacles) result.held = put_back(*obstacles, gap, &result.triangles, before, mesh, workers);
+  if (obstacles) result.held = put_back(*obstacles, gap, clip, &result.triangles, before, mesh, workers);
   return result;
 }
 

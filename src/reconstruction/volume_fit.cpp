@@ -341,7 +341,8 @@ std::size_t fit_volume(const FitLimits& limits, const ParticleBlocks& particles,
   if (pieces.count > 0) fit.scale_pieces(pieces.of_vertex, in_pieces);
   // The limits of vertices are those at the places from which they moved along the surface.
   if (!tests_again) return untangled.held;
-  return untangled.held + put_back(obstacles, limits.gap, &untangled.triangles, before, mesh, workers);
+  return untangled.held +
+         put_back(obstacles, limits.gap, limits.clip, &untangled.triangles, before, mesh, workers);
 }
 
 }  // namespace oilskin::reconstruction
