@@ -43,7 +43,7 @@ constexpr double nearer_by = 0.5;
 
 /// Films are at least this thick on the grid: in cells, so that a row of nodes lies inside, whatever the
 /// slope; in spacings, since vertices move into the water only: what is above would be lost.
-constexpr double min_grid_height = 1.25, min_height_in_spacings = 1;
+constexpr double min_grid_height = 1.45, min_height_in_spacings = 1;
 
 /// Discs of two particles at this fraction of their distance close the space between four.
 constexpr double radius_of_distance = 0.62;

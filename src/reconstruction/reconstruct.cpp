@@ -110,8 +110,8 @@ std::vector<float> Reconstruction::fit_to_water(const std::vector<std::array<flo
   limits.clip = options.clip;
   limits.gap = options.gap;
   if (contact.promises()) limits.known = obstacle_region;
-  report.vertices_held += fit_volume(limits, particles, water, film, drawn_in, grid, obstacles, polygonised,
-                                     films, parts, blocks, raw, workers);
+  fit_volume(limits, particles, water, film, drawn_in, grid, obstacles, polygonised, films, parts, blocks,
+             raw, workers);
   return std::move(films.thickness);
 }
 
@@ -186,9 +186,7 @@ void Reconstruction::finish(RawMesh& raw, WaterMesh& mesh) {
       parts = parts_of(raw, before, workers);
       mesh.thickness = fit_to_water(before, parts, blocks, raw);
     } else {
-      report.vertices_held +=
-          untangle(cell, options.clip, keeps_gap() ? &obstacles : nullptr, options.gap, blocks, raw, workers)
-              .held;
+      untangle(cell, options.clip, blocks, raw, workers);
     }
     if (keeps_gap()) put_back_what_fails(start, raw);
     if (keeps) remove_turned_parts(parts, workers, raw, mesh.thickness);

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "reconstruction/at_vertices.h"
-#include "reconstruction/smoothing.h"
 #include "reconstruction/vertex_data.h"
 
 namespace oilskin::reconstruction {
@@ -122,19 +121,12 @@ class Patch {
     find_turned_around(changed, workers);
     return !changed.empty();
   }
-  /// Returns the triangles that have changed.
-  std::vector<std::uint32_t> write_to(const std::optional<Box>& clip, RawMesh& mesh) const {
+  void write_to(const std::optional<Box>& clip, RawMesh& mesh) const {
     for (std::size_t v = 0; v < now_.size(); ++v) {
       if (now_[v] == start_[v]) continue;
       const Vec3 x = clamped_to(clip, now_[v]);
       mesh.positions[vertices_[v]] = {float(x.x()), float(x.y()), float(x.z())};
     }
-    std::vector<std::uint32_t> changed;
-    for (std::size_t n = 0; n < triangles_.size(); ++n) {
-      const auto moved = [&](std::uint32_t v) { return now_[v] != start_[v]; };
-      if (std::any_of(triangles_[n].begin(), triangles_[n].end(), moved)) changed.push_back(numbers_[n]);
-    }
-    return changed;
   }
 
  private:
@@ -223,24 +215,20 @@ class Patch {
 
 }  // namespace
 
-Untangled untangle(double cell, const std::optional<Box>& clip, const Obstacles* obstacles, double gap,
-                   const SurfaceBlocks& blocks, RawMesh& mesh, const Workers& workers) {
+void untangle(double cell, const std::optional<Box>& clip, const SurfaceBlocks& blocks, RawMesh& mesh,
+              const Workers& workers) {
   std::vector<Float3> normals;
   vertex_normals(mesh, blocks, workers, normals);
   const std::vector<std::uint32_t> turned = triangles_with(mesh, workers, [&](const Triangle& t) {
     return faces_against({vec(mesh.positions[t[0]]), vec(mesh.positions[t[1]]), vec(mesh.positions[t[2]])},
                          vec(normals[t[0]]) + vec(normals[t[1]]) + vec(normals[t[2]]));
   });
-  if (turned.empty()) return {};
+  if (turned.empty()) return;
   Patch patch(mesh, turned, workers);
   if (clip) patch.hold_sides(*clip, 0.05 * cell);
   for (int round = 0; round < max_rounds && patch.relax(cell, workers); ++round) {
   }
-  const std::vector<Float3> before = obstacles ? mesh.positions : std::vector<Float3>();
-  Untangled result;
-  result.triangles = patch.write_to(clip, mesh);
-  if (obstacles) result.held = put_back(*obstacles, gap, clip, &result.triangles, before, mesh, workers);
-  return result;
+  patch.write_to(clip, mesh);
 }
 
 }  // namespace oilskin::reconstruction

@@ -5,7 +5,6 @@
 
 #include "core/assert.h"
 #include "reconstruction/cube_lattice.h"
-#include "reconstruction/smoothing.h"
 #include "reconstruction/untangle.h"
 #include "reconstruction/vertex_data.h"
 #include "reconstruction/water_in_cubes.h"
@@ -29,6 +28,11 @@ constexpr double kept_thickness = 0.3, kept_distance = 0.2;
 
 /// Vertices that face an obstacle and exceed the clearance by less than this stay [cells].
 constexpr double at_clearance = 0.35;
+
+/// All water but small pieces is moved together by this at most, over the share of its surface that is no
+/// film [dx]. Where a deep tank lacks water at its walls, a shallow layer beside it would become thicker for
+/// it, and rise and fall as a gap between the two opens and closes.
+constexpr double most_common = 0.15;
 
 /// Pieces whose volume is this near to that of their water stay.
 constexpr double good_volume = 0.002;
@@ -106,14 +110,21 @@ class Fit {
   /// Moves each piece evenly. `water` per piece [cells³], 0: it stays; the last one is that of all other
   /// vertices.
   void fit_pieces(const std::vector<std::uint32_t>& piece_of_vertex, const std::vector<double>& water) {
+    double common = 0;  // offset of all that is no small piece
     for (int round = 0; round < piece_rounds; ++round) {
       const std::vector<PieceSum> sums = sums_of_pieces(piece_of_vertex, water.size());
       bool is_good = true;
       std::vector<float> offset(water.size(), 0.0f);
       for (std::size_t p = 0; p < water.size(); ++p) {
         const double lacking = water[p] - sums[p].volume;
-        if (!(water[p] > 0 && sums[p].area > 0)) continue;
-        offset[p] = static_cast<float>(lacking / sums[p].area);
+        if (!(water[p] > 0 && sums[p].moves > 0)) continue;
+        double own = lacking / sums[p].moves;
+        if (p + 1 == water.size()) {
+          const double most = limits_.spacing * most_common / std::max(1e-6, 1 - sums[p].film / sums[p].area);
+          own = std::clamp(common + own, -most, most) - common;
+          common += own;
+        }
+        offset[p] = static_cast<float>(own);
         is_good &= std::abs(lacking) < good_volume * water[p];
       }
       if (is_good) return;
@@ -142,9 +153,17 @@ class Fit {
   }
 
  private:
-  /// Of a piece: its volume [cells³], and the area that takes part in moves [cells²].
+  /// Of a piece: its volume [cells³], its area, and how much of that is a film and takes part in moves
+  /// [cells²].
   struct PieceSum {
-    double volume = 0, area = 0;
+    double volume = 0, area = 0, film = 0, moves = 0;
+
+    void operator+=(const PieceSum& o) {
+      volume += o.volume;
+      area += o.area;
+      film += o.film;
+      moves += o.moves;
+    }
   };
   /// Of a piece about the mean of its vertices.
   struct Scaling {
@@ -289,18 +308,19 @@ class Fit {
         const std::size_t p = piece == none ? count - 1 : piece;
         if (found[c].empty() || found[c].back().first != p) found[c].push_back({p, {}});
         const std::array<Vec3, 3> x = corners(t, mesh_.positions);
-        const double weight = double(in_pieces(t[0])) + double(in_pieces(t[1])) + double(in_pieces(t[2]));
-        PieceSum& sum = found[c].back().second;
-        sum.volume += x[0].dot(x[1].cross(x[2])) / 6;
-        if (weight > 0) sum.area += weight / 6 * (x[1] - x[0]).cross(x[2] - x[0]).norm();
+        PieceSum own;
+        own.volume = x[0].dot(x[1].cross(x[2])) / 6;
+        own.area = 0.5 * (x[1] - x[0]).cross(x[2] - x[0]).norm();
+        for (const std::uint32_t v : t) {
+          own.film += own.area / 3 * double(films_.share[v]);
+          own.moves += own.area / 3 * double(in_pieces(v));
+        }
+        found[c].back().second += own;
       }
     });
     std::vector<PieceSum> result(count);
     for (const auto& part : found)
-      for (const auto& [p, sum] : part) {
-        result[p].volume += sum.volume;
-        result[p].area += sum.area;
-      }
+      for (const auto& [p, sum] : part) result[p] += sum;
     return result;
   }
   const FitLimits& limits_;
@@ -316,21 +336,17 @@ class Fit {
 
 }  // namespace
 
-std::size_t fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const Water& water,
-                       const Film& film, const DrawnIn& drawn_in, const Grid& grid,
-                       const Obstacles& obstacles, const std::vector<Float3>& polygonised,
-                       const FilmVertices& films, const MeshParts& parts, const SurfaceBlocks& blocks,
-                       RawMesh& mesh, const Workers& workers) {
+void fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const Water& water,
+                const Film& film, const DrawnIn& drawn_in, const Grid& grid, const Obstacles& obstacles,
+                const std::vector<Float3>& polygonised, const FilmVertices& films, const MeshParts& parts,
+                const SurfaceBlocks& blocks, RawMesh& mesh, const Workers& workers) {
   OILSKIN_ASSERT(water.size() == particles.size());
-  if (mesh.positions.empty()) return 0;
+  if (mesh.positions.empty()) return;
   OILSKIN_ASSERT(mesh.cube_volumes.size() == grid.blocks.size());
   OILSKIN_ASSERT(mesh.distances.size() == mesh.positions.size());
   Fit fit(limits, grid, obstacles, polygonised, films, blocks, mesh, workers);
   if (!limits.clip) fit.fit_cubes(particles, water, drawn_in, polygonised);
-  const Obstacles* const keep_off = limits.known && !obstacles.empty() ? &obstacles : nullptr;
-  const Untangled untangled = untangle(limits.cell, limits.clip, keep_off, limits.gap, blocks, mesh, workers);
-  const bool tests_again = keep_off && !untangled.triangles.empty();
-  const std::vector<Float3> before = tests_again ? mesh.positions : std::vector<Float3>();
+  untangle(limits.cell, limits.clip, blocks, mesh, workers);
   SmallPieces pieces = small_pieces(mesh, parts, limits.small_piece * std::pow(limits.cell, 3), workers);
   WaterInPieces found =
       water_in_pieces(particles, water, film, drawn_in, grid, obstacles, mesh, pieces, workers);
@@ -339,10 +355,6 @@ std::size_t fit_volume(const FitLimits& limits, const ParticleBlocks& particles,
   if (limits.clip) fit.leave_clipped_pieces(pieces, in_pieces);
   fit.fit_pieces(pieces.of_vertex, in_pieces);
   if (pieces.count > 0) fit.scale_pieces(pieces.of_vertex, in_pieces);
-  // The limits of vertices are those at the places from which they moved along the surface.
-  if (!tests_again) return untangled.held;
-  return untangled.held +
-         put_back(obstacles, limits.gap, limits.clip, &untangled.triangles, before, mesh, workers);
 }
 
 }  // namespace oilskin::reconstruction

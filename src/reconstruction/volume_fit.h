@@ -26,12 +26,10 @@ struct FitLimits {
 /// Drops are not in the mesh. `obstacles`: none, or those to keep away from, with prepared queries.
 /// `polygonised`: the positions to which mesh.cube_volumes and mesh.distances belong. Films have their local
 /// volume already: they only grow or shrink by the same factor everywhere.
-/// `parts`: of the mesh as polygonised. Turns triangles back that are turned over, and returns the number of
-/// vertices that this put back for the promise.
-std::size_t fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const Water& water,
-                       const Film& film, const DrawnIn& drawn_in, const Grid& grid,
-                       const Obstacles& obstacles, const std::vector<std::array<float, 3>>& polygonised,
-                       const FilmVertices& films, const MeshParts& parts, const SurfaceBlocks& blocks,
-                       RawMesh& mesh, const Workers& workers);
+/// `parts`: of the mesh as polygonised. Turns triangles back that are turned over.
+void fit_volume(const FitLimits& limits, const ParticleBlocks& particles, const Water& water,
+                const Film& film, const DrawnIn& drawn_in, const Grid& grid, const Obstacles& obstacles,
+                const std::vector<std::array<float, 3>>& polygonised, const FilmVertices& films,
+                const MeshParts& parts, const SurfaceBlocks& blocks, RawMesh& mesh, const Workers& workers);
 
 }  // namespace oilskin::reconstruction

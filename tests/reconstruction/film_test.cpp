@@ -243,6 +243,31 @@ TEST(FilmOnADiagonal, of_any_number_of_particles_is_made) {
     }
 }
 
+/// Films on planes that are tilted about an axis of the grid: rows of nodes in a layer of 1.25 cells were
+/// joined by their corners only, and the film was cut across the slope into up to nine sheets.
+TEST(FilmOnASlope, is_one_sheet) {
+  for (const double degrees : {26.6, 30.0, 40.0, 50.0, 60.0})
+    for (const double cell : {0.8, 1.0})
+      for (const double per_area : {0.3, 0.6}) {
+        SCOPED_TRACE(std::to_string(degrees) + ", cell " + std::to_string(cell));
+        WaterScene s;
+        const double dx = s.spacing, angle = degrees / 180 * 3.14159265358979,
+                     between = 1 / std::sqrt(per_area);
+        const Vec3 u(std::cos(angle), 0, std::sin(angle)), v(0, 1, 0), n = u.cross(v);
+        s.add_sheet(4, [&](double a, double b) { return Vec3(60 * dx * ((a - 0.5) * u + (b - 0.5) * v)); });
+        test::Random random(2);
+        for (int i = -8; i < 8; ++i)
+          for (int j = -8; j < 8; ++j)
+            s.particles.push_back(dx * (between * (i * u + j * v) + 0.4 * n + random.in_cube(0.1)));
+        const ReconstructionOptions options = options_for(s, cell, ObstacleMode::touch);
+        const WaterMesh mesh = test::reconstruct(s.input(), options);
+        test::expect_promise(s, mesh, options.gap);
+        const MeshCheck check = check_mesh(mesh, {}, 0);
+        EXPECT_EQ(check.components, 1u);
+        EXPECT_NEAR(check.volume / (double(s.particles.size()) * std::pow(dx, 3)), 1, 0.01);
+      }
+}
+
 /// A film between the layers of a folded sheet, and one on top of them.
 TEST(FilmFold, keeps_the_layers_free) {
   for (const double distance : {0.4, 1.0, 2.0}) {

@@ -134,5 +134,53 @@ TEST(PoolCorner, does_not_flicker) {
     }
 }
 
+/// Water of one layer over a step, beside water of five layers.
+WaterScene pool_with_a_step() {
+  WaterScene s;
+  const double dx = s.spacing;
+  const auto add = [&](const Vec3& corner, const Vec3& a, const Vec3& b) {
+    s.add_sheet(4, [=](double u, double v) { return Vec3(dx * (corner + u * a + v * b)); });
+  };
+  const Vec3 corner(-13, -8, 0), along(26, 0, 0), across(0, 16, 0), up(0, 0, 10), middle(0, -8, 0);
+  add(corner, along, across);
+  for (const Vec3& side : {corner, Vec3(corner + across)}) add(side, along, up);
+  for (const Vec3& side : {corner, Vec3(corner + along)}) add(side, across, up);
+  add(middle + 0.4 * up, 0.5 * along, across);
+  add(middle, across, 0.4 * up);
+  test::Random random(3);
+  for (int n = 0; n < 5 * 16 * 26; ++n) {
+    const int i = n % 26, j = n / 26 % 16, k = n / 26 / 16;
+    if (i < 13 || k == 4)
+      s.particles.push_back(dx * (Vec3(i - 12.5, j - 7.5, k + 0.5) + random.in_cube(0.15)));
+  }
+  s.push_off(0.4);
+  return s;
+}
+
+/// What the deep part lacks at its walls made the layer 0.3 to 0.35 dx thicker, but for frames in which a gap
+/// at the step's edge parted the two.
+TEST(PoolWithAStep, has_one_level) {
+  const WaterScene s = pool_with_a_step();
+  const double dx = s.spacing;
+  for (const ObstacleMode mode : {ObstacleMode::gap, ObstacleMode::touch})
+    for (const int smoothing : {0, 10}) {
+      ReconstructionOptions options = test::options_for(s, 1, 0.1, mode);
+      options.smoothing_iterations = smoothing;
+      const WaterMesh mesh = test::reconstruct(s.input(), options);
+      double layer = 0, deep = 0, count = 0;
+      for (int x = 2; x < 11; ++x)
+        for (int y = -5; y < 6; ++y) {
+          layer += top_at(mesh, x * dx, y * dx) / dx;
+          deep += top_at(mesh, -x * dx, y * dx) / dx;
+          ++count;
+        }
+      const std::string name =
+          "mode " + std::to_string(int(mode)) + ", smoothing " + std::to_string(smoothing);
+      test::record("layer over deep water [dx], " + name, (layer - deep) / count);
+      EXPECT_NEAR((layer - deep) / count, 0, 0.15) << name;
+      EXPECT_NEAR(deep / count, 5.5, 0.3) << name;
+    }
+}
+
 }  // namespace
 }  // namespace oilskin
