@@ -41,8 +41,9 @@ constexpr double dry_between = 1, most_joined = 0.05;
 /// stays where it is.
 constexpr double nearer_by = 0.5;
 
-/// Films are at least this thick on the grid: in cells, so that a row of nodes lies inside, whatever the
-/// slope; in spacings, since vertices move into the water only: what is above would be lost.
+/// Films are at least this thick on the grid: in cells, more than √2, so that rows of nodes lie inside that
+/// are joined by edges, whatever the slope; in spacings, since vertices move into the water only: what is
+/// above would be lost.
 constexpr double min_grid_height = 1.45, min_height_in_spacings = 1;
 
 /// Discs of two particles at this fraction of their distance close the space between four.
@@ -79,6 +80,10 @@ struct ColumnSum {
   void add(double part, const Vec3& offset) {
     volume += part;
     moment += part * offset;
+  }
+  void add(const ColumnSum& o) {
+    volume += o.volume;
+    moment += o.moment;
   }
 };
 
@@ -391,9 +396,7 @@ void Film::find_shares(const ParticleBlocks& particles, const Water& water, cons
         own.grid_height = static_cast<float>(rule_.grid_height);
         ColumnSum all = column;
         if (!opposite_of_own) {
-          const ColumnSum beside = water_in_corner(rule_, near, own, x, water, kernel);
-          all.volume += beside.volume;
-          all.moment += beside.moment;
+          all.add(water_in_corner(rule_, near, own, x, water, kernel));
           const Vec3 normal = vec(own.normal), along = all.moment - all.moment.dot(normal) * normal;
           edge[item] = static_cast<float>(dense_edge(rule_, all.volume, along.norm()));
         }

@@ -47,8 +47,7 @@ struct FilmParticle {
   float other_height = 0, other_sinks = 0;  ///< mean height and `sinks` there
   float opposite_height = 0;                ///< distance from the obstacle opposite
   float squeezed = 0;  ///< 1: the two are so near to each other that all water between them is a film, 0: not
-  float in_corner =
-      0;  ///< 1: only without the water at an obstacle beside it the column would be a film, 0: not
+  float in_corner = 0;  ///< 1: with the water at an obstacle beside it the column is no film, 0: it is
 };
 
 /// A film over an obstacle and, perhaps, below another one.

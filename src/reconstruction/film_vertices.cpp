@@ -30,8 +30,8 @@ struct FilmAt {
   double thickness = 0;
   Vec3 normal = Vec3::Zero();
   double weight = 0;
-  double above = 0;  ///< height of the vertex over the planes of the nearest particles
-  double in_corner = 0;
+  double above = 0;      ///< height of the vertex over the planes of the nearest particles
+  double in_corner = 0;  ///< see FilmParticle
   FilmLayer layer;
 };
 
