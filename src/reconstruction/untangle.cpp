@@ -63,9 +63,9 @@ class Patch {
  public:
   Patch(const RawMesh& mesh, const std::vector<std::uint32_t>& turned, const Workers& workers) {
     std::vector<std::uint8_t> inner;
-    numbers_ = with_rings(mesh, turned, rings, inner, workers);
+    const std::vector<std::uint32_t> numbers = with_rings(mesh, turned, rings, inner, workers);
     std::vector<std::uint32_t> place(mesh.positions.size(), none);
-    for (const std::uint32_t n : numbers_) {
+    for (const std::uint32_t n : numbers) {
       Triangle t = mesh.triangles[n];
       for (std::uint32_t& v : t) {
         if (place[v] == none) {
@@ -79,7 +79,7 @@ class Patch {
       triangles_.push_back(t);
     }
     const auto place_of = [&](std::uint32_t n) {
-      return std::lower_bound(numbers_.begin(), numbers_.end(), n) - numbers_.begin();
+      return std::lower_bound(numbers.begin(), numbers.end(), n) - numbers.begin();
     };
     for (const std::uint32_t n : turned) turned_.push_back(static_cast<std::uint32_t>(place_of(n)));
     now_ = start_;
@@ -201,7 +201,6 @@ class Patch {
     return move - move.dot(all) / all.squaredNorm() * all;
   }
 
-  std::vector<std::uint32_t> numbers_;   ///< of the triangles in the mesh
   std::vector<std::uint32_t> vertices_;  ///< in the mesh; all else is numbered within the patch
   std::vector<std::uint8_t> may_move_;   ///< not at the border of the patch, nor on a side of the clip box
   std::vector<Triangle> triangles_;

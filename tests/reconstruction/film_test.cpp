@@ -3,12 +3,13 @@
 
 #include <cmath>
 
-#include "reconstruction/promise.h"
+#include "reconstruction/column.h"
 #include "support/record.h"
 
 namespace oilskin {
 namespace {
 
+using test::Column;
 using test::position;
 using test::WaterScene;
 
@@ -43,28 +44,9 @@ ReconstructionOptions options_for(const WaterScene& s, double cell, ObstacleMode
   return test::options_for(s, cell, 0.1, mode);
 }
 
-/// Where a line along the sheet's normal through a point of it is in the water.
-struct Column {
-  double low = INFINITY, high = -INFINITY, length = 0;
-  bool is_wet() const { return high > low; }
-};
-
+/// Along the sheet's normal.
 Column column_over(const WaterMesh& mesh, const Vec3& base) {
-  Column column;
-  for (const Triangle& t : mesh.triangles) {
-    if (std::abs(double(mesh.positions[t[0]][0]) - base.x()) > 0.008 ||
-        std::abs(double(mesh.positions[t[0]][1]) - base.y()) > 0.008)
-      continue;
-    const Vec3 a = position(mesh, t[0]) - base, b = position(mesh, t[1]) - base,
-               c = position(mesh, t[2]) - base;
-    const double u = normal.dot(b.cross(c)), v = normal.dot(c.cross(a)), w = normal.dot(a.cross(b));
-    if (!((u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0))) continue;
-    const double at = a.dot(b.cross(c)) / (u + v + w);
-    column.low = std::min(column.low, at);
-    column.high = std::max(column.high, at);
-    column.length += u > 0 ? at : -at;
-  }
-  return column;
+  return test::column_over(mesh, base, normal, 0.008);
 }
 
 /// The mean of the water per area around a point of the sheet, kernel radius three spacings.
