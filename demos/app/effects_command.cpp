@@ -10,6 +10,7 @@
 #include "run/child_run.h"
 #include "run/effect_runs.h"
 #include "run/signals.h"
+#include "scene/fields.h"
 #include "scene/scene_library.h"
 
 namespace oilskin::demo {
@@ -79,10 +80,8 @@ class Measurement {
   std::vector<std::string> notes(const std::string& scene) const {
     std::vector<std::string> notes = {
         "The acceptance checks of the scene and contact.verify are off, unless --set gives them."};
-    std::string names;
-    for (const std::string& name : named_) names += (names.empty() ? "" : ", ") + name;
     if (!named_.empty())
-      notes.push_back(scene + " names effects of its own: " + names +
+      notes.push_back(scene + " names effects of its own: " + joined(named_) +
                       ". Their settings are the scene's; the run `none` is without them.");
     return notes;
   }

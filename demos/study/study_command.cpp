@@ -35,8 +35,7 @@ std::vector<StudiedCase> chosen_cases(const StudyOptions& options) {
     for (const StudiedCase& s : studied_cases())
       if (s.name == name) chosen.push_back(s);
     if (chosen.empty() || chosen.back().name != name)
-      throw SceneError("--case " + name + ": is not studied; the nearest is \"" + nearest_name(name, known) +
-                       "\"");
+      throw SceneError("--case " + name + ": is not studied" + suggestion(name, known));
   }
   return chosen;
 }

@@ -54,24 +54,6 @@ double squeezed(const FilmRule& rule, float width) {
   return std::clamp((slot_width - double(width) / rule.spacing) / (slot_width - slot_fades_from), 0.0, 1.0);
 }
 
-/// Calls f(item, particle, offset, rho²) for the particles near obstacles in `near` that lie on the same film
-/// as `own`.
-template <class F>
-void for_film_neighbours(const FilmRule& rule, const NearFilm& near, const FilmParticle& own, const Vec3& x,
-                         double reach, const F& f) {
-  near.for_along(own.normal, x, reach, [&](std::size_t c) {
-    const FilmParticle& other = near.item(c);
-    const Vec3 offset = near.place(c) - x;
-    if (vec(own.normal).dot(vec(other.normal)) < 0.5) return;
-    const AlongFilm along(own, offset);
-    const double rho = std::sqrt(along.rho_squared);
-    if (rho > reach) return;
-    if (std::abs(along.height - double(other.height)) > height_slack * rule.spacing + slope_slack * rho)
-      return;
-    f(other, near.particle(c), offset, along.rho_squared);
-  });
-}
-
 /// Water over the place of a particle of a film, weighted by the film's kernel.
 struct ColumnSum {
   double volume = 0;           ///< per area [cells]
@@ -94,15 +76,13 @@ ColumnSum water_in_corner(const FilmRule& rule, const NearFilm& near, const Film
                           const Water& water, const FilmKernel& kernel) {
   ColumnSum beside;
   double facing = 0;
-  near.for_along(own.normal, x, rule.link, [&](std::size_t c) {
+  near.for_beside(own.normal, x, rule.link, [&](std::size_t c) {
     const FilmParticle& other = near.item(c);
-    const double alike = vec(own.normal).dot(vec(other.normal));
-    if (alike >= 0.5) return;
     const Vec3 offset = near.place(c) - x;
     const AlongFilm along(own, offset), back(other, -offset);
     if (!(along.height > 0 && back.height > 0)) return;
     const double part = water.of(near.particle(c)) * kernel(along.rho_squared);
-    if (alike < -0.5)
+    if (vec(own.normal).dot(vec(other.normal)) < -0.5)
       facing += part;
     else if (along.height < rule.column_reach)
       beside.add(part, offset);
@@ -123,12 +103,40 @@ struct TangentFrame {
 
 /// Points of the unit disc that stand for equal parts of FilmKernel: radii by the inverse of its integral, in
 /// a spiral with the golden angle.
-constexpr std::array<std::array<double, 2>, 24> kernel_points = {
-    {{0.0725, 0.0000},   {-0.0933, 0.0855}, {0.0144, -0.1641},  {0.1196, 0.1560},  {-0.2215, -0.0392},
-     {0.2118, -0.1347},  {-0.0715, 0.2661}, {-0.1378, -0.2654}, {0.3023, 0.1104},  {-0.3180, 0.1313},
-     {0.1551, -0.3315},  {0.1161, 0.3701},  {-0.3546, -0.2055}, {0.4220, -0.0928}, {-0.2615, 0.3720},
-     {-0.0614, -0.4741}, {0.3841, 0.3237},  {-0.5274, 0.0218},  {0.3935, -0.3915}, {-0.0270, 0.5842},
-     {-0.3960, -0.4746}, {0.6513, 0.0876},  {-0.5804, 0.4039},  {0.1728, -0.7683}}};
+constexpr std::size_t kernel_points = 24;
+constexpr std::array<float, kernel_points> kernel_x = {
+    0.0725f, -0.0933f, 0.0144f, 0.1196f,  -0.2215f, 0.2118f, -0.0715f, -0.1378f,
+    0.3023f, -0.3180f, 0.1551f, 0.1161f,  -0.3546f, 0.4220f, -0.2615f, -0.0614f,
+    0.3841f, -0.5274f, 0.3935f, -0.0270f, -0.3960f, 0.6513f, -0.5804f, 0.1728f};
+constexpr std::array<float, kernel_points> kernel_y = {
+    0.0000f, 0.0855f, -0.1641f, 0.1560f, -0.0392f, -0.1347f, 0.2661f, -0.2654f,
+    0.1104f, 0.1313f, -0.3315f, 0.3701f, -0.2055f, -0.0928f, 0.3720f, -0.4741f,
+    0.3237f, 0.0218f, -0.3915f, 0.5842f, -0.4746f, 0.0876f,  0.4039f, -0.7683f};
+
+/// The largest distance of these points from the middle.
+constexpr double farthest_kernel_point = 0.79;
+
+/// Which points of the kernel discs cover.
+class Coverage {
+ public:
+  explicit Coverage(double reach) : reach_(static_cast<float>(reach)) {}
+  /// A disc around (x, y).
+  void add(double x, double y, double radius) {
+    const auto at_x = static_cast<float>(x), at_y = static_cast<float>(y), r = static_cast<float>(radius);
+    for (std::size_t s = 0; s < kernel_points && covered_ != all; s += 8) {
+      const simd::F8 u = simd::F8::load(&kernel_x[s]) * reach_ - at_x,
+                     v = simd::F8::load(&kernel_y[s]) * reach_ - at_y;
+      covered_ |= greater_mask(r * r, u * u + v * v) << s;
+    }
+  }
+  /// The part of them that discs cover.
+  double share() const { return double(__builtin_popcount(covered_)) / double(kernel_points); }
+
+ private:
+  static constexpr std::uint32_t all = (1u << kernel_points) - 1;
+  float reach_;
+  std::uint32_t covered_ = 0;
+};
 
 /// The nearest neighbour in each of six sectors.
 class Sectors {
@@ -231,6 +239,7 @@ void Film::find_heights(const ParticleBlocks& particles, const Obstacles& obstac
       }
       if (!(box.min.x() <= box.max.x())) continue;
       nearest_triangle.set(obstacles, box, reach);
+      nearest_triangle.set_planes();
       for (std::size_t i = particles.begin[b]; i < particles.begin[b + 1]; ++i) {
         const Vec3 x = cell * particles.place(b, i);
         if (!bounds.contains(x)) continue;
@@ -313,15 +322,13 @@ void Film::part_films(const ParticleBlocks& particles, const Water& water, const
               const double width = width_at(own);
               if (!is_wide(own) || double(own.height) > width / 2) return;
               double all = 0, joined = 0, height = 0;
-              for_film_neighbours(rule_, near, own, x, rule_.link,
-                                  [&](const FilmParticle& p, std::uint32_t number, const Vec3&, double rho2) {
-                                    const double volume = water.of(number) * kernel(rho2),
-                                                 nearer = nearer_at(p);
-                                    all += volume;
-                                    height += volume * nearer;
-                                    if (nearer > rule_.film_reach || width_at(p) < least_width)
-                                      joined += volume;
-                                  });
+              near.for_same_film(rule_, own, x, rule_.link, [&](std::size_t c, double rho2) {
+                const FilmParticle& p = near.item(c);
+                const double volume = water.of(near.particle(c)) * kernel(rho2), nearer = nearer_at(p);
+                all += volume;
+                height += volume * nearer;
+                if (nearer > rule_.film_reach || width_at(p) < least_width) joined += volume;
+              });
               const double half = rule_.grid_height / 2,
                            top = std::max(rule_.clearance + half, height / all) + half;
               is_apart[item] = joined <= most_joined * all && width > 2 * top + dry_between;
@@ -344,11 +351,9 @@ void Film::find_radii(const ParticleBlocks& particles, const Workers& workers) {
               FilmParticle& own = items_[item];
               if (!forms_film(own)) return;
               Sectors sectors(vec(own.normal));
-              for_film_neighbours(
-                  rule_, near, own, x, rule_.link,
-                  [&](const FilmParticle& other, std::uint32_t p, const Vec3& offset, double) {
-                    if (p != particle && forms_film(other)) sectors.add(offset);
-                  });
+              near.for_same_film(rule_, own, x, rule_.link, [&](std::size_t c, double) {
+                if (near.particle(c) != particle && forms_film(near.item(c))) sectors.add(near.place(c) - x);
+              });
               const auto radius = [&](double distance) {
                 return static_cast<float>(
                     std::clamp(radius_of_distance * distance, rule_.min_radius, rule_.max_radius));
@@ -362,61 +367,54 @@ void Film::find_radii(const ParticleBlocks& particles, const Workers& workers) {
 /// The share of a particle is its volume over the part of its kernel that lies over discs. Also takes
 /// particles under deep water out of films.
 void Film::find_shares(const ParticleBlocks& particles, const Water& water, const Workers& workers) {
-  const double reach = rule_.link + rule_.max_radius;
+  const double reach = std::max(rule_.link, farthest_kernel_point * rule_.link + rule_.max_radius);
   const FilmKernel kernel(rule_.link);
   // Only when all are known: neighbours read the radii.
   std::vector<float> in_film(items_.size(), 1.0f);
   std::vector<float> edge(items_.size(), 0.0f);
-  for_items(
-      particles, reach, workers,
-      [&](std::uint32_t item, std::uint32_t particle, const Vec3& x, const NearFilm& near) {
-        FilmParticle& own = items_[item];
-        const FilmParticle* const opposite_of_own = opposite(own);
-        const TangentFrame frame(vec(own.normal));
-        std::array<bool, kernel_points.size()> is_covered{};
-        double weight = 0, height = 0;
-        ColumnSum column;
-        for_film_neighbours(rule_, near, own, x, reach,
-                            [&](const FilmParticle& other, std::uint32_t p, const Vec3& offset, double rho2) {
-                              column.add(water.of(p) * kernel(rho2), offset);
-                              if (!(other.radius > 0)) return;
-                              if (opposite_of_own) {
-                                weight += kernel(rho2);
-                                height += kernel(rho2) * double(other.height);
-                              }
-                              const double a = frame.u.dot(offset), b = frame.v.dot(offset);
-                              const double r2 = double(other.radius) * double(other.radius);
-                              for (std::size_t s = 0; s < kernel_points.size(); ++s) {
-                                const double u = rule_.link * kernel_points[s][0] - a,
-                                             v = rule_.link * kernel_points[s][1] - b;
-                                is_covered[s] |= u * u + v * v < r2;
-                              }
-                            });
-        own.mean_height = weight > 0 ? static_cast<float>(height / weight) : own.height;
-        own.grid_height = static_cast<float>(rule_.grid_height);
-        ColumnSum all = column;
-        if (!opposite_of_own) {
-          all.add(water_in_corner(rule_, near, own, x, water, kernel));
-          const Vec3 normal = vec(own.normal), along = all.moment - all.moment.dot(normal) * normal;
-          edge[item] = static_cast<float>(dense_edge(rule_, all.volume, along.norm()));
-        }
-        const auto covered = std::count(is_covered.begin(), is_covered.end(), true);
-        if (covered == 0) return;
-        const double over_water = double(covered) / double(kernel_points.size());
-        own.share = static_cast<float>(water.of(particle) / over_water);
-        const double alone = thinness(rule_, column.volume / over_water);
-        double thin = thinness(rule_, all.volume / over_water);
-        if (alone > 0) own.in_corner = static_cast<float>(1 - thin / alone);
-        if (opposite_of_own) {
-          own.squeezed = static_cast<float>(squeezed(rule_, own.height + opposite_of_own->height));
-          thin = std::max(thin, double(own.squeezed));
-          own.grid_height = static_cast<float>(
-              std::max(rule_.grid_height, double(own.squeezed) * grid_excess * column.volume / over_water));
-        }
-        in_film[item] = static_cast<float>(std::min(1.0, thin / full_disc));
-        // A drop alone is as high as it is wide: the field draws it.
-        own.thin = own.is_linked ? static_cast<float>(thin) : 0.0f;
-      });
+  for_items(particles, reach, workers,
+            [&](std::uint32_t item, std::uint32_t particle, const Vec3& x, const NearFilm& near) {
+              FilmParticle& own = items_[item];
+              const FilmParticle* const opposite_of_own = opposite(own);
+              const TangentFrame frame(vec(own.normal));
+              Coverage coverage(rule_.link);
+              double weight = 0, height = 0;
+              ColumnSum column;
+              near.for_same_film(rule_, own, x, reach, [&](std::size_t c, double rho2) {
+                const FilmParticle& other = near.item(c);
+                const Vec3 offset = near.place(c) - x;
+                column.add(water.of(near.particle(c)) * kernel(rho2), offset);
+                if (!(other.radius > 0)) return;
+                if (opposite_of_own) {
+                  weight += kernel(rho2);
+                  height += kernel(rho2) * double(other.height);
+                }
+                coverage.add(frame.u.dot(offset), frame.v.dot(offset), double(other.radius));
+              });
+              own.mean_height = weight > 0 ? static_cast<float>(height / weight) : own.height;
+              own.grid_height = static_cast<float>(rule_.grid_height);
+              ColumnSum all = column;
+              if (!opposite_of_own) {
+                all.add(water_in_corner(rule_, near, own, x, water, kernel));
+                const Vec3 normal = vec(own.normal), along = all.moment - all.moment.dot(normal) * normal;
+                edge[item] = static_cast<float>(dense_edge(rule_, all.volume, along.norm()));
+              }
+              const double over_water = coverage.share();
+              if (over_water == 0) return;
+              own.share = static_cast<float>(water.of(particle) / over_water);
+              const double alone = thinness(rule_, column.volume / over_water);
+              double thin = thinness(rule_, all.volume / over_water);
+              if (alone > 0) own.in_corner = static_cast<float>(1 - thin / alone);
+              if (opposite_of_own) {
+                own.squeezed = static_cast<float>(squeezed(rule_, own.height + opposite_of_own->height));
+                thin = std::max(thin, double(own.squeezed));
+                own.grid_height = static_cast<float>(std::max(
+                    rule_.grid_height, double(own.squeezed) * grid_excess * column.volume / over_water));
+              }
+              in_film[item] = static_cast<float>(std::min(1.0, thin / full_disc));
+              // A drop alone is as high as it is wide: the field draws it.
+              own.thin = own.is_linked ? static_cast<float>(thin) : 0.0f;
+            });
   for (std::size_t i = 0; i < items_.size(); ++i) {
     FilmParticle& own = items_[i];
     own.radius += edge[i] * (own.radius_in_sight - own.radius);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "reconstruction/block_parts.h"
 #include "reconstruction/film_kernel.h"
 #include "reconstruction/near_film.h"
 
@@ -100,17 +101,11 @@ struct FilmsAt {
 /// The films at x, whose distance from obstacles is known.
 FilmsAt films_at(const FilmRule& rule, const NearFilm& near, const Vec3& x, double distance,
                  const FilmKernel& kernel) {
-  const double most = height_slack * rule.spacing + slope_slack * rule.link;
   // Calls f(particle, weight, height over its plane).
   const auto for_film = [&](const auto& f) {
-    near.for_over(x, distance, most, rule.link, [&](std::size_t c) {
-      const FilmParticle& p = near.item(c);
-      const AlongFilm along(p, x - near.place(c));
-      const double k = kernel(along.rho_squared);
+    near.for_over(rule, x, distance, [&](std::size_t c, double rho_squared, double above) {
       // Those without a share are no part of the film: too high above the obstacle.
-      if (!(k > 0) || !(p.share > 0)) return;
-      const double slack = height_slack * rule.spacing + slope_slack * std::sqrt(along.rho_squared);
-      if (std::abs(along.height - distance) <= slack) f(p, k, along.height);
+      if (near.item(c).share > 0) f(near.item(c), kernel(rho_squared), above);
     });
   };
   FilmSums all;
@@ -196,53 +191,64 @@ FilmVertices thin_films(const Film& film, ObstacleMode mode, const ParticleBlock
   if (clip) within_clip = clip->inflated(-0.05 * grid.cell);
   const FilmRule& rule = film.rule();
   const FilmKernel kernel(rule.link);
+  const auto thin = [&](std::uint32_t v, const Vec3& x, const NearFilm& near) {
+    const double distance = mesh.distances[v];
+    const Vec3 place = vec(mesh.positions[v]);
+    const FilmsAt found = films_at(rule, near, x, distance, kernel);
+    const NodeRef& inner = mesh.inside_nodes[v];
+    const std::uint32_t inner_near = grid.blocks[inner.block].near;
+    const double wetness = inner_near == none
+                               ? mode == ObstacleMode::touch
+                               : double(film_wetness(mode, grid.nears[inner_near], std::size_t(inner.node)));
+    std::array<Vec3, 2> moves = {Vec3::Zero(), Vec3::Zero()};
+    for (std::size_t side_of = 0; side_of < 2; ++side_of) {
+      FilmAt at = found.films[side_of];
+      const double weight = found.weights[side_of];
+      if (!(weight > 0 && at.weight > 0)) continue;
+      const double share = film_share(rule, at) * std::clamp((rule.band - 1 - distance) / fade, 0.0, 1.0);
+      result.thickness[v] += static_cast<float>(weight * at.thickness);
+      result.share[v] += static_cast<float>(weight * share);
+      at.layer.sinks *= wetness;
+      at.layer.other_sinks *= wetness;
+      const double now =
+          height_of(at, distance, distance + at.normal.dot(place - vec(polygonised[v])) / grid.cell);
+      // Below another obstacle the nearest one of the node within may be the lower one.
+      const bool faces_obstacle = at.layer.opposite > 0
+                                      ? at.normal.dot(grid.place(inner) - vec(polygonised[v])) > 0
+                                      : double(grid.distance(inner)) > distance;
+      // Into the water only, where there is no obstacle: lower sides go up, all others down.
+      const bool is_lower =
+          faces_obstacle && now < at.layer.lower(at.layer.grid_height, rule.clearance) + at_lower_side;
+      const double shift = share * film_shift(rule, at.layer, at.thickness, now);
+      moves[side_of] = (is_lower ? std::max(0.0, shift) : std::min(0.0, shift)) * at.normal;
+    }
+    const Vec3 move = common(moves, found.weights);
+    if (move == Vec3::Zero()) return;
+    const Vec3 moved = clamped_to(clip, place + grid.cell * move);
+    mesh.positions[v] = {float(moved.x()), float(moved.y()), float(moved.z())};
+  };
   const std::vector<float> no_volumes;
   workers.for_chunks(grid.blocks.size(), 8, [&](std::size_t from, std::size_t to, std::size_t) {
-    NearParticles near;
+    NearParticles near, near_part;
     NearFilm near_film;
+    BlockParts parts;
     for (std::size_t b = from; b < to; ++b) {
       const std::uint32_t begin = mesh.first_vertex[b], end = mesh.first_vertex[b + 1];
       if (begin == end || grid.blocks[b].near == none) continue;
       near.gather(particles, no_volumes, grid.blocks[b].at, -1, side + 1, float(rule.link));
-      near_film.set(film, near);
       const Vec3 origin = grid.origin(grid.blocks[b]);
+      parts.clear();
       for (std::uint32_t v = begin; v < end; ++v) {
-        const double distance = mesh.distances[v];
         const Vec3 place = vec(mesh.positions[v]);
-        if (!(distance < rule.band) || (within_clip && !within_clip->contains(place))) continue;
-        const FilmsAt found = films_at(rule, near_film, (place - origin) / grid.cell, distance, kernel);
-        const NodeRef& inner = mesh.inside_nodes[v];
-        const std::uint32_t inner_near = grid.blocks[inner.block].near;
-        const double wetness =
-            inner_near == none ? mode == ObstacleMode::touch
-                               : double(film_wetness(mode, grid.nears[inner_near], std::size_t(inner.node)));
-        std::array<Vec3, 2> moves = {Vec3::Zero(), Vec3::Zero()};
-        for (std::size_t side_of = 0; side_of < 2; ++side_of) {
-          FilmAt at = found.films[side_of];
-          const double weight = found.weights[side_of];
-          if (!(weight > 0 && at.weight > 0)) continue;
-          const double share = film_share(rule, at) * std::clamp((rule.band - 1 - distance) / fade, 0.0, 1.0);
-          result.thickness[v] += static_cast<float>(weight * at.thickness);
-          result.share[v] += static_cast<float>(weight * share);
-          at.layer.sinks *= wetness;
-          at.layer.other_sinks *= wetness;
-          const double now =
-              height_of(at, distance, distance + at.normal.dot(place - vec(polygonised[v])) / grid.cell);
-          // Below another obstacle the nearest one of the node within may be the lower one.
-          const bool faces_obstacle = at.layer.opposite > 0
-                                          ? at.normal.dot(grid.place(inner) - vec(polygonised[v])) > 0
-                                          : double(grid.distance(inner)) > distance;
-          // Into the water only, where there is no obstacle: lower sides go up, all others down.
-          const bool is_lower =
-              faces_obstacle && now < at.layer.lower(at.layer.grid_height, rule.clearance) + at_lower_side;
-          const double shift = share * film_shift(rule, at.layer, at.thickness, now);
-          moves[side_of] = (is_lower ? std::max(0.0, shift) : std::min(0.0, shift)) * at.normal;
-        }
-        const Vec3 move = common(moves, found.weights);
-        if (move == Vec3::Zero()) continue;
-        const Vec3 moved = clamped_to(clip, place + grid.cell * move);
-        mesh.positions[v] = {float(moved.x()), float(moved.y()), float(moved.z())};
+        if (double(mesh.distances[v]) < rule.band && (!within_clip || within_clip->contains(place)))
+          parts.add(v, (place - origin) / grid.cell);
       }
+      parts.for_each([&](const BlockParts::Part& part) {
+        near_part.select(near, part.low, part.high, float(rule.link));
+        near_film.set(film, near_part);
+        for (std::size_t i = 0; i < part.numbers.size(); ++i)
+          thin(part.numbers[i], vec(part.places[i]), near_film);
+      });
     }
   });
   return result;

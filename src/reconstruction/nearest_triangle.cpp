@@ -101,15 +101,22 @@ ClosestPoint NearestTriangle::find(const Vec3& x, double within) const {
 }
 
 ClosestPoint NearestTriangle::find_opposite(const Vec3& x, const Vec3& normal) const {
-  const auto is_ahead = [&](std::size_t c) {
-    F8 ahead = 0.0f;  // how far a box reaches along the normal from x, at most
+  // What it looks for is in front of a triangle's plane, on the side to which the triangle's normal is at
+  // more than 90° to `normal`.
+  const Vec3 from_origin = x - origin_;
+  const float rounding = static_cast<float>(1e-5 * (from_origin.cwiseAbs().maxCoeff() + reach_));
+  const auto may_face = [&](std::size_t c) {
+    F8 ahead = 0.0f, alike = 0.0f;  // ahead: how far a box reaches along the normal from x, at most
+    F8 height = 0.0f - F8::load(&offset_[c]);
     for (std::size_t a = 0; a < 3; ++a) {
-      const auto at = static_cast<float>(x[int(a)] - origin_[int(a)]), n = static_cast<float>(normal[int(a)]);
+      const auto at = static_cast<float>(from_origin[int(a)]), n = static_cast<float>(normal[int(a)]);
       ahead = ahead + larger((F8::load(&low_[a][c]) - at) * n, (F8::load(&high_[a][c]) - at) * n);
+      alike = alike + F8::load(&normal_[a][c]) * n;
+      height = height + F8::load(&normal_[a][c]) * at;
     }
-    return 0xff & greater_mask(ahead, 0.0f);
+    return greater_mask(ahead, 0.0f) & greater_mask(rounding, height * alike);
   };
-  return nearest(x, reach_, is_ahead, [&](const ClosestPoint& p, std::uint32_t t) {
+  return nearest(x, reach_, may_face, [&](const ClosestPoint& p, std::uint32_t t) {
     return p.offset.dot(normal) < -0.45 * p.distance &&
            std::abs(p.offset.dot(obstacles_->normal(t))) > 0.92 * p.distance;
   });

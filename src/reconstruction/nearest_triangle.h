@@ -32,7 +32,7 @@ class NearestTriangle {
            bits != 0; bits &= bits - 1)
         f(triangles_[c + std::size_t(__builtin_ctz(bits))]);
   }
-  /// Prepares for is_any_between(). The obstacles' normals must be prepared.
+  /// Prepares for is_any_between() and find_opposite(). The obstacles' normals must be prepared.
   void set_planes();
   /// Whether f(t) holds for a triangle whose plane and box the segment from p to q reaches; f may be asked
   /// about some more.

@@ -181,19 +181,21 @@ void NearParticles::gather(const ParticleBlocks& p, const std::vector<float>& vo
   pad();
 }
 
-void NearParticles::select(const NearParticles& from, const std::array<float, 3>& low, float edge,
-                           float reach) {
+void NearParticles::select(const NearParticles& from, const std::array<float, 3>& low,
+                           const std::array<float, 3>& high, float reach) {
   count = 0;
   make_space(from.count);
   std::array<float, 3> least, most;
   for (std::size_t a = 0; a < 3; ++a) {
     least[a] = low[a] - reach;
-    most[a] = low[a] + edge + reach;
+    most[a] = high[a] + reach;
   }
   for_inside(from.x.data(), from.y.data(), from.z.data(), 0, from.count, least, most, [&](std::size_t c) {
     x[count] = from.x[c];
     y[count] = from.y[c];
-    z[count++] = from.z[c];
+    z[count] = from.z[c];
+    volume[count] = from.volume[c];
+    particle[count++] = from.particle[c];
   });
   pad();
 }

@@ -43,9 +43,9 @@ struct NearParticles {
   /// Empty `volumes` stand for volumes of 1.
   void gather(const ParticleBlocks& particles, const std::vector<float>& volumes, const Int3& at, float low,
               float high, float reach);
-  /// Selects from `from` the particles within `reach`, on each axis, of the cube of edge `edge` at `low`.
-  /// Places only.
-  void select(const NearParticles& from, const std::array<float, 3>& low, float edge, float reach);
+  /// Selects from `from` the particles within `reach`, on each axis, of the box from `low` to `high`.
+  void select(const NearParticles& from, const std::array<float, 3>& low, const std::array<float, 3>& high,
+              float reach);
 
  private:
   struct Limits {  // of coordinates

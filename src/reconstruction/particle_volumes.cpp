@@ -54,7 +54,7 @@ void particle_volumes(const ParticleBlocks& particles, const FieldParameters& p,
       for (int octant = 0; octant < 8; ++octant) {
         const std::array<float, 3> low = {octant & 1 ? half : 0, octant & 2 ? half : 0,
                                           octant & 4 ? half : 0};
-        part.select(near, low, half, p.kernel_radius);
+        part.select(near, low, {low[0] + half, low[1] + half, low[2] + half}, p.kernel_radius);
         for (std::size_t i = begin; i < end; ++i) {
           const std::array<float, 3> x = {particles.x[i], particles.y[i], particles.z[i]};
           if (octant_of(x) == octant)

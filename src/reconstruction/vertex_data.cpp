@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "reconstruction/block_parts.h"
 
 namespace oilskin::reconstruction {
 
@@ -25,18 +26,27 @@ struct Sample {
   }
   void make_linear(double ridge_in_cells) {
     double sum = 0;
-    Vec3 mean = Vec3::Zero();
+    Vec3 first = Vec3::Zero();
+    double xx = 0, yy = 0, zz = 0, xy = 0, yz = 0, zx = 0;
     for (std::size_t i = 0; i < weight.size(); ++i) {
+      const Vec3 &o = offset[i], w = weight[i] * o;
       sum += weight[i];
-      mean += weight[i] * offset[i];
+      first += w;
+      xx += w.x() * o.x();
+      yy += w.y() * o.y();
+      zz += w.z() * o.z();
+      xy += w.x() * o.y();
+      yz += w.y() * o.z();
+      zx += w.z() * o.x();
     }
     if (!(sum > 0)) return;
-    mean /= sum;
-    Eigen::Matrix3d covariance = ridge_in_cells * Eigen::Matrix3d::Identity();
-    for (std::size_t i = 0; i < weight.size(); ++i)
-      covariance += weight[i] / sum * (offset[i] - mean) * (offset[i] - mean).transpose();
+    const Vec3 mean = first / sum;
+    Eigen::Matrix3d covariance;
+    covariance << xx, xy, zx, xy, yy, yz, zx, yz, zz;
+    covariance = covariance / sum - mean * mean.transpose() + ridge_in_cells * Eigen::Matrix3d::Identity();
     const Vec3 slope = covariance.inverse() * (-mean);
-    for (std::size_t i = 0; i < weight.size(); ++i) weight[i] *= (1 + slope.dot(offset[i] - mean)) / sum;
+    const double at_mean = 1 - slope.dot(mean);
+    for (std::size_t i = 0; i < weight.size(); ++i) weight[i] *= (at_mean + slope.dot(offset[i])) / sum;
   }
   /// The smallest number among the particles with the smallest distance.
   std::uint32_t nearest() const {
@@ -66,7 +76,7 @@ struct Sample {
   }
 };
 
-/// Samples the particles around the vertices of one block.
+/// Samples the particles around the vertices of one block, a part of the vertices at a time.
 class BlockSampler {
  public:
   BlockSampler(const ParticleBlocks& particles, const FieldParameters& field)
@@ -75,15 +85,24 @@ class BlockSampler {
   void set(const Grid& grid, const Block& block, const Obstacles& obstacles, bool use_visibility) {
     at_ = block.at;
     // Vertices lie on edges of the block; smoothing may have moved them by a cell.
-    gathered_.gather(particles_, {}, block.at, -1, side + 1, field_.kernel_radius);
-    visibility_ = BlockVisibility();
-    if (use_visibility && block.near != none)
-      visibility_.set(obstacles, grid.nears[block.near].triangles, grid.origin(block), grid.cell,
-                      field_.kernel_radius + 3);
+    in_block_.gather(particles_, {}, block.at, low, high, field_.kernel_radius);
+    is_obstructed_ = use_visibility && block.near != none;
+    if (!is_obstructed_) return;
+    visibility_.set(obstacles, grid.nears[block.near].triangles, grid.origin(block), grid.cell,
+                    field_.kernel_radius + 3);
+    is_obstructed_ = !visibility_.empty();
+    open_.resize(visibility_.words());
+  }
+  void set(const BlockParts::Part& part) {
+    std::array<float, 3> from = part.low, to = part.high;
+    for (std::size_t a = 0; a < 3; ++a) {
+      from[a] = std::max(from[a], low);
+      to[a] = std::min(to[a], high);
+    }
+    gathered_.select(in_block_, from, to, field_.kernel_radius);
+    if (!is_obstructed_) return;
     front_.clear();
     back_.clear();
-    if (visibility_.empty()) return;
-    open_.resize(visibility_.words());
     for (std::size_t c = 0; c < gathered_.count; ++c) {
       const std::array<float, 3> q = {gathered_.x[c], gathered_.y[c], gathered_.z[c]};
       visibility_.sides(q, own_front_, own_back_);
@@ -95,7 +114,7 @@ class BlockSampler {
   void sample(const std::array<float, 3>& x, Sample& out) {
     out.clear();
     if (is_around_block(x)) {
-      collect(x, !visibility_.empty(), out);
+      collect(x, is_obstructed_, out);
       // A vertex between close sheets may see no particle: then those nearby count.
       if (out.weight.empty()) collect(x, false, out);
     }
@@ -142,8 +161,9 @@ class BlockSampler {
   }
 
   /// Within a cell of the block, where all particles in reach have been gathered.
+  static constexpr float low = -1, high = side + 1;
   static bool is_around_block(const std::array<float, 3>& x) {
-    return std::all_of(x.begin(), x.end(), [](float v) { return v >= -1 && v <= side + 1; });
+    return std::all_of(x.begin(), x.end(), [](float v) { return v >= low && v <= high; });
   }
   /// A vertex that the fit has moved far from its block, or out of the kernel radius of all particles.
   void take_nearest(const std::array<float, 3>& x, Sample& out) {
@@ -173,7 +193,8 @@ class BlockSampler {
   const ParticleBlocks& particles_;
   const FieldParameters& field_;
   Int3 at_;  // the block
-  NearParticles gathered_, far_;
+  NearParticles in_block_, gathered_, far_;
+  bool is_obstructed_ = false;
   BlockVisibility visibility_;
   Words front_, back_, own_front_, own_back_, open_;
   std::uint32_t last_hit_ = none;
@@ -220,30 +241,37 @@ void interpolate(const ReconstructionInput& input, const ParticleBlocks& particl
   }
   mesh.nearest.resize(wants_nearest ? n : 0);
   if (mesh.velocities.empty() && mesh.attributes.empty() && !wants_nearest) return;
+  const auto store = [&](std::uint32_t v, const Sample& sample) {
+    if (wants_nearest) mesh.nearest[v] = sample.nearest();
+    if (!mesh.velocities.empty())
+      for (int k = 0; k < 3; ++k)
+        mesh.velocities[v][std::size_t(k)] =
+            sample.of([&](std::uint32_t i) { return input.velocities[i][k]; });
+    for (std::size_t a = 0; a < input.attributes.size(); ++a) {
+      const std::size_t m = std::size_t(input.attributes[a].components);
+      for (std::size_t k = 0; k < m; ++k)
+        mesh.attributes[a].values[v * m + k] =
+            sample.of([&](std::uint32_t i) { return double(input.attributes[a].values[i * m + k]); });
+    }
+  };
   workers.for_chunks(grid.blocks.size(), 8, [&](std::size_t from, std::size_t to, std::size_t) {
     BlockSampler sampler(particles, field);
     Sample sample;
+    BlockParts parts;
     for (std::size_t b = from; b < to; ++b) {
       const std::uint32_t begin = raw.first_vertex[b], end = raw.first_vertex[b + 1];
       if (begin == end) continue;
       sampler.set(grid, grid.blocks[b], obstacles, use_visibility);
       const Vec3 origin = grid.origin(grid.blocks[b]);
-      for (std::uint32_t v = begin; v < end; ++v) {
-        const auto& p = raw.positions[v];
-        const Vec3 x = (Vec3(p[0], p[1], p[2]) - origin) / grid.cell;
-        sampler.sample({float(x.x()), float(x.y()), float(x.z())}, sample);
-        if (wants_nearest) mesh.nearest[v] = sample.nearest();
-        if (!mesh.velocities.empty())
-          for (int k = 0; k < 3; ++k)
-            mesh.velocities[v][std::size_t(k)] =
-                sample.of([&](std::uint32_t i) { return input.velocities[i][k]; });
-        for (std::size_t a = 0; a < input.attributes.size(); ++a) {
-          const std::size_t m = std::size_t(input.attributes[a].components);
-          for (std::size_t k = 0; k < m; ++k)
-            mesh.attributes[a].values[v * m + k] =
-                sample.of([&](std::uint32_t i) { return double(input.attributes[a].values[i * m + k]); });
+      parts.clear();
+      for (std::uint32_t v = begin; v < end; ++v) parts.add(v, (vec(raw.positions[v]) - origin) / grid.cell);
+      parts.for_each([&](const BlockParts::Part& part) {
+        sampler.set(part);
+        for (std::size_t i = 0; i < part.numbers.size(); ++i) {
+          sampler.sample(part.places[i], sample);
+          store(part.numbers[i], sample);
         }
-      }
+      });
     }
   });
 }

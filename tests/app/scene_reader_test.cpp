@@ -190,7 +190,7 @@ TEST(SceneReader, every_key_is_documented) {
 
 TEST(SceneReader, messages_name_the_path) {
   EXPECT_EQ(message_of(R"({"cloth": [{}, {"slip": {"modle": "free"}}]})"),
-            "cloth.1.slip.modle: this key is not known; the nearest known one is \"model\"");
+            "cloth.1.slip.modle: this key is not known; the nearest is \"model\"");
   EXPECT_EQ(message_of(R"({"fluid": {"spacing": -1}})"), "fluid.spacing: is -1, must be > 0");
   EXPECT_NE(message_of(R"({"cloth": [{"normal": [1, 0, 0], "u_axis": [1, 0, 0]}]})").find("parallel"),
             std::string::npos);
@@ -209,11 +209,11 @@ TEST(SceneReader, pins_move_after_they_are_held_and_are_let_go_after_that) {
 TEST(SceneReader, keys_of_checks_are_checked) {
   EXPECT_EQ(message_of(R"({"acceptance": 3})"), "acceptance: is 3, must be an object");
   EXPECT_EQ(message_of(R"({"acceptance": {"dam_brake": {}}})"),
-            "acceptance.dam_brake: this key is not known; the nearest known one is \"dam_break\"");
+            "acceptance.dam_brake: this key is not known; the nearest is \"dam_break\"");
   EXPECT_EQ(message_of(R"({"acceptance": {"min_emitted": 1.5}})"),
             "acceptance.min_emitted: is 1.5, must be a whole number, from 0 to 2e+09");
   EXPECT_EQ(message_of(R"({"acceptance": {"dry_shadow": {"margine": 1}}})"),
-            "acceptance.dry_shadow.margine: this key is not known; the nearest known one is \"margin\"");
+            "acceptance.dry_shadow.margine: this key is not known; the nearest is \"margin\"");
 }
 
 TEST(SceneReader, checks_that_could_never_be_looked_at_are_refused) {
@@ -246,7 +246,7 @@ TEST(SceneReader, fields_are_checked) {
             "emitters.0.flow.0.gradient.1: is [1,2], must be a list of 3 numbers");
   EXPECT_EQ(
       message_of_box(R"("flow": [{"field": "linear", "rate": 1, "gradient": [[1,2,3],[1,2,3],[1,2,3]]}])"),
-      "emitters.0.flow.0.rate: this key is not known; the nearest known one is \"field\"");
+      "emitters.0.flow.0.rate: this key is not known; known are field, gradient");
   EXPECT_EQ(message_of_box(R"("displacement": [{"field": "standing_wave", "up": [1, 1, 0]}])"),
             "emitters.0.displacement.0.up: must be across \"along\"");
   EXPECT_EQ(message_of_box(R"("flow": [{"field": "taylor_green", "edge_v": [1, 1, 0]}])"),
@@ -325,9 +325,10 @@ TEST(SceneReader, a_cut_needs_a_slab_and_a_known_colour) {
             std::string::npos);
 }
 
-TEST(SceneReader, nearest_name_is_by_edit_distance) {
-  EXPECT_EQ(nearest_name("thicknes", {"spacing", "thickness", "substeps"}), "thickness");
-  EXPECT_EQ(nearest_name("x", {}), "");
+TEST(SceneReader, what_is_suggested_is_near_by_edit_distance) {
+  EXPECT_EQ(suggestion("thicknes", {"spacing", "thickness", "substeps"}), "; the nearest is \"thickness\"");
+  EXPECT_EQ(suggestion("strong", {"none", "position", "force"}), "");
+  EXPECT_EQ(suggestion("x", {}), "");
 }
 
 TEST(Override, reaches_keys_lists_and_new_places) {

@@ -48,17 +48,23 @@ std::string Range::text() const {
   return "finite";
 }
 
-std::string nearest_name(const std::string& word, const std::vector<std::string>& known) {
+std::string joined(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
+std::string suggestion(const std::string& word, const std::vector<std::string>& known) {
   std::string best;
   std::size_t minimum = std::string::npos;
   for (const std::string& name : known) {
     const std::size_t d = edit_distance(word, name);
-    if (d < minimum) {
+    if (d < minimum && 2 * d <= std::max(word.size(), name.size())) {
       minimum = d;
       best = name;
     }
   }
-  return best;
+  return best.empty() ? "" : "; the nearest is \"" + best + "\"";
 }
 
 void Fields::fail(const std::string& key, const std::string& why) const {
@@ -259,8 +265,7 @@ void Fields::names(const char* key, std::vector<std::string>& values, const std:
   }
   const Json* found = find(key);
   if (found == nullptr) return;
-  std::string all;
-  for (const std::string& name : known) all += (all.empty() ? "" : ", ") + name;
+  const std::string all = joined(known);
   if (!found->is_array()) fail(key, "is " + shown(*found) + ", must be a list of words from " + all);
   std::vector<bool> named(known.size(), false);
   for (const Json& item : *found) {
@@ -282,22 +287,21 @@ std::size_t Fields::chosen(const char* key, std::size_t current, const std::vect
   }
   const Json* found = find(key);
   if (found == nullptr) return current;
-  std::string all;
-  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  const std::string all = joined(names);
   if (!found->is_string()) fail(key, "is " + shown(*found) + ", must be one of " + all);
   const std::string word = found->get<std::string>();
   for (std::size_t i = 0; i < names.size(); ++i)
     if (names[i] == word) return i;
-  fail(key, "is \"" + word + "\", must be one of " + all + "; the nearest is \"" + nearest_name(word, names) +
-                "\"");
+  fail(key, "is \"" + word + "\", must be one of " + all + suggestion(word, names));
 }
 
 void Fields::finish() const {
   if (in_ == nullptr) return;
   for (const auto& item : in_->items()) {
     if (std::find(known_.begin(), known_.end(), item.key()) != known_.end()) continue;
-    throw SceneError(path_of(item.key()) + ": this key is not known; the nearest known one is \"" +
-                     nearest_name(item.key(), known_) + "\"");
+    const std::string nearest = suggestion(item.key(), known_);
+    throw SceneError(path_of(item.key()) + ": this key is not known" +
+                     (nearest.empty() ? "; known are " + joined(known_) : nearest));
   }
 }
 

@@ -46,8 +46,11 @@ inline Range between(double minimum, double maximum) {
   return {minimum, maximum, false};
 }
 
-/// The known name nearest to `word` by edit distance; empty where none is known.
-std::string nearest_name(const std::string& word, const std::vector<std::string>& known);
+/// The names with `, ` between them.
+std::string joined(const std::vector<std::string>& names);
+/// `; the nearest is "NAME"` with the known name that is nearest to `word` by edit distance. Empty where none
+/// has half of the letters of the longer of the two.
+std::string suggestion(const std::string& word, const std::vector<std::string>& known);
 
 /// Describe an object by naming its keys in turn. Absent keys keep the value they have: the default. finish()
 /// refuses keys that nobody named.

@@ -21,10 +21,8 @@ std::string find_scene_file(const std::string& scene) {
   }
   const fs::path shipped = fs::path(scenes_directory()) / (scene + ".json");
   if (fs::exists(shipped)) return shipped.string();
-  std::string all;
-  for (const std::string& name : shipped_scenes()) all += (all.empty() ? "" : ", ") + name;
-  throw SceneError(scene + ": there is no such scene; the nearest is \"" +
-                   nearest_name(scene, shipped_scenes()) + "\". Scenes: " + all +
+  const std::vector<std::string> all = shipped_scenes();
+  throw SceneError(scene + ": there is no such scene" + suggestion(scene, all) + ". Scenes: " + joined(all) +
                    ", or a path to a .json file");
 }
 

@@ -26,8 +26,7 @@ const ValidationCase& validation_case(const std::string& name) {
     if (c.name == name) return c;
     names.push_back(c.name);
   }
-  throw SceneError(name + ": there is no such validation case; the nearest is \"" +
-                   nearest_name(name, names) + "\"");
+  throw SceneError(name + ": there is no such validation case" + suggestion(name, names));
 }
 
 }  // namespace oilskin::demo

@@ -108,7 +108,7 @@ const Sweep& sweep(const std::string& name) {
     if (s.name == name) return s;
     names.push_back(s.name);
   }
-  throw SceneError(name + ": there is no such sweep; the nearest is \"" + nearest_name(name, names) + "\"");
+  throw SceneError(name + ": there is no such sweep" + suggestion(name, names));
 }
 
 }  // namespace oilskin::demo

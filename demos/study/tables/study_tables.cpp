@@ -51,8 +51,8 @@ const StudyTable& study_table(const std::string& name) {
     if (t.name == name) return t;
     names.push_back(t.name);
   }
-  throw SceneError(name + ": there is no such part of the study; the nearest table is \"" +
-                   nearest_name(name, names) + "\". See oilskin study --list");
+  throw SceneError(name + ": there is no such part of the study" + suggestion(name, names) +
+                   ". See oilskin study --list");
 }
 
 std::string rows_of_table(const std::string& name, const std::string& head, const std::vector<TableRow>& rows,
