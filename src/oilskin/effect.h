@@ -23,6 +23,8 @@ class EffectInterval {
   double dt = 0;
   /// Simulated time at its start [s].
   double time = 0;
+  /// Whether the step begins with it.
+  bool is_first = true;
   /// Whether the step ends with it.
   bool is_last = true;
   /// [m/s²]

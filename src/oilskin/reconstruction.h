@@ -97,7 +97,8 @@ struct ReconstructionOptions {
   /// λ|μ steps [Taubin1995], 0 … 1000. Vertices move by a cell at most, at obstacles only as far as the gap
   /// allows.
   int smoothing_iterations = 0;
-  /// Only what lies inside, to 1 % of a cell; the mesh is closed along the sides of the box.
+  /// Only what lies inside; the mesh is closed along the sides of the box, to 1 % of a cell. Its edges are
+  /// bevelled by up to a cell.
   std::optional<Box> clip;
   /// Pieces of water of a smaller volume are left out, in s³, ≥ 0; a particle has about 1.
   double min_blob = 0;
@@ -327,6 +328,9 @@ struct MeshCheck {
   std::size_t misoriented_edges = 0;
   /// Vertices whose triangles form more than one fan.
   std::size_t pinched_vertices = 0;
+  /// Connected pieces of the mesh that are inside out: they enclose a negative volume, and are no bubbles in
+  /// a piece that encloses a positive one.
+  std::size_t turned_components = 0;
   /// A lower bound of the distance to obstacles [m] if a pair is within gap + 1e-3 of the mesh's largest
   /// extent; otherwise infinite.
   double min_distance = std::numeric_limits<double>::infinity();
@@ -335,10 +339,11 @@ struct MeshCheck {
   /// The signed volume [m³].
   double volume = 0;
 
-  /// Whether the mesh is closed and manifold and no point of an obstacle lies inside or closer than the gap.
+  /// Whether the mesh is closed, manifold and not inside out, and no point of an obstacle lies inside or
+  /// closer than the gap.
   bool clean() const {
     return intersecting_pairs + too_close_pairs + submerged_components + open_edges + crowded_edges +
-               misoriented_edges + pinched_vertices ==
+               misoriented_edges + pinched_vertices + turned_components ==
            0;
   }
 };

@@ -9,6 +9,7 @@
 #include "reconstruction/blobs.h"
 #include "reconstruction/obstacle_field.h"
 #include "reconstruction/triangle_pairs.h"
+#include "reconstruction/turned_parts.h"
 
 namespace oilskin {
 
@@ -176,7 +177,7 @@ void count_flaws(const WaterMesh& mesh, const Workers& workers, MeshCheck& check
   check.pinched_vertices = all.pinched_vertices;
 }
 
-void count_components(const WaterMesh& mesh, MeshCheck& check) {
+void count_components(const WaterMesh& mesh, const Workers& workers, MeshCheck& check) {
   DisjointSets sets(mesh.positions.size());
   std::vector<bool> used(mesh.positions.size(), false);
   for (const Triangle& t : mesh.triangles) {
@@ -184,7 +185,14 @@ void count_components(const WaterMesh& mesh, MeshCheck& check) {
     sets.unite(t[0], t[2]);
     for (std::uint32_t v : t) used[v] = true;
   }
-  for (std::uint32_t v = 0; v < used.size(); ++v) check.components += used[v] && sets.find(v) == v;
+  std::vector<std::uint32_t> part(used.size());
+  for (std::uint32_t v = 0; v < used.size(); ++v) {
+    part[v] = sets.find(v);  // its smallest vertex
+    check.components += used[v] && part[v] == v;
+  }
+  const std::vector<double> volume = part_volumes(mesh.positions, mesh.triangles, part, workers);
+  check.turned_components =
+      TurnedParts(mesh.positions, mesh.triangles, part, volume, workers).numbers().size();
 }
 
 }  // namespace
@@ -195,7 +203,7 @@ MeshCheck check_mesh(const WaterMesh& mesh, Span<const ObstacleMesh> obstacle_me
   MeshCheck check;
   const Workers workers(threads);
   count_flaws(mesh, workers, check);
-  count_components(mesh, check);
+  count_components(mesh, workers, check);
   for (const Triangle& t : mesh.triangles)
     check.volume += six_volumes(mesh.positions, t, mesh.positions[mesh.triangles[0][0]]) / 6;
 

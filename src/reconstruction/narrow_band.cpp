@@ -84,7 +84,7 @@ bool cut_by(const std::optional<Box>& clip, const Box& box, double margin) {
 Status MemoryPlan::refusal(const std::string& what) const {
   char text[200];
   std::snprintf(text, sizeof text,
-                " would need %.0f MB or more; memory_limit is %.0f MB. Take a larger cell, or clip",
+                " would need %.0f MB or more; memory_limit is %.6g MB. Take a larger cell, or clip",
                 std::ceil(bytes_ / 1e6), limit_ / 1e6);
   return Status::refused(what + text);
 }

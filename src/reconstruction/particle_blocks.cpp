@@ -38,7 +38,7 @@ struct BlocksByAppearance {
     for (std::size_t i = 0; i < input.positions.size(); ++i) {
       if (!input.volumes.empty() && !(input.volumes[i] > 0)) continue;
       const std::uint64_t key = block_key(input.positions[i], per_cell);
-      if (key == no_block || (!input.velocities.empty() && !input.velocities[i].allFinite())) {
+      if (key == no_block || (!input.velocities.empty() && !input.velocities[i].cast<float>().allFinite())) {
         ++skipped;
         continue;
       }

@@ -6,6 +6,7 @@
 #include "core/assert.h"
 #include "core/disjoint_sets.h"
 #include "reconstruction/blobs.h"
+#include "reconstruction/turned_parts.h"
 #include "reconstruction/visibility.h"
 
 namespace oilskin::reconstruction {
@@ -14,26 +15,6 @@ namespace {
 
 std::uint64_t key_of_node(const NodeRef& n) {
   return std::uint64_t(n.block) << 9 | std::uint64_t(n.node);
-}
-
-/// Per first vertex, what its part encloses [m³]. The sums of chunks are added in their order.
-std::vector<double> volumes_of(const RawMesh& mesh, const MeshParts& parts,
-                               const std::vector<std::array<float, 3>>& positions, const Workers& workers) {
-  constexpr std::size_t chunk = 1 << 12;
-  const std::size_t n = mesh.triangles.size();
-  std::vector<std::vector<std::pair<std::uint32_t, double>>> sums((n + chunk - 1) / chunk);
-  workers.for_chunks(n, chunk, [&](std::size_t from, std::size_t to, std::size_t c) {
-    for (std::size_t k = from; k < to; ++k) {
-      const Triangle& t = mesh.triangles[k];
-      const std::uint32_t p = parts.of_vertex[t[0]];
-      if (sums[c].empty() || sums[c].back().first != p) sums[c].emplace_back(p, 0.0);
-      sums[c].back().second += six_volumes(positions, t, positions[p]) / 6;
-    }
-  });
-  std::vector<double> volume(positions.size(), 0);
-  for (const auto& part : sums)
-    for (const auto& [p, sum] : part) volume[p] += sum;
-  return volume;
 }
 
 }  // namespace
@@ -50,21 +31,43 @@ MeshParts parts_of(const RawMesh& mesh, const std::vector<std::array<float, 3>>&
   MeshParts parts;
   parts.of_vertex.resize(n);
   for (std::uint32_t v = 0; v < n; ++v) parts.of_vertex[v] = sets.find(v);  // its smallest vertex
-  const std::vector<double> volume = volumes_of(mesh, parts, positions, workers);
+  const std::vector<double> volume = part_volumes(positions, mesh.triangles, parts.of_vertex, workers);
   parts.is_bubble.resize(n);
   for (std::size_t v = 0; v < n; ++v) parts.is_bubble[v] = parts.of_vertex[v] == v && !(volume[v] > 0);
   return parts;
 }
 
-void remove_turned_parts(const MeshParts& parts, const Workers& workers, RawMesh& mesh,
-                         std::vector<float>& of_vertex) {
+namespace {
+
+/// Is there a piece of an obstacle inside the part that would be in the water without it?
+bool keeps_obstacle_dry(const RawMesh& mesh, const MeshParts& parts, std::uint32_t part,
+                        const Obstacles& obstacles, const TurnedParts& turned) {
+  Box box;
+  for (std::uint32_t v = part; v < mesh.positions.size(); ++v)
+    if (parts.of_vertex[v] == part) box.add(vec(mesh.positions[v]));
+  const auto is_kept_dry = [&](const std::vector<std::uint32_t>& piece) {
+    return std::all_of(piece.begin(), piece.end(),
+                       [&](std::uint32_t v) { return box.contains(obstacles.vertex(v)); }) &&
+           turned.is_in_water(obstacles.vertex(piece[0]));
+  };
+  const auto& pieces = obstacles.pieces();
+  return std::any_of(pieces.begin(), pieces.end(), is_kept_dry);
+}
+
+}  // namespace
+
+void remove_turned_parts(const MeshParts& parts, const Obstacles& obstacles, const Workers& workers,
+                         RawMesh& mesh, std::vector<float>& of_vertex) {
   OILSKIN_ASSERT(of_vertex.size() == mesh.positions.size());
-  const std::vector<double> volume = volumes_of(mesh, parts, mesh.positions, workers);
+  const std::vector<double> volume = part_volumes(mesh.positions, mesh.triangles, parts.of_vertex, workers);
   std::vector<std::uint8_t> turned(mesh.positions.size(), 0);
   for (std::size_t v = 0; v < turned.size(); ++v)
     if (parts.of_vertex[v] == v) turned[v] = parts.is_bubble[v] ? volume[v] >= 0 : volume[v] <= 0;
   for (std::size_t v = 0; v < turned.size(); ++v)
     if (std::isfinite(mesh.distances[v])) turned[parts.of_vertex[v]] = 0;
+  const TurnedParts in_air(mesh.positions, mesh.triangles, parts.of_vertex, volume, workers);
+  for (const std::uint32_t p : in_air.numbers())
+    if (!keeps_obstacle_dry(mesh, parts, p, obstacles, in_air)) turned[p] = 1;
   for (std::size_t v = 0; v < turned.size(); ++v) turned[v] = turned[parts.of_vertex[v]];
   if (std::find(turned.begin(), turned.end(), 1) == turned.end()) return;
   std::size_t kept = 0;
@@ -76,7 +79,7 @@ void remove_turned_parts(const MeshParts& parts, const Workers& workers, RawMesh
 
 SmallPieces small_pieces(const RawMesh& mesh, const MeshParts& parts, double max_volume,
                          const Workers& workers) {
-  const std::vector<double> volume = volumes_of(mesh, parts, mesh.positions, workers);
+  const std::vector<double> volume = part_volumes(mesh.positions, mesh.triangles, parts.of_vertex, workers);
   SmallPieces pieces;
   pieces.of_vertex.assign(mesh.positions.size(), none);
   for (std::uint32_t v = 0; v < pieces.of_vertex.size(); ++v) {

@@ -16,10 +16,11 @@ struct MeshParts {
 MeshParts parts_of(const RawMesh& mesh, const std::vector<std::array<float, 3>>& positions,
                    const Workers& workers);
 
-/// Removes the parts that are turned inside out, bubbles that the water around them has closed and crumbs of
-/// water, except near obstacles. `of_vertex`: data per vertex, from which theirs are removed.
-void remove_turned_parts(const MeshParts& parts, const Workers& workers, RawMesh& mesh,
-                         std::vector<float>& of_vertex);
+/// Removes the parts that are inside out: what encloses a negative volume outside of the water, as a bubble
+/// in a film does when the film has become thinner, and, except near obstacles, bubbles that the water around
+/// them has closed and crumbs of water. `of_vertex`: data per vertex, from which theirs are removed.
+void remove_turned_parts(const MeshParts& parts, const Obstacles& obstacles, const Workers& workers,
+                         RawMesh& mesh, std::vector<float>& of_vertex);
 
 /// The connected parts of a mesh that enclose less than a given volume.
 struct SmallPieces {

@@ -189,7 +189,7 @@ void Reconstruction::finish(RawMesh& raw, WaterMesh& mesh) {
       untangle(cell, options.clip, blocks, raw, workers);
     }
     if (keeps_gap()) put_back_what_fails(start, raw);
-    if (keeps) remove_turned_parts(parts, workers, raw, mesh.thickness);
+    if (keeps) remove_turned_parts(parts, obstacles, workers, raw, mesh.thickness);
   }
   for (float& t : mesh.thickness) t *= static_cast<float>(cell);
   interpolate(input, particles, field, obstacles, contact.uses_visibility(), options.nearest, grid, raw, mesh,

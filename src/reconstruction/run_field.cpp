@@ -13,11 +13,14 @@ namespace oilskin::reconstruction {
 
 namespace {
 
-/// Distance beyond the clip box [cells], negative inside it. The clipped field is the maximum of it and the
-/// field.
+/// Distance beyond the clip box [cells], negative inside it.
 float beyond(const Box& clip, const Vec3& x, double cell) {
   return static_cast<float>(std::max((clip.min - x).maxCoeff(), (x - clip.max).maxCoeff()) / cell);
 }
+
+/// Nodes that only the clip box makes outside have values this small, per cell beyond it: the surface on an
+/// edge from inside is then as far as the side of the box, which vertices do not pass (`fraction_in_clip`).
+constexpr float per_cell_beyond = 1e-3f;
 
 /// A particle is alone if it has this part of its volume without neighbours.
 constexpr float alone_above = 0.98f;
@@ -155,7 +158,8 @@ void Reconstruction::evaluate_block(std::uint32_t b, FieldBlock& evaluator, Near
   if (options.clip)
     for (int n = 0; n < nodes; ++n) {
       const Vec3 x = grid.place({b, n});
-      values[n] = std::max(values[n], beyond(*options.clip, x, cell));
+      if (const float b = beyond(*options.clip, x, cell); b >= 0)
+        values[n] = std::max(values[n], per_cell_beyond * b);
     }
   grid.find_inside(block.field);
 }

@@ -25,6 +25,7 @@ class View : public Base {
     const IntervalContext& interval = input.interval;
     this->dt = interval.dt;
     this->time = interval.begin;
+    this->is_first = interval.is_first;
     this->is_last = interval.is_last;
     this->gravity = input.gravity;
     this->particle_mass = input.fluid.particle_mass();

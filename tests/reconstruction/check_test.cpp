@@ -50,6 +50,44 @@ TEST(Check, sees_what_is_wrong_with_a_mesh) {
   EXPECT_TRUE(with({Vec3(0.1, 0.1, -0.25), Vec3(0.2, 0.1, -0.25), Vec3(0.1, 0.2, -0.25)}, 0.2).clean());
 }
 
+/// The surface of a cube with half the edge `size`, inside out where `size` is negative.
+void add_cube(const Vec3& center, float size, WaterMesh& mesh) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  for (std::uint32_t k = 0; k < 8; ++k)
+    mesh.positions.push_back({float(center.x()) + (k & 1 ? size : -size),
+                              float(center.y()) + (k & 2 ? size : -size),
+                              float(center.z()) + (k & 4 ? size : -size)});
+  const std::array<std::array<std::uint32_t, 4>, 6> faces = {
+      {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+  for (const auto& f : faces) {
+    mesh.triangles.push_back({first + f[0], first + f[1], first + f[2]});
+    mesh.triangles.push_back({first + f[0], first + f[2], first + f[3]});
+  }
+}
+
+TEST(Check, counts_pieces_that_are_inside_out_but_no_bubbles) {
+  WaterMesh mesh;
+  add_cube(Vec3::Zero(), 1, mesh);
+  EXPECT_NEAR(check_mesh(mesh, {}, 0).volume, 8, 1e-6);
+  add_cube(Vec3(0.3, 0.2, 0.1), -0.25f, mesh);  // a bubble
+  EXPECT_NEAR(check_mesh(mesh, {}, 0).volume, 8 - 0.125, 1e-6);
+  EXPECT_TRUE(check_mesh(mesh, {}, 0).clean());
+  add_cube(Vec3(0.3, 0.2, 0.1), 0.125f, mesh);  // a drop in it
+  EXPECT_TRUE(check_mesh(mesh, {}, 0).clean());
+  add_cube(Vec3(0.9, 0, 0), -0.05f, mesh);  // a bubble at the side
+  EXPECT_EQ(check_mesh(mesh, {}, 0).turned_components, 0u);
+  // Above, below and beside the water; below, where vertical lines from it pass through edges and corners.
+  for (const Vec3& at : {Vec3(0.2, 0.1, 1.5), Vec3(0.2, 0.1, -1.5), Vec3(3, 0, 0), Vec3(0, 0, -3)}) {
+    WaterMesh turned = mesh;
+    add_cube(at, -0.25f, turned);
+    EXPECT_EQ(check_mesh(turned, {}, 0).turned_components, 1u) << at.transpose();
+    EXPECT_FALSE(check_mesh(turned, {}, 0).clean());
+  }
+  WaterMesh alone;
+  add_cube(Vec3::Zero(), -1, alone);
+  EXPECT_EQ(check_mesh(alone, {}, 0).turned_components, 1u);
+}
+
 TEST(Check, does_not_depend_on_the_numbers_of_vertices) {
   // A tetrahedron without a face, and a triangle on one of its corners.
   WaterMesh mesh;

@@ -5,6 +5,7 @@
 #include "reconstruction/promise.h"
 #include "reconstruction/runs.h"
 #include "reconstruction/scenes.h"
+#include "support/random.h"
 #include "support/record.h"
 
 namespace oilskin {
@@ -65,6 +66,45 @@ TEST_P(TurnedTriangles, in_a_v_are_few) {
 
 TEST_P(TurnedTriangles, at_folds_are_few) {
   expect_few(test::crumple_scene());
+}
+
+/// Two thin rods at the sloping surface of water whose particles lie irregularly. The grid's films, which are
+/// thicker than the water, enclose air between them; as thick as the water they do not.
+WaterScene rods_scene(std::uint64_t seed) {
+  constexpr double pi = 3.14159265358979323846, radius = 0.4;
+  WaterScene s;
+  s.spacing = 1;
+  const auto add_rod = [&](double y, double z) {
+    s.add_sheet(8, [&](double u, double v) {
+      return Vec3(20 * v - 4, y + radius * std::cos(2 * pi * u), z + radius * std::sin(2 * pi * u));
+    });
+  };
+  add_rod(3.92, 6.49);
+  add_rod(5.12, 3.99);
+  test::Random random(seed);
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 8; ++j)
+      for (int k = 0; k < 12; ++k) {
+        const Vec3 x(i + 0.5, j + 0.5, k + 0.5);
+        if (x.y() >= 4 - 0.58 * (x.z() - 6)) continue;
+        const Vec3 at = x + random.in_cube(0.25);
+        const double to_rods =
+            std::min(std::hypot(at.y() - 3.92, at.z() - 6.49), std::hypot(at.y() - 5.12, at.z() - 3.99));
+        if (to_rods > radius + 0.3) s.particles.push_back(at);
+      }
+  return s;
+}
+
+TEST(TurnedPieces, between_rods_at_the_surface_are_removed) {
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6, 7, 8})
+    for (const double cell : {0.5, 0.8, 1.0}) {
+      const WaterScene s = rods_scene(seed);
+      const WaterMesh mesh =
+          test::reconstruct(s.input(), test::options_for(s, cell, 0.1, ObstacleMode::touch));
+      const MeshCheck check = check_mesh(mesh, s.obstacles(), 0.1);
+      test::expect_clean(check, 0.1);
+      EXPECT_NEAR(check.volume, double(s.particles.size()), 0.05 * double(s.particles.size()));
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -12,7 +12,8 @@ namespace {
 
 /// Edges and vertices that a closed surface has none of.
 std::size_t flaws_of(const MeshCheck& check) {
-  return check.open_edges + check.crowded_edges + check.misoriented_edges + check.pinched_vertices;
+  return check.open_edges + check.crowded_edges + check.misoriented_edges + check.pinched_vertices +
+         check.turned_components;
 }
 
 /// Over a sample of the particles that is spread evenly through their order.

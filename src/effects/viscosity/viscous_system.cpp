@@ -75,9 +75,9 @@ std::uint32_t ViscousSystem::unknown_of(std::size_t surface, std::uint32_t node)
   if (unknown[node] == none) {
     unknown[node] = static_cast<std::uint32_t>(size());
     weight_.push_back(std::max(mass, lightest_node));
-    const Vec3 support = SupportMemory::support(*forces_, surface, node);
     start_.push_back((s.x_t1[node] - s.x_t0[node]) / forces_->dt +
-                     forces_->dt / (weight_.back() * forces_->particle_mass) * support);
+                     SupportMemory::given(*forces_, surface, node) /
+                         (weight_.back() * forces_->particle_mass));
     free_nodes_.push_back({surface, node, unknown[node]});
   }
   return unknown[node];
@@ -268,7 +268,7 @@ void ViscousSystem::react(const Vector& x, const Vector& drag, double share) {
     }
   for (const FreeNode& n : free_nodes_) {
     const double mass = weight_[n.unknown] * forces_->particle_mass;
-    SupportMemory::record(*forces_, n.surface, n.node, -share * mass / forces_->dt * drag[n.unknown]);
+    SupportMemory::record(*forces_, n.surface, n.node, -share * mass * drag[n.unknown]);
   }
 }
 
