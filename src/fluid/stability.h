@@ -12,6 +12,15 @@ namespace oilskin::fluid {
 /// ν dt/H² up to which the viscous term alone is stable, with a margin of 7 % (F.12).
 constexpr double viscous_limit = 0.035;
 
+constexpr double standard_gravity = 9.81;  // [m/s²]
+
+/// The length of a metre in the unit of the world, by its gravity g: worlds in centimetres have 981.
+/// Corrections with speeds that are fixed in m/s use it. Gravity below that of the earth is that of another
+/// place, or none.
+inline double metre(double g) {
+  return std::max(1.0, g / standard_gravity);
+}
+
 inline double support_radius(const FluidSettings& s) {
   return s.support_ratio * s.spacing;
 }

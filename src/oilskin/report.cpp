@@ -152,7 +152,9 @@ std::vector<std::string> flag_texts(std::uint32_t flags) {
       {flag_removed_invalid, "quarantined: non-finite particles were removed; lower dt"},
       {flag_surface_out_of_range, "surface_out_of_range: a surface left the kill box; enlarge it"},
       {flag_surface_refused, "surface_refused: a surface was left out"},
-      {flag_many_holds, "many_holds: nodes were held; use more cloth substeps or iterations"},
+      {flag_many_holds,
+       "many_holds: nodes or bodies were held; use more cloth substeps or iterations, leave space between "
+       "bodies and walls"},
       {flag_no_promise, "no_promise: contact.ccd or contact.zones is off, or particles started too close"},
       {flag_scatter_mismatch, "scatter_mismatch: the host does not store the numbers that it is given"},
       {flag_pressure_diverged, "pressure_diverged: lower dt, or keep fluid.support_ratio at 2.2 or below"},

@@ -41,9 +41,10 @@ struct Bounds {
 struct Covered {
   int first[3], last[3];
 
-  Covered(const Bounds& b, double by) {
+  Covered(const Bounds& b, double by) : Covered(b, Vec3::Constant(by)) {}
+  Covered(const Bounds& b, const Vec3& by) {
     for (int a = 0; a < 3; ++a) {
-      const double low = b.low[a] - by, high = b.high[a] + by;
+      const double low = b.low[a] - by[a], high = b.high[a] + by[a];
       first[a] = low <= 0 ? 0 : (low > side - 1 ? side : static_cast<int>(std::ceil(low)));
       last[a] = high >= side - 1 ? side - 1 : (high < 0 ? -1 : static_cast<int>(std::floor(high)));
     }
@@ -117,6 +118,7 @@ class TrianglePlanes {
     return {larger(low[0], 0.0f - high), larger(larger(low[1], low[2]), low[3])};
   }
   double distance_to_plane(int i, int j, int k) const { return std::abs(planes_[0].at(i, j, k)); }
+  const Vec3& normal() const { return planes_[0].normal; }
 
  private:
   static constexpr float rounding = 1e-5f;  // of the sums in floats
@@ -159,36 +161,43 @@ class NodeDistances {
   static unsigned bits(int first, int last) { return (2u << last) - (1u << first); }
 
   void measure_face(const Near& n) {
+    const Covered over_face(n.bounds,
+                            band_ * n.planes.normal().cwiseAbs() + Vec3::Constant(double(rounding)));
+    if (over_face.empty()) return;
     measure(
-        n, true,
-        [&](int, const TrianglePlanes::Rows& from, F8 most) {
+        n, over_face, true,
+        [&](int k, std::uint32_t, F8 most) {
+          const TrianglePlanes::Rows from = n.planes.rows(k);
           return greater_mask(from.beside, rounding) | greater_mask(from.off, most);
         },
         [&](int i, int j, int k) { return n.planes.distance_to_plane(i, j, k); });
   }
   void measure_beside(const Near& n) {
     measure(
-        n, false,
-        [&](int k, const TrianglePlanes::Rows& from, F8 most) {
-          return greater_mask(n.bounds.squared_from_rows(k), most * most) |
-                 greater_mask(larger(from.off, from.beside), most);
+        n, n.covered, false,
+        [&](int k, std::uint32_t rows, F8 most) {
+          const std::uint32_t far = greater_mask(n.bounds.squared_from_rows(k), most * most);
+          if ((rows & ~far) == 0) return far;
+          const TrianglePlanes::Rows from = n.planes.rows(k);
+          return far | greater_mask(larger(from.off, from.beside), most);
         },
         [&](int i, int j, int k) { return closest_point(Vec3(i, j, k), n.c[0], n.c[1], n.c[2]).distance; });
   }
-  /// `too_far(k, bounds, farthest)`: the rows of slice k without a node that counts; `distance_to(i, j, k)`
-  /// of a node over the face, or of the others.
+  /// Of the nodes `s`. `too_far(k, rows, farthest)`: of these rows of slice k those without a node that
+  /// counts; `distance_to(i, j, k)` of a node over the face, or of the others.
   template <class TooFar, class DistanceTo>
-  void measure(const Near& n, bool over_face, const TooFar& too_far, const DistanceTo& distance_to) {
-    const Covered& s = n.covered;
+  void measure(const Near& n, const Covered& s, bool over_face, const TooFar& too_far,
+               const DistanceTo& distance_to) {
     for (int k = s.first[2]; k <= s.last[2]; ++k) {
       const F8 most = F8::load(&farthest_[std::size_t(side * k)]) + rounding;
-      std::uint32_t rows = bits(s.first[1], s.last[1]) & ~too_far(k, n.planes.rows(k), most);
+      std::uint32_t rows = bits(s.first[1], s.last[1]);
+      rows &= ~too_far(k, rows, most);
       if (rows == 0) continue;
       const TrianglePlanes::Slice slice = n.planes.slice(k);
       for (; rows != 0; rows &= rows - 1) {
         const int j = __builtin_ctz(rows);
         float* const row = &distance_[std::size_t(node_index(0, j, k))];
-        const std::uint32_t may = may_be_nearer(n, n.planes.row(slice, j), row, over_face);
+        const std::uint32_t may = may_be_nearer(s, n.planes.row(slice, j), row, over_face);
         for (std::uint32_t at = may; at != 0; at &= at - 1) {
           const int i = __builtin_ctz(at);
           lower(row[i], distance_to(i, j, k));
@@ -198,10 +207,10 @@ class NodeDistances {
     }
   }
   /// The nodes of a row for which the triangle may be the nearest one: those over its face, or the others.
-  std::uint32_t may_be_nearer(const Near& n, const RowView& view, const float* row, bool over_face) const {
+  std::uint32_t may_be_nearer(const Covered& s, const RowView& view, const float* row, bool over_face) const {
     const F8 now = F8::load(row);
     const std::uint32_t chosen = over_face ? view.over_face : ~view.over_face;
-    return bits(n.covered.first[0], n.covered.last[0]) & chosen &
+    return bits(s.first[0], s.last[0]) & chosen &
            ~(greater_mask(view.min_squared, now * now) | greater_mask(view.min_squared, band_squared_));
   }
   void set_farthest(int j, int k, const float* row) {

@@ -63,8 +63,16 @@ void BlockVisibility::fill_slabs() {
       const std::size_t first = slab(boxes_[k].low[a]), last = slab(boxes_[k].high[a]);
       const std::size_t base = a * std::size_t(slabs_) * words_ + k / 64;
       const std::uint64_t bit = 1ull << (k % 64);
-      for (std::size_t i = first; i < std::size_t(slabs_); ++i) starts_[base + i * words_] |= bit;
-      for (std::size_t i = 0; i <= last; ++i) ends_[base + i * words_] |= bit;
+      starts_[base + first * words_] |= bit;
+      ends_[base + last * words_] |= bit;
+    }
+  // What begins in a slab has begun in those after it; what ends in one has not ended in those before it.
+  const std::size_t of_axis = std::size_t(slabs_) * words_;
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t w = words_; w < of_axis; ++w) {
+      starts_[a * of_axis + w] |= starts_[a * of_axis + w - words_];
+      const std::size_t back = (a + 1) * of_axis - 1 - w;
+      ends_[back] |= ends_[back + words_];
     }
 }
 

@@ -9,10 +9,8 @@ namespace oilskin {
 
 namespace {
 
-constexpr double standard_gravity = 9.81;  // [m/s²]
-
 double time_scale(double spacing) {
-  return std::sqrt(spacing / standard_gravity);
+  return std::sqrt(spacing / fluid::standard_gravity);
 }
 
 Preset preset_of(double spacing, double dt) {
@@ -25,7 +23,7 @@ Preset preset_of(double spacing, double dt) {
 /// Sub-steps that a usual column of water at rest needs in a step of dt.
 int parts_at_rest(const FluidSettings& fluid, double dt) {
   const double parts =
-      std::ceil(dt / fluid::longest_loaded_interval(fluid, fluid::usual_layers, standard_gravity));
+      std::ceil(dt / fluid::longest_loaded_interval(fluid, fluid::usual_layers, fluid::standard_gravity));
   return static_cast<int>(std::clamp(parts, 1.0, 999.0));
 }
 

@@ -246,7 +246,7 @@ TEST(SceneReader, fields_are_checked) {
             "emitters.0.flow.0.gradient.1: is [1,2], must be a list of 3 numbers");
   EXPECT_EQ(
       message_of_box(R"("flow": [{"field": "linear", "rate": 1, "gradient": [[1,2,3],[1,2,3],[1,2,3]]}])"),
-      "emitters.0.flow.0.rate: this key is not known; known are field, gradient");
+      "emitters.0.flow.0.rate: this key is not known; known are field, origin, gradient");
   EXPECT_EQ(message_of_box(R"("displacement": [{"field": "standing_wave", "up": [1, 1, 0]}])"),
             "emitters.0.displacement.0.up: must be across \"along\"");
   EXPECT_EQ(message_of_box(R"("flow": [{"field": "taylor_green", "edge_v": [1, 1, 0]}])"),

@@ -26,10 +26,11 @@ struct Correction {
 /// gradients shear changes the density (F.5) though no volume changes; to remove that at once makes energy.
 Correction correction(const StepState& state, const FluidSettings& s) {
   const double g = state.gravity.norm();
-  const double recovery_time = std::min(0.9 * std::sqrt(s.spacing / g), 4 * s.spacing);
-  if (state.boundary.empty()) return {0.05f, recovery_time, 0.04 * s.spacing};
+  const double metres = s.spacing / metre(g);
+  const double recovery_time = std::min(0.9 * std::sqrt(s.spacing / g), 4 * metres);
+  if (state.boundary.empty()) return {0.05f, recovery_time, 0.04 * metres};
   const bool is_corrected = s.solver == PressureSolver::dfsph && s.gradient_correction > 0;
-  return {0.02f, recovery_time, is_corrected ? recovery_time / 2 : 0.2 * s.spacing};
+  return {0.02f, recovery_time, is_corrected ? recovery_time / 2 : 0.2 * metres};
 }
 
 /// V_s/V (F.6): volume of a particle in settled water, which is disordered, over its volume on the lattice at

@@ -4,6 +4,7 @@
 
 #include "core/assert.h"
 #include "fluid/pressure/contact_bounds.h"
+#include "fluid/stability.h"
 
 namespace oilskin::fluid {
 
@@ -107,8 +108,9 @@ double WallResponse::rebound_limit(const StepState& state, std::size_t k,
       normal.dot(Vec3(v.x, v.y, v.z)) - static_cast<double>(state.boundary.normal_flux()[k]) / gamma;
   const double after = before + normal.dot(state.dv[point.particle]) + push;
   const double excess = std::max(0.0, static_cast<double>(state.relative_density[point.particle]) - 1);
-  const double allowed = std::max(0.0, before) + wall_acceleration * state.dt * state.gravity.norm() +
-                         wall_recovery_speed * excess;
+  const double g = state.gravity.norm();
+  const double allowed =
+      std::max(0.0, before) + wall_acceleration * state.dt * g + wall_recovery_speed * metre(g) * excess;
   return std::clamp(1 - (after - allowed) / push, 0.0, 1.0);
 }
 
