@@ -29,6 +29,9 @@
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -240,6 +243,29 @@ int run_theirs(const Case& c, double reach) {
   return judge.through();
 }
 
+/// The same in a process of its own. Bullet 3.24 writes beyond its arrays there
+/// (btDeformableBackwardEulerObjective::multiply), which ends one process of some hundred. −1: five of them.
+int run_apart(const Case& c, double reach) {
+  constexpr int attempts = 5;
+  for (int k = 0; k < attempts; ++k) {
+    int ends[2];
+    if (pipe(ends) != 0) return -1;
+    const pid_t child = fork();
+    if (child == 0) {
+      const int passed = run_theirs(c, reach);
+      const bool is_written = write(ends[1], &passed, sizeof passed) == sizeof passed;
+      _exit(is_written ? 0 : 1);
+    }
+    close(ends[1]);
+    int passed = -1, status = 0;
+    const bool is_read = child > 0 && read(ends[0], &passed, sizeof passed) == sizeof passed;
+    close(ends[0]);
+    if (child > 0) waitpid(child, &status, 0);
+    if (is_read) return passed;
+  }
+  return -1;
+}
+
 /// Positions in order of id, which is the order in which particles were added.
 std::vector<Vec3> positions_of(const oilskin::World& fluid) {
   std::vector<std::pair<std::uint64_t, Vec3>> by_id;
@@ -301,7 +327,7 @@ int main(int argc, char** argv) {
       const Case c{speed, dt};
       const int ours = run_ours(c);
       std::printf("%12g %10.3g %8d %15d %14d %15d\n", speed, 1000 * dt, run_without_contact(c),
-                  run_theirs(c, 0.01), run_theirs(c, 0.001), ours);
+                  run_apart(c, 0.01), run_apart(c, 0.001), ours);
       std::fflush(stdout);
       if (ours < 0) std::printf("Oilskin lost particles, or refused them\n");
       ours_in_all += std::abs(ours);
