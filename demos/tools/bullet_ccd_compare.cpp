@@ -244,7 +244,8 @@ int run_theirs(const Case& c, double reach) {
 }
 
 /// The same in a process of its own. Bullet 3.24 writes beyond its arrays there
-/// (btDeformableBackwardEulerObjective::multiply), which ends one process of some hundred. −1: five of them.
+/// (btDeformableBackwardEulerObjective::multiply), which ends one process in a hundred. −1: five have ended,
+/// or there is none.
 int run_apart(const Case& c, double reach) {
   constexpr int attempts = 5;
   for (int k = 0; k < attempts; ++k) {

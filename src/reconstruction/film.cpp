@@ -54,6 +54,14 @@ double squeezed(const FilmRule& rule, float width) {
   return std::clamp((slot_width - double(width) / rule.spacing) / (slot_width - slot_fades_from), 0.0, 1.0);
 }
 
+/// Offset of b from a, split into height over a's plane and distance along it.
+struct AlongFilm {
+  double height, rho_squared;
+  AlongFilm(const FilmParticle& a, const Vec3& offset)
+      : height(double(a.height) + vec(a.normal).dot(offset)),
+        rho_squared(std::max(0.0, offset.squaredNorm() - std::pow(vec(a.normal).dot(offset), 2))) {}
+};
+
 /// Water over the place of a particle of a film, weighted by the film's kernel.
 struct ColumnSum {
   double volume = 0;           ///< per area [cells]

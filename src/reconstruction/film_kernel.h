@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 
 #include "reconstruction/film.h"
 
@@ -28,14 +27,6 @@ struct FilmKernel {
 
  private:
   double inverse_, norm_;
-};
-
-/// Offset of b from a, split into height over a's plane and distance along it.
-struct AlongFilm {
-  double height, rho_squared;
-  AlongFilm(const FilmParticle& a, const Vec3& offset)
-      : height(double(a.height) + vec(a.normal).dot(offset)),
-        rho_squared(std::max(0.0, offset.squaredNorm() - std::pow(vec(a.normal).dot(offset), 2))) {}
 };
 
 /// 1 where a column of water of this thickness [cells] is a film, 0 where it is not.
