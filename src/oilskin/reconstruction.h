@@ -171,8 +171,8 @@ struct WaterMesh {
   std::vector<Float3> velocities;
   /// As in the input.
   std::vector<Attribute> attributes;
-  /// If ReconstructionOptions::keep_volume: of the water on an obstacle near the vertex [m]; 0 away from
-  /// films, and for drops.
+  /// If ReconstructionOptions::keep_volume: of the film on an obstacle near the vertex, or between two [m]; 0
+  /// away from films, where water is 1.4 spacings deep and deeper, and for drops.
   std::vector<float> thickness;
   /// If ReconstructionOptions::nearest: the number in the input of the nearest particle that the vertex sees,
   /// the smallest where several are. A vertex that sees none has the nearest one.

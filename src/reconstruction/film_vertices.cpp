@@ -205,8 +205,9 @@ FilmVertices thin_films(const Film& film, ObstacleMode mode, const ParticleBlock
       FilmAt at = found.films[side_of];
       const double weight = found.weights[side_of];
       if (!(weight > 0 && at.weight > 0)) continue;
-      const double share = film_share(rule, at) * std::clamp((rule.band - 1 - distance) / fade, 0.0, 1.0);
-      result.thickness[v] += static_cast<float>(weight * at.thickness);
+      const double is_film = film_share(rule, at),
+                   share = is_film * std::clamp((rule.band - 1 - distance) / fade, 0.0, 1.0);
+      result.thickness[v] += static_cast<float>(weight * std::min(1.0, 4 * is_film) * at.thickness);
       result.share[v] += static_cast<float>(weight * share);
       at.layer.sinks *= wetness;
       at.layer.other_sinks *= wetness;

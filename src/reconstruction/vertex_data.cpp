@@ -13,6 +13,10 @@ namespace {
 /// Added to the particles' covariance [dx²]: if they lie in a plane, the slope across it becomes 0.
 constexpr double ridge = 0.002;
 
+/// How far a value may lie outside of those of the particles, over their range: a vertex is half a spacing
+/// beyond particles that are spread over two and more.
+constexpr double beyond_range = 0.35;
+
 /// Particles that a vertex sees, with their weights.
 struct Sample {
   std::vector<std::uint32_t> particle;  ///< number in the input
@@ -71,7 +75,7 @@ struct Sample {
       low = std::min(low, v);
       high = std::max(high, v);
     }
-    const double margin = 0.5 * (high - low);
+    const double margin = beyond_range * (high - low);
     return static_cast<float>(std::min(std::max(result, low - margin), high + margin));
   }
 };

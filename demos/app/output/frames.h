@@ -9,6 +9,11 @@
 
 namespace oilskin::demo {
 
+/// "3 crossings" by contact.verify, or that they are not counted.
+inline std::string crossings_text(bool verifies, std::uint64_t found) {
+  return verifies ? std::to_string(found) + " crossings" : "crossings not counted";
+}
+
 /// The state to show at one moment. Nothing is owned.
 struct FrameData {
   double t = 0;  ///< [s]
@@ -20,7 +25,7 @@ struct FrameData {
   std::vector<const SurfaceMotion*> cloth, bodies;  ///< drawn at x_t1; null = left out
   std::vector<std::vector<float>> wetness;          ///< per cloth: saturation of its nodes; empty = dry
   const WaterMesh* water_mesh = nullptr;            ///< the water's, if the scene wants one
-  std::uint64_t crossings = 0;                      ///< found by verify so far
+  std::string crossings;                            ///< crossings_text() so far
 };
 
 struct FrameOptions {

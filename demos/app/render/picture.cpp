@@ -254,8 +254,8 @@ void Picture::show(const FrameData& data) {
         data.cloth[i], i < data.wetness.size() ? Span<const float>(data.wetness[i]) : Span<const float>());
   for (std::size_t i = 0; i < impl_->bodies.size(); ++i) impl_->bodies[i]->update(data.bodies[i], {});
   char text[160];
-  std::snprintf(text, sizeof text, "%s   t = %.3f s   %zu particles   %llu crossings", impl_->name.c_str(),
-                data.t, data.position.size(), static_cast<unsigned long long>(data.crossings));
+  std::snprintf(text, sizeof text, "%s   t = %.3f s   %zu particles   %s", impl_->name.c_str(), data.t,
+                data.position.size(), data.crossings.c_str());
   impl_->status->SetInput(text);
   if (!impl_->interactor) return;
   impl_->set_up(impl_->views.front());

@@ -30,7 +30,7 @@ void Progress::line(const std::string& text) {
   std::fflush(out_);
 }
 
-void Progress::update(double done, double simulated, std::uint64_t particles, std::uint64_t crossings) {
+void Progress::update(double done, double simulated, std::uint64_t particles, const std::string& crossings) {
   if (quiet_) return;
   const double now = seconds();
   const bool last = done >= 1;
@@ -38,9 +38,8 @@ void Progress::update(double done, double simulated, std::uint64_t particles, st
   last_shown_ = now;
   const double left = done > 0 ? now / done - now : 0;
   char numbers[160];
-  std::snprintf(numbers, sizeof numbers, "%3.0f %%  t %.3f s  %llu particles  %llu crossings  %.0f s left",
-                100 * done, simulated, static_cast<unsigned long long>(particles),
-                static_cast<unsigned long long>(crossings), left);
+  std::snprintf(numbers, sizeof numbers, "%3.0f %%  t %.3f s  %llu particles  %s  %.0f s left", 100 * done,
+                simulated, static_cast<unsigned long long>(particles), crossings.c_str(), left);
   if (!terminal_) {
     std::fprintf(out_, "%s\n", numbers);
   } else {

@@ -13,7 +13,8 @@ class Progress {
   Progress(bool quiet, bool use_stderr);
 
   void line(const std::string& text);
-  void update(double done, double simulated, std::uint64_t particles, std::uint64_t crossings);
+  /// `crossings`: crossings_text().
+  void update(double done, double simulated, std::uint64_t particles, const std::string& crossings);
   /// Ends the bar's line.
   void finish();
 

@@ -97,7 +97,7 @@ class Run {
     while (!plan_.done(time) && caught_signal() == 0) {
       advance(time.steps());
       progress_.update(plan_.fraction(time), totals_.simulated, simulation_->world().particle_count(),
-                       totals_.contact.crossings_found_by_verify);
+                       crossings());
       if (frames_ && !frames_->window_open()) break;
     }
     progress_.finish();
@@ -105,6 +105,10 @@ class Run {
   }
 
  private:
+  std::string crossings() const {
+    return crossings_text(scene_.contact.verify, totals_.contact.crossings_found_by_verify);
+  }
+
   void open_frames() {
     if (scene_.pictures.frames_per_second == 0 && !options_.view) return;
     std::string why;
@@ -158,7 +162,7 @@ class Run {
                                    : std::vector<float>());
     }
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) data.bodies.push_back(simulation_->body(i));
-    data.crossings = totals_.contact.crossings_found_by_verify;
+    data.crossings = crossings();
     std::optional<MadeMesh> made;
     if (scene_.water_mesh) made = make_water_mesh(data);
     if (made) data.water_mesh = &made->mesh;
