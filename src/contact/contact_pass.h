@@ -50,6 +50,8 @@ class ContactPass {
   /// Of the particles at the start, before this interval's forces; without them, their present velocities
   /// count as such.
   void set_start_velocity(Span<const Vec3> velocity) { context_.start_velocity = velocity; }
+  /// What friction may expect of the hosts, one per surface, until the end of solve().
+  void set_hosts(Span<const HostSupport> hosts) { context_.hosts = hosts; }
   /// Boundary terms have acted: what they gave to the particles, ordered by particle, and per particle what
   /// the last interval left for friction, which solve() replaces.
   void set_wall_impulses(Span<const fluid::WallImpulse> impulses, Span<Vec3> spare_load) {

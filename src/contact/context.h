@@ -1,6 +1,7 @@
 /// The data of one interval: input, state and output of the stages of contact.
 #pragma once
 
+#include "contact/host_support.h"
 #include "contact/predicates.h"
 #include "contact/surface_geometry.h"
 #include "core/assert.h"
@@ -39,6 +40,7 @@ struct Context {
   Span<const Vec3> start_velocity;        // of the particles, before this interval's forces; empty = unknown
   Span<const fluid::WallImpulse> wall_impulses;  // ordered by particle
   Span<Vec3> spare_load;                         // per particle: in and out, with boundary terms (B.35)
+  Span<const HostSupport> hosts;                 // one per surface, or none (C.43)
   bool boundary_terms = false;                   // walls act on the particles by pressure, too
 
   // State. A stamp is the epoch in which an end position last changed; a pair is tested again if a stamp of

@@ -1,7 +1,9 @@
 #include "contact/friction.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "contact/reach.h"
 #include "core/assert.h"
@@ -98,6 +100,102 @@ double viscous_share(const Context& context, const ContactConstraint& constraint
   return 1 / (1 + ratio * ratio);
 }
 
+/// What a node does under a push along the surface (C.43).
+struct CarriedNode {
+  double weight = 0;  // b_c
+  double share = 0;   // b_c u_c [1/kg]
+  double along = 0;   // cosine between the push and the load that the host carries
+  double used = 0;    // change of velocity along that load, so far [m/s]
+  double most = 0;    // a_c: as much of it the host will undo [m/s]
+
+  /// The push after which the node yields fully [N s].
+  double room() const {
+    const double left = along < 0 ? most + used : most - used;
+    return std::max(left, 0.0) / (share * std::abs(along));
+  }
+  double yield(bool is_carried) const { return weight * share * (is_carried ? 1 - along * along : 1); }
+};
+
+/// The nodes of a contact, seen along the surface.
+class TangentialSupport {
+ public:
+  TangentialSupport(const Context& context, const Contact& c) : contact_(c) {
+    const SurfaceMotion& s = *context.surfaces[c.surface];
+    const HostSupport& host = context.hosts[c.surface];
+    const auto tangential = [&](const Vec3& v) { return Vec3(v - v.dot(c.normal) * c.normal); };
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t node = c.nodes[k];
+      carried_[k] = tangential(host.carried[node]);
+      const double most = carried_[k].norm();
+      CarriedNode& at = nodes_[k];
+      at.weight = c.weights[k];
+      at.share = c.weights[k] * s.inverse_mass[node];
+      if (!(most > 0)) continue;
+      carried_[k] /= most;
+      at.most = most;
+      at.used = carried_[k].dot(s.velocity[node] - host.velocity[node]);
+    }
+  }
+
+  /// False: as if nothing were known of the host.
+  bool carries() const {
+    return std::any_of(nodes_.begin(), nodes_.end(), [](const CarriedNode& n) { return n.most > 0; });
+  }
+
+  /// What the host will undo of the velocity that the point of the surface has by now [m/s].
+  Vec3 undone() const {
+    Vec3 v = Vec3::Zero();
+    for (std::size_t k = 0; k < 3; ++k)
+      v += contact_.weights[k] * std::clamp(nodes_[k].used, -nodes_[k].most, nodes_[k].most) * carried_[k];
+    return v;
+  }
+
+  /// The impulse on a particle that takes the speed of `vt`: against what is carried the surface is as if
+  /// prescribed, beyond that it yields.
+  double stopping_impulse(const Vec3& vt, double u, double k_tangent) {
+    double speed = vt.norm(), impulse = 0;
+    for (std::size_t k = 0; k < 3; ++k) nodes_[k].along = vt.dot(carried_[k]) / speed;
+    std::array<bool, 3> is_carried{};
+    for (std::size_t k = 0; k < 3; ++k) is_carried[k] = nodes_[k].most > 0 && nodes_[k].share > 0;
+    while (true) {
+      double yield = u, room = std::numeric_limits<double>::infinity();
+      std::size_t first = 3;
+      for (std::size_t k = 0; k < 3; ++k) {
+        yield += nodes_[k].yield(is_carried[k]);
+        if (!is_carried[k] || nodes_[k].along == 0 || !(nodes_[k].room() < room)) continue;
+        room = nodes_[k].room();
+        first = k;
+      }
+      const double part = std::max(0.0, room - impulse);
+      if (!(speed > yield * part)) return impulse + speed / (yield > 0 ? yield : k_tangent);
+      speed -= yield * part;
+      impulse += part;
+      is_carried[first] = false;
+    }
+  }
+
+ private:
+  const Contact& contact_;
+  std::array<Vec3, 3> carried_;  // unit vectors
+  std::array<CarriedNode, 3> nodes_;
+};
+
+/// J_0 of (C.16): the impulse, with what was given so far, after which the particle does not slip.
+Vec3 sticking_impulse(const Context& context, const ContactConstraint& constraint, const Vec3& vt) {
+  const Contact& c = constraint.contact;
+  const SurfaceMotion& s = *context.surfaces[c.surface];
+  const Vec3 yielding = constraint.tangential_impulse - vt / constraint.k_tangent;
+  if (s.body || context.hosts.empty() || context.hosts[c.surface].carried.empty()) return yielding;
+  TangentialSupport support(context, c);
+  if (!support.carries()) return yielding;
+  const Vec3 slip = vt + support.undone();
+  const double speed = slip.norm();
+  if (!(speed > 0)) return constraint.tangential_impulse;
+  const double u = context.particles->inverse_mass[c.particle];
+  return constraint.tangential_impulse -
+         support.stopping_impulse(slip, u, constraint.k_tangent) / speed * slip;
+}
+
 }  // namespace
 
 // A particle represents dx² of each wall that it sees: once if several contacts belong to one wall (inner
@@ -129,17 +227,18 @@ Vec3 tangential_impulse(const Context& context, const ContactConstraint& constra
   OILSKIN_ASSERT(constraint.k > 0 && constraint.k_tangent > 0 && vt.allFinite());
   const SurfaceMotion& surface = *context.surfaces[constraint.contact.surface];
   const SlipSettings& slip = surface.slip_on(constraint.contact.back);
-  Vec3 sticking = constraint.tangential_impulse - vt / constraint.k_tangent;
   switch (slip.model) {
     case SlipModel::free:
       return Vec3::Zero();
     case SlipModel::coulomb: {
+      const Vec3 sticking = sticking_impulse(context, constraint, vt);
       const double normal = constraint.friction_load();
       const double limit = normal > 0 ? slip.friction * normal : 0;  // 0, not NaN, for infinite friction
       const double size = sticking.norm();
       return size <= limit ? sticking : Vec3(sticking * (limit / size));
     }
     case SlipModel::sticking: {
+      const Vec3 sticking = sticking_impulse(context, constraint, vt);
       if (constraint.viscous_share == 0) return sticking;
       const double drag = wall_drag(context, constraint, 0);
       return (1 - constraint.viscous_share / (1 + drag * constraint.k_tangent)) * sticking;

@@ -42,6 +42,10 @@ struct FluidSolver::Impl {
       : settings(s), workers(std::move(w)), state(*workers, s.support_ratio), model(make_model(s)) {}
 
   void load(const Particles& particles);
+  bool remembers_loads(Span<SurfaceMotion* const> surfaces) const {
+    return settings.boundary == BoundaryModel::mirrored ||
+           std::any_of(surfaces.begin(), surfaces.end(), [](auto* s) { return s->has_dry_friction(); });
+  }
   void finish(Particles& particles, Span<Vec3> velocity);
 
   const FluidSettings settings;
@@ -139,14 +143,19 @@ const WallGeometry& FluidSolver::find_visible_walls(double reach, double dt, con
 }
 
 void FluidSolver::record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces) {
-  if (impl_->settings.boundary == BoundaryModel::mirrored)
-    impl_->state.boundary.memory().record_host_response(dt, gravity, surfaces);
+  if (!impl_->remembers_loads(surfaces)) return;
+  LoadMemory& memory = impl_->state.boundary.memory();
+  memory.record_host_response(dt, gravity, surfaces);
+  memory.prepare(surfaces);
 }
 
 void FluidSolver::record_load(double dt, Span<SurfaceMotion* const> surfaces,
                               Span<const std::vector<Vec3>> of_others) {
-  if (impl_->settings.boundary == BoundaryModel::mirrored)
-    impl_->state.boundary.memory().record_load(dt, surfaces, of_others);
+  if (impl_->remembers_loads(surfaces)) impl_->state.boundary.memory().record_load(dt, surfaces, of_others);
+}
+
+const LoadMemory& FluidSolver::load_memory() const {
+  return impl_->state.boundary.memory();
 }
 
 void FluidSolver::propose(double dt, const Vec3& gravity, Particles& particles,

@@ -6,6 +6,7 @@
 #include "core/archive.h"
 #include "core/mesh_topology.h"
 #include "core/parallel.h"
+#include "fluid/boundary/load_memory.h"
 #include "fluid/boundary/wall_geometry.h"
 #include "fluid/boundary/wall_impulse.h"
 #include "fluid/particles.h"
@@ -49,12 +50,13 @@ class FluidSolver {
                                          Span<const MeshTopology* const> topologies,
                                          Span<const TriangleList> near);
 
-  /// Load memory of the boundary terms: the hosts' response to the load of the last step, and the load of
-  /// this one. Once per step each, after all surfaces were gathered and before they are scattered. Surfaces
-  /// that are not in the list are forgotten.
+  /// Load memory of the boundary terms and of dry friction: the hosts' response to the load of the last step,
+  /// and the load of this one. Once per step each, after all surfaces were gathered and before they are
+  /// scattered. Surfaces that are not in the list are forgotten.
   void record_host_response(double dt, const Vec3& gravity, Span<SurfaceMotion* const> surfaces);
   void record_load(double dt, Span<SurfaceMotion* const> surfaces,
                    Span<const std::vector<Vec3>> of_others = {});
+  const LoadMemory& load_memory() const;
 
   /// After prepare(), for the same particles: density and pressure of the start positions, and
   /// velocity ← particles.velocity + dt (gravity + viscosity + pressure). Positions do not change. Pair

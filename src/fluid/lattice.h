@@ -38,18 +38,26 @@ double lattice_slope_squares(double ratio) {
   return lattice_sum(ratio, [](double q) { return std::pow(q * Kernel::dw_over_q(q), 2); });
 }
 
+/// Σ w over a plane layer of particles, a square lattice of the spacing 1/√thickness, relative to the sum
+/// over the cubic lattice: what a slot of that thickness [dx] has of its particles, full of fluid (B.42).
+template <class Kernel>
+double lattice_layer(double ratio, double thickness) {
+  const double spacing = 1 / std::sqrt(thickness);
+  const int n = static_cast<int>(std::ceil(ratio / spacing));
+  double sum = 0;
+  for (int a = -n; a <= n; ++a)
+    for (int b = -n; b <= n; ++b) {
+      const double q = spacing * std::sqrt(static_cast<double>(a * a + b * b)) / ratio;
+      if (q < 1) sum += Kernel::w(q);
+    }
+  return sum / lattice_sum(ratio, [](double q) { return Kernel::w(q); });
+}
+
 /// Σ w over the lattice points beyond a plane half a spacing away, relative to the sum over all: the density
 /// that a half-space of the lattice lacks there (B.6).
 template <class Kernel>
 double lattice_mass_beyond(double ratio) {
-  double plane = 0;  // through the origin
-  const int n = static_cast<int>(std::ceil(ratio));
-  for (int a = -n; a <= n; ++a)
-    for (int b = -n; b <= n; ++b) {
-      const double q = std::sqrt(static_cast<double>(a * a + b * b)) / ratio;
-      if (q < 1) plane += Kernel::w(q);
-    }
-  return 0.5 * (1 - plane / lattice_sum(ratio, [](double q) { return Kernel::w(q); }));
+  return 0.5 * (1 - lattice_layer<Kernel>(ratio, 1));  // without the plane through the origin
 }
 
 /// −(1/3) Σ q w'(q) over Σ w of the cubic lattice, the mean of the cubic lattice and of the face-centred

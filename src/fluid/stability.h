@@ -21,6 +21,11 @@ inline double metre(double g) {
   return std::max(1.0, g / standard_gravity);
 }
 
+/// t_r of (F.18) [s]: in which water that is compressed may expand.
+inline double recovery_time(double spacing, double g) {
+  return std::min(0.9 * std::sqrt(spacing / g), 4 * spacing / metre(g));
+}
+
 inline double support_radius(const FluidSettings& s) {
   return s.support_ratio * s.spacing;
 }

@@ -146,7 +146,7 @@ struct FluidReport {
   double density_error_mean = 0;
   /// The largest relative error.
   double density_error_max = 0;
-  /// Whether the error came below the tolerance.
+  /// Whether the error beyond what the step may leave (F.18) came below the tolerance.
   bool converged = true;
   /// Whether the error grew, so that the relaxation was halved.
   bool diverged = false;
@@ -230,7 +230,8 @@ struct StepReport {
   double dt = 0;
   /// The number of certified intervals.
   int substeps = 0;
-  /// The number that stability asks for: above `substeps` a flag says which limit is violated.
+  /// The number that viscosity, sound and effects ask for: above `substeps` a flag says which limit is
+  /// violated. Speeds and pressure may ask for more, up to FluidSettings::max_substeps.
   double substeps_needed = 1;
   /// WorldSettings::step_budget: the sub-steps that it left out.
   int substeps_left_out = 0;

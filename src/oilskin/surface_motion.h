@@ -125,6 +125,11 @@ struct SurfaceMotion {
 
   /// The slip law of one side.
   const SlipSettings& slip_on(bool back) const { return back && slip_back ? *slip_back : slip; }
+  /// Whether one side has friction without a viscosity: Coulomb's, or sticking.
+  bool has_dry_friction() const {
+    const auto is_dry = [](SlipModel m) { return m == SlipModel::coulomb || m == SlipModel::sticking; };
+    return is_dry(slip_on(false).model) || is_dry(slip_on(true).model);
+  }
   /// Adds j [N s] to the node's impulse. `touched` is not in order until the end of the interval.
   void add_impulse(std::uint32_t node, const Vec3& j) {
     Vec3& sum = impulse[node];

@@ -38,6 +38,7 @@ class World::JointStep {
   void run_interval(int k);
   void solve();
   void give_pushes(const Member& member, std::vector<std::vector<Vec3>>& loads);
+  std::vector<contact::HostSupport> find_hosts() const;
   std::vector<contact::Liquid> liquids() const;
   world::JointParticles join_particles();
   void part_particles(const world::JointParticles& all, const std::vector<Contact>& contacts);

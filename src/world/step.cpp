@@ -84,10 +84,21 @@ void World::Impl::run_interval(IntervalContext& interval) {
     state.particles.let_load_be_spared();
     pass.set_wall_impulses(fluid->wall_impulses(), state.particles.spare_load);
   }
+  find_hosts(interval);
+  pass.set_hosts(step.hosts);
   pass.solve();  // impulses, impacts, zones → certificate
   interval.removed_by_contact = interval.report.removed;
   step.contacts = pass.take_contacts();
   end_interval(interval, motion);
+}
+
+/// What friction may expect of them (C.43).
+void World::Impl::find_hosts(IntervalContext& interval) const {
+  StepContext& step = interval.step;
+  const double passed = interval.begin + interval.dt - state.time;
+  for (std::size_t k = 0; k < step.hosts.size(); ++k)
+    if (!step.hosts[k].velocity.empty())
+      fluid->load_memory().find_carried(*step.surfaces.motion[k], passed, step.hosts[k].carried);
 }
 
 void World::Impl::begin_interval(IntervalContext& interval) {
@@ -116,6 +127,10 @@ void World::Impl::gather(StepContext& step) {
   StageTimer timer(step.report.seconds.gather);
   step.surfaces = attachments.gather(step.dt, settings, fluid_settings, step.report);
   for (const world::Attachment* a : step.surfaces.attachment) step.contact_surfaces.push_back({a->handle});
+  for (const SurfaceMotion* s : step.surfaces.motion) {
+    step.hosts.emplace_back();
+    if (s->still == 0 && !s->body && s->has_dry_friction()) step.hosts.back().velocity = s->velocity;
+  }
   fluid->record_host_response(step.dt, settings.gravity, step.surfaces.motion);
   world::relocate_particles(step.surfaces, state.particles, state.next_particle_id, *workers, step.report,
                             step.ledger);

@@ -1,6 +1,7 @@
 /// The data of the step under way. Every stage of src/world/step.cpp takes one of these.
 #pragma once
 
+#include "contact/host_support.h"
 #include "fluid/fluid_solver.h"
 #include "oilskin/effect.h"
 #include "world/attachments.h"
@@ -25,6 +26,7 @@ struct StepContext {
   const ContactSettings* contact = nullptr;  // in force
   double mass_of_others = 0;                 // of the water in other worlds that counts in `energy` [kg]
   SurfacePaths paths;
+  std::vector<contact::HostSupport> hosts;  // one per surface
 
   // Output
   StepReport report;

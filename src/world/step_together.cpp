@@ -232,6 +232,8 @@ void World::JointStep::solve() {
   pass.record_loads(loads_);
   pass.set_start_velocity(all.start_velocity);
   if (has_walls) pass.set_wall_impulses(all.wall_impulses, all.spare_load);
+  const std::vector<contact::HostSupport> hosts = find_hosts();
+  pass.set_hosts(hosts);
   pass.solve();
   part_particles(all, pass.take_contacts());
 }
@@ -250,6 +252,19 @@ void World::JointStep::give_pushes(const Member& member, std::vector<std::vector
     if (is_copy) set_node_velocities(motion);
     if (motion.still == 0) add_loads(member.pushes[s], motion.x_t0.size(), loads[joint]);
   }
+}
+
+/// Each world remembers the loads of all of them.
+std::vector<contact::HostSupport> World::JointStep::find_hosts() const {
+  std::vector<contact::HostSupport> hosts(surfaces_.size());
+  for (const auto& m : members_) {
+    m->impl.find_hosts(*m->interval);
+    for (std::size_t s = 0; s < m->joint_index.size(); ++s) {
+      contact::HostSupport& host = hosts[m->joint_index[s]];
+      if (host.carried.empty()) host = m->step.hosts[s];
+    }
+  }
+  return hosts;
 }
 
 std::vector<contact::Liquid> World::JointStep::liquids() const {

@@ -12,7 +12,8 @@ struct Speeds {
   double gravity = 0;   ///< |g| [m/s²]
   double surfaces = 0;  ///< of the fastest node that may touch the fluid
   double change = 0;    ///< largest change per second by the fluid's own forces, in the last interval [m/s²]
-  double height = 0;    ///< extent of the water along gravity [m]
+  double height = 0;    ///< extent of the water along gravity [m]; volumes that are due count
+  bool has_water = false;  ///< particles, or a volume that is due
   bool has_cloth = false;  ///< a surface has nodes that yield on their own
 };
 

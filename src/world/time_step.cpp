@@ -38,18 +38,19 @@ world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved
         }
         return part;
       });
+  Box box = water.box;
+  box.add(emission->due_volumes(state.time, dt));
   world::Speeds found;
   found.fluid = std::max(std::sqrt(water.speed), emission->fastest_due(state.time, dt));
   found.change = state.max_acceleration;
   const double g = settings.gravity.norm();
-  if (state.particles.size() > 0 && g > 0)
-    found.height =
-        (water.box.max - water.box.min).dot(settings.gravity.cwiseAbs()) / g + fluid_settings.spacing;
-  found.gravity = found.fluid > 0 || state.particles.size() > 0 ? g : 0;
+  found.has_water = box.min.x() <= box.max.x();
+  if (found.has_water && g > 0)
+    found.height = (box.max - box.min).dot(settings.gravity.cwiseAbs()) / g + fluid_settings.spacing;
+  found.gravity = found.fluid > 0 || found.has_water ? g : 0;
   found.has_cloth = world::has_free_nodes(moved);
   const double reach = fluid->support_radius() + found.fluid * dt;
-  if (moved_for > 0)
-    found.surfaces = world::fastest_node(moved, water.box.inflated(reach), moved_for, *workers);
+  if (moved_for > 0) found.surfaces = world::fastest_node(moved, box.inflated(reach), moved_for, *workers);
   return found;
 }
 
@@ -131,9 +132,9 @@ void World::Impl::choose_substeps(StepContext& step) {
   int& count = step.report.substeps;
   const world::Speeds found = speeds(surfaces, dt, dt);
   double& needed = step.report.substeps_needed;
-  needed = state.particles.size() > 0 || found.fluid > 0 ? stable_parts(found, dt) : 1;
+  needed = found.has_water || found.fluid > 0 ? stable_parts(found, dt) : 1;
   const auto stable = [&](double longest) {
-    const double parts = state.particles.size() > 0 ? world::parts_needed(dt, longest) : 1;
+    const double parts = found.has_water ? world::parts_needed(dt, longest) : 1;
     return static_cast<int>(std::min(std::max(needed, parts), static_cast<double>(maximum)));
   };
   const double loaded = loaded_interval(found),

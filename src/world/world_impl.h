@@ -97,6 +97,7 @@ struct World::Impl {
   void choose_substeps(world::StepContext& step);  // time_step.cpp
   int within_budget(world::StepContext& step, int least, int count);
   void run_interval(world::IntervalContext& interval);
+  void find_hosts(world::IntervalContext& interval) const;
   void begin_interval(world::IntervalContext& interval);
   void emit(world::IntervalContext& interval);  // emit.cpp
   void predict_motion(world::IntervalContext& interval) const;

@@ -12,9 +12,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "fluid/emission/random.h"
 #include "fluid/neighbours.h"
 #include "fluid/particles.h"
+#include "fluid/random.h"
 #ifdef OILSKIN_TREENSEARCH
 #include <TreeNSearch>
 #endif

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "fluid/emission/random.h"
 #include "fluid/pressure/incompressible.h"
+#include "fluid/random.h"
 #include "tank.h"
 
 namespace oilskin::fluid {

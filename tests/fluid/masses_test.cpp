@@ -1,7 +1,7 @@
 // Particles whose masses differ.
 #include <gtest/gtest.h>
 
-#include "fluid/emission/random.h"
+#include "fluid/random.h"
 #include "tank.h"
 
 namespace oilskin::fluid {

@@ -4,8 +4,8 @@
 
 #include <set>
 
-#include "fluid/emission/random.h"
 #include "fluid/particles.h"
+#include "fluid/random.h"
 
 namespace oilskin::fluid {
 namespace {

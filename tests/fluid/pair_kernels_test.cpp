@@ -6,9 +6,9 @@
 #include <map>
 
 #include "core/aligned_vector.h"
-#include "fluid/emission/random.h"
 #include "fluid/kernels.h"
 #include "fluid/neighbours.h"
+#include "fluid/random.h"
 #include "tank.h"
 #include "using_instruction_set.h"
 
@@ -63,6 +63,8 @@ struct Cloud {
 /// What is computed for all particles, one after the other, by name.
 using Results = std::map<std::string, std::vector<double>>;
 
+constexpr double close_square = 0.09;
+
 void add(Results& results, const std::string& name, std::initializer_list<double> values) {
   results[name].insert(results[name].end(), values);
 }
@@ -97,12 +99,14 @@ Results sums(const Cloud& cloud, bool weighted, bool with_rates, bool slopes_sto
   std::vector<float> slopes(cloud.neighbours.pair_capacity(0)), density(n), moved_density(n), compression(n);
   std::vector<Change> rubbed(n), exact(n);
   std::vector<PairRates> rates(n);
+  std::vector<std::uint8_t> is_close(n);
   std::vector<Record> push(n);
   const PairTable table = cloud.neighbours.table(0, slopes_stored ? slopes.data() : nullptr,
                                                  weighted ? cloud.mass_ratio.data() : nullptr);
   const PairRange all = {0, n};
   kernels.start(table, cloud.x.data(), cloud.v.data(), friction, all,
-                {density.data(), rubbed.data(), with_rates ? rates.data() : nullptr});
+                {density.data(), rubbed.data(), with_rates ? rates.data() : nullptr, is_close.data(),
+                 static_cast<float>(close_square)});
   kernels.density(table, cloud.x.data(), all, moved_density.data());
   kernels.pressure(table, cloud.x.data(), all, push.data());
   kernels.pressure_exact(table, cloud.x.data(), all, exact.data());
@@ -111,6 +115,7 @@ Results sums(const Cloud& cloud, bool weighted, bool with_rates, bool slopes_sto
   for (std::size_t i = 0; i < n; ++i) {
     add(r, "density", {density[i]});
     add(r, "density again", {moved_density[i]});
+    add(r, "has a close neighbour", {2.0 * is_close[i]});
     add(r, "friction", {rubbed[i].x, rubbed[i].y, rubbed[i].z});
     add(r, "pressure", {push[i].x, push[i].y, push[i].z});
     add(r, "exact pressure", {exact[i].x, exact[i].y, exact[i].z});
@@ -135,11 +140,13 @@ Results expected_sums(const Cloud& cloud, bool weighted) {
     Vec3 rubbed = Vec3::Zero(), push = Vec3::Zero(), gradient = Vec3::Zero();
     Vec3 of_others = Vec3::Zero(), corrected_push = Vec3::Zero();
     Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+    bool is_close = false;
     for (std::size_t j = 0; j < cloud.size(); ++j) {
       const Vec3 delta = vector_of(cloud.x[i]) - vector_of(cloud.x[j]);
       const Vec3 dv = vector_of(cloud.v[i]) - vector_of(cloud.v[j]);
       const double q = delta.norm(), m = weighted ? cloud.mass_ratio[j] : 1;
       if (j == i || q >= 1) continue;
+      is_close = is_close || q * q < close_square;
       const double w = CubicSpline::w(q), g = CubicSpline::dw_over_q(q), u = 1 - q;
       const double s = static_cast<double>(cloud.x[i].w) + static_cast<double>(cloud.x[j].w);
       density += m * w;
@@ -162,6 +169,7 @@ Results expected_sums(const Cloud& cloud, bool weighted) {
     for (const char* name : {"pressure", "exact pressure"}) add(r, name, {push.x(), push.y(), push.z()});
     add(r, "friction", {rubbed.x(), rubbed.y(), rubbed.z()});
     add(r, "gradient", {gradient.x(), gradient.y(), gradient.z()});
+    add(r, "has a close neighbour", {is_close ? 2.0 : 0.0});
     add(r, "squares", {squares * (weighted ? cloud.mass_ratio[i] : 1)});
     add(r, "moments",
         {moments(0, 0), moments(1, 1), moments(2, 2), moments(0, 1), moments(0, 2), moments(1, 2)});

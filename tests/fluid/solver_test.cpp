@@ -1,8 +1,8 @@
 /// What holds for every fluid model.
 #include <gtest/gtest.h>
 
-#include "fluid/emission/random.h"
 #include "fluid/lattice.h"
+#include "fluid/random.h"
 #include "tank.h"
 
 namespace oilskin::fluid {

@@ -127,5 +127,21 @@ TEST(SuggestedDt, is_never_zero_for_invalid_particles_or_settings) {
   EXPECT_EQ(World(box(1), bad).suggested_dt(0.5), 0.5);
 }
 
+// A step that takes no notice of them lets 16 layers fall through each other.
+TEST(Substeps, of_the_step_in_which_a_box_starts_are_those_of_its_water) {
+  World starts(box(1, Vec3(0, -9.81, 0)), cut_into(8)), lives(box(1, Vec3(0, -9.81, 0)), cut_into(8));
+  constexpr int layers = 16;
+  const double dx = lives.fluid_settings().spacing;
+  BoxEmitter water;
+  water.box = {Vec3::Constant(-dx / 2), Vec3::Constant((layers - 0.5) * dx)};
+  ASSERT_TRUE(starts.add_emitter(water).ok());
+  add_block(lives, layers, Vec3::Zero(), Vec3::Zero());
+  EXPECT_NEAR(starts.suggested_dt(1), lives.suggested_dt(1), 1e-12);
+  const int expected = lives.step(0.01).substeps;
+  EXPECT_GT(expected, 1);
+  EXPECT_EQ(starts.step(0.01).substeps, expected);
+  EXPECT_EQ(starts.particle_count(), lives.particle_count());
+}
+
 }  // namespace
 }  // namespace oilskin::test

@@ -16,12 +16,6 @@ double mass_of(Span<const float> ratio, std::uint32_t particle, double mass) {
   return ratio.empty() ? mass : mass * static_cast<double>(ratio[particle]);
 }
 
-/// Friction of these laws is bounded by them, or needs to know the first layer (docs/theory/boundary.md 10).
-bool has_dry_friction(const SurfaceMotion& s) {
-  const auto is_dry = [](SlipModel m) { return m == SlipModel::coulomb || m == SlipModel::sticking; };
-  return is_dry(s.slip_on(false).model) || is_dry(s.slip_on(true).model);
-}
-
 }  // namespace
 
 void Boundary::clear() {
@@ -95,12 +89,13 @@ void Boundary::push_bodies(const std::vector<Vec3>& impulse) {
   for (SurfaceMotion* s : surfaces_) set_node_velocities(*s);
 }
 
+/// Dry friction is bounded by them, or needs to know the first layer (docs/theory/boundary.md 10).
 void Boundary::record_wall_impulses(const std::vector<WallLoad<double>>& load, Span<const float> mass_ratio) {
   wall_impulses_.clear();
-  if (std::none_of(surfaces_.begin(), surfaces_.end(), [](auto* s) { return has_dry_friction(*s); })) return;
+  if (std::none_of(surfaces_.begin(), surfaces_.end(), [](auto* s) { return s->has_dry_friction(); })) return;
   for (const Wall& wall : geometry_.walls()) {
     const double theta = load[wall.point].on(wall.depth);
-    if (!has_dry_friction(*surfaces_[wall.surface])) continue;
+    if (!surfaces_[wall.surface]->has_dry_friction()) continue;
     WallImpulse w;
     w.particle = points()[wall.point].particle;
     w.surface = wall.surface;

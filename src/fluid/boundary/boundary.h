@@ -47,6 +47,7 @@ class Boundary {
 
   /// What is kept from step to step.
   LoadMemory& memory() { return memory_; }
+  const LoadMemory& memory() const { return memory_; }
 
  private:
   std::vector<WallNodeMotion> node_motion(double dt, const Workers& workers) const;

@@ -44,7 +44,7 @@ void LoadMemory::forget_others(Span<SurfaceMotion* const> surfaces) {
   }
 }
 
-std::vector<LoadMemory::NodeMemory>* LoadMemory::find(const SurfaceMotion& surface) {
+const std::vector<LoadMemory::NodeMemory>* LoadMemory::find(const SurfaceMotion& surface) const {
   if (surface.still != 0) return nullptr;
   const auto found = of_surface_.find(surface.id);
   return found != of_surface_.end() && found->second.size() == memories_of(surface) ? &found->second
@@ -104,14 +104,24 @@ void LoadMemory::record_load(double dt, Span<SurfaceMotion* const> surfaces,
 Vec3 LoadMemory::carried_impulse(std::uint64_t surface_id, std::uint32_t node, double dt) const {
   OILSKIN_ASSERT(of_surface_.count(surface_id) == 1 && dt > 0);
   const NodeMemory& m = of_surface_.at(surface_id)[node];
-  const double load2 = m.load.squaredNorm();
-  Vec3 carried = Vec3::Zero();
-  if (load2 > 0) {
-    const double share = std::clamp(-m.response.dot(m.load) / load2, 0.0, 1.0);  // χ_c (B.27)
-    carried = share * dt * m.load;
-  }
+  Vec3 carried = m.carried(dt);
   if (!m.of_others.isZero(0)) carried -= dt * m.of_others;
   return carried;
+}
+
+Vec3 LoadMemory::NodeMemory::carried(double dt) const {
+  const double load2 = load.squaredNorm();
+  if (!(load2 > 0)) return Vec3::Zero();
+  const double share = std::clamp(-response.dot(load) / load2, 0.0, 1.0);
+  return share * dt * load;
+}
+
+void LoadMemory::find_carried(const SurfaceMotion& surface, double dt, std::vector<Vec3>& change) const {
+  change.clear();
+  const std::vector<NodeMemory>* nodes = surface.body ? nullptr : find(surface);
+  if (nodes == nullptr) return;
+  for (std::size_t i = 0; i < nodes->size(); ++i)
+    change.push_back(surface.inverse_mass[i] * (*nodes)[i].carried(dt));
 }
 
 void LoadMemory::visit(Archive& archive) {

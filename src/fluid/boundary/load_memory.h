@@ -5,6 +5,7 @@
 #pragma once
 
 #include <map>
+#include <utility>
 
 #include "core/archive.h"
 #include "oilskin/surface_motion.h"
@@ -30,6 +31,10 @@ class LoadMemory {
   /// s].
   Vec3 carried_impulse(std::uint64_t surface_id, std::uint32_t node, double dt) const;
 
+  /// Per node of a sheet: the change of velocity by the load of all fluids that the host is expected to undo
+  /// within dt [m/s]. An empty list where nothing is known.
+  void find_carried(const SurfaceMotion& surface, double dt, std::vector<Vec3>& change) const;
+
   void visit(Archive& archive);
   void swap(LoadMemory& other) noexcept { of_surface_.swap(other.of_surface_); }
 
@@ -41,6 +46,8 @@ class LoadMemory {
     Vec3 of_others = Vec3::Zero();      // the part of it by other fluids [N]
     Vec3 response = Vec3::Zero();       // of the host, without gravity [N]
 
+    /// What the host carries of the load within dt [N s], with χ_c (B.27).
+    Vec3 carried(double dt) const;
     void respond(double fresh, const Vec3& force) { response += fresh * (force - response); }
     void record(double fresh, const Vec3& velocity, const Vec3& force, const Vec3& force_of_others) {
       velocity_left = velocity;
@@ -50,7 +57,10 @@ class LoadMemory {
   };
 
   void forget_others(Span<SurfaceMotion* const> surfaces);
-  std::vector<NodeMemory>* find(const SurfaceMotion& surface);
+  const std::vector<NodeMemory>* find(const SurfaceMotion& surface) const;
+  std::vector<NodeMemory>* find(const SurfaceMotion& surface) {
+    return const_cast<std::vector<NodeMemory>*>(std::as_const(*this).find(surface));
+  }
 
   std::map<std::uint64_t, std::vector<NodeMemory>> of_surface_;  // by surface id
 };

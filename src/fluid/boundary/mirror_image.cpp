@@ -15,6 +15,10 @@ MirrorImage::MirrorImage(double support_ratio) {
   }
   offset_ = static_cast<float>(low);
   mass_ = static_cast<float>(mass / plane_integral(low * z));
+  const double slot = 0.5,
+               wall = static_cast<double>(lambda(static_cast<float>(slot / 2 / support_ratio), 1));
+  both_ = static_cast<float>(settled_slot * (2 * wall + lattice_layer<CubicSpline>(support_ratio, slot) - 1) /
+                             (wall * wall));
 }
 
 }  // namespace oilskin::fluid

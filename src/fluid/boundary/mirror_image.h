@@ -21,6 +21,10 @@ class MirrorImage {
   /// lattice: 1.02 to 1.04 give it the pressure of the fluid around it.
   static constexpr double settled_pull = 1.03;
 
+  /// What walls that face each other take off their sum, over what a square lattice needs (B.42): particles
+  /// in a slot are not always in its middle. With 1.1 a slot of half a spacing takes its volume of water.
+  static constexpr double settled_slot = 1.1;
+
   /// `support_ratio` H/dx of the lattice.
   explicit MirrorImage(double support_ratio);
   /// Not the image of a fluid: λ = L(ζ), which reaches the whole support radius, for shares and distances.
@@ -37,11 +41,13 @@ class MirrorImage {
   float gamma(float distance, float share) const {
     return offset_ * mass_ * share * plane_integral_slope(offset_ * distance);
   }
+  /// c of (B.42).
+  float both() const { return both_; }
 
  private:
   MirrorImage() = default;
 
-  float mass_ = 1, offset_ = 1;  // κ, 2 a
+  float mass_ = 1, offset_ = 1, both_ = 0;  // κ, 2 a, c
 };
 
 }  // namespace oilskin::fluid

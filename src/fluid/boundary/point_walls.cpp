@@ -36,6 +36,7 @@ bool PointWalls::find() {
     find_visible();
   }
   leave_out_faint_walls();
+  take_off_what_both_count();
   limit_density();
   point_.end = static_cast<std::uint32_t>(walls_.size());
   return true;
@@ -61,6 +62,20 @@ void PointWalls::leave_out_faint_walls() {
     wall->lambda *= scale;
     point_.add(wall->lambda, wall->gamma, wall->depth);
   }
+}
+
+/// Walls that face each other both count what a slot between them does not hold (B.42). The sum over pairs of
+/// λ_a λ_b (n² − n)/2, n = n_a·n_b, by its moments.
+void PointWalls::take_off_what_both_count() {
+  if (walls_.size() - point_.begin < 2) return;
+  Eigen::Matrix3f second = Eigen::Matrix3f::Zero();
+  Eigen::Vector3f first = Eigen::Vector3f::Zero();
+  for (auto wall = walls_.begin() + point_.begin; wall != walls_.end(); ++wall) {
+    second += wall->lambda * wall->normal * wall->normal.transpose();
+    first += wall->lambda * wall->normal;
+  }
+  const float facing = 0.25f * (second.squaredNorm() - first.squaredNorm());
+  point_.lambda = std::max(0.0f, point_.lambda - image_.both() * std::max(0.0f, facing));
 }
 
 std::size_t PointWalls::nearest() const {

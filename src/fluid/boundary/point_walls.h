@@ -46,6 +46,7 @@ class PointWalls {
   void add_triangles();
   void limit_density();
   void leave_out_faint_walls();
+  void take_off_what_both_count();
   void add(std::size_t k, const WallView& view);
   std::array<Eigen::Vector3f, 3> corners(std::size_t k) const;
   float nearest_distance() const {

@@ -31,6 +31,20 @@ void add_images(Span<const Wall> walls, std::vector<ImagePlane>& images) {
   }
 }
 
+/// What the walls hide over what lies beyond their planes: less than 1 where fluid goes around an edge
+/// (B.43).
+float covered_part(Span<const ImagePlane> planes) {
+  float hidden = 0, beyond = 0;
+  for (std::size_t a = 0; a < planes.size(); ++a) {
+    const float mass = half_space_mass(planes[a].distance);
+    hidden += planes[a].share * mass;
+    beyond += mass;
+    for (std::size_t b = 0; b < a; ++b)
+      beyond -= mass * half_space_mass(planes[b].distance) * (1 + planes[a].normal.dot(planes[b].normal));
+  }
+  return hidden < beyond ? hidden / beyond : 1;
+}
+
 }  // namespace
 
 void WallGeometry::clear() {
@@ -65,8 +79,10 @@ void WallGeometry::find_part(const BoundaryInput& input, std::size_t begin, std:
       WallPoint point;
       point.particle = i;
       if (!PointWalls(input, image_, buffers, point, part.walls).find()) continue;
-      part.points.push_back(point);
+      const std::size_t first = part.images.size();
       add_images({part.walls.data() + point.begin, point.end - point.begin}, part.images);
+      point.covered = covered_part({part.images.data() + first, part.images.size() - first});
+      part.points.push_back(point);
       part.images_end.push_back(static_cast<std::uint32_t>(part.images.size()));
     }
   }

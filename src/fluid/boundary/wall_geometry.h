@@ -22,7 +22,8 @@ struct WallLoad {
 /// A particle near a surface.
 struct WallPoint {
   std::uint32_t particle = 0;
-  float lambda = 0;                                       ///< Σ_T λ_T at the start, 0 … 1
+  float lambda = 0;                                       ///< λ_i at the start, 0 … 1 (B.42)
+  float covered = 1;                                      ///< part of what lies beyond its planes (B.43)
   Eigen::Vector3f gamma = Eigen::Vector3f::Zero();        ///< Σ_T γ_T
   Eigen::Vector3f depth_gamma = Eigen::Vector3f::Zero();  ///< Σ_T d_T γ_T
   float max_depth = 0;                                    ///< max |d_T|

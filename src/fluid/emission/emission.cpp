@@ -75,6 +75,10 @@ struct Emission::Impl {
                       s.kind == Source::Kind::volume ? number : 0});
     origins.push_back({static_cast<std::uint32_t>(source), static_cast<std::uint32_t>(site)});
   }
+  /// Whether a box or a mesh starts before `end` [s].
+  static bool starts_volume(const Source& s, double end) {
+    return !s.begun && s.enabled && s.schedule.start < end;
+  }
   void emit_waiting(std::size_t source, double time, double dt);
   void emit_series(std::size_t source, double time, double dt);
   void emit_volume(std::size_t source, double time, double dt);
@@ -272,6 +276,16 @@ double Emission::fastest_due(double time, double dt) const {
   return fastest;
 }
 
+Box Emission::due_volumes(double time, double dt) const {
+  Box bounds;
+  for (const Source& s : impl_->sources) {
+    if (s.kind != Source::Kind::volume || !impl_->starts_volume(s, time + dt)) continue;
+    const PlacedSource placed = impl_->at(s, time, dt);
+    for (std::size_t k = 0; k < s.sites.size(); ++k) bounds.add(placed.place_of(k));
+  }
+  return bounds;
+}
+
 EmitterPose Emission::Impl::pose_at(const Source& s, double time) const {
   return pose_of(s, s.move_length > 0 ? std::clamp((time - s.move_begin) / s.move_length, 0.0, 1.0) : 0);
 }
@@ -310,7 +324,7 @@ void Emission::Impl::emit_series(std::size_t index, double time, double dt) {
 
 void Emission::Impl::emit_volume(std::size_t index, double time, double dt) {
   Source& s = sources[index];
-  if (s.begun || !s.enabled || s.schedule.start >= time + dt) return;
+  if (!starts_volume(s, time + dt)) return;
   s.begun = true;
   const double remaining = std::min(dt, time + dt - s.schedule.start);
   const PlacedSource placed = at(s, time + dt - remaining, dt);

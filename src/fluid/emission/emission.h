@@ -66,6 +66,9 @@ class Emission {
   /// Speed of the fastest start that may be due in the step [time, time + dt) [m/s]; 0 = none.
   double fastest_due(double time, double dt) const;
 
+  /// Bounds of the boxes and meshes that are due in the step [time, time + dt); empty = there are none.
+  Box due_volumes(double time, double dt) const;
+
   /// Takes what became of the starts of the last due(), and returns how many were blocked. A blocked start
   /// of a nozzle waits, at most one per lattice site, and is due again at the next call with remaining = dt.
   /// Further starts of a site at which one waits are lost, as are blocked points of volumes, which are filled

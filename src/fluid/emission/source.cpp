@@ -6,7 +6,7 @@
 
 #include "core/assert.h"
 #include "core/refuse.h"
-#include "fluid/emission/random.h"
+#include "fluid/random.h"
 
 namespace oilskin::fluid {
 

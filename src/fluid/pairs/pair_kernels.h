@@ -67,6 +67,8 @@ struct StartSums {
   float* density;    ///< Σ_j m_j w
   Change* friction;  ///< Σ_j m_j of the pair term
   PairRates* rates;
+  std::uint8_t* is_close;  ///< whether a neighbour is nearer than √close_square
+  float close_square;      ///< [H²]
 };
 
 /// Places beyond the last candidate: far away.

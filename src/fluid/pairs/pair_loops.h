@@ -112,7 +112,7 @@ struct PairLoops {
     const F8 by_slope(friction.by_slope), by_hat(friction.by_hat);
     const F8 by_laplacian(6 * friction.by_laplacian), smoothing(friction.smoothing);
     const F8 by_strain(friction.by_strain), most_by_strain(friction.most_by_strain);
-    F8 density;
+    F8 density, least(1.0f);
     Sum8 sx, sy, sz;
     RateSums rates;
     for (List n(t, i); n; ++n) {
@@ -120,6 +120,7 @@ struct PairLoops {
       const F8 q = root(pairs.q2), w = CubicSpline::w(q), g = CubicSpline::dw_over_q(q);
       if (t.slopes) g.store(t.slopes + (n.j - t.lists));
       masses.add(density, w, n.j);
+      least = smaller(least, pairs.q2);
       if constexpr (with_friction) {
         const Record8 u(v, n.j);
         const F8 vx = F8(v[i].x) - u.x, vy = F8(v[i].y) - u.y, vz = F8(v[i].z) - u.z;
@@ -138,6 +139,7 @@ struct PairLoops {
       }
     }
     out.density[k] = total(density);
+    if (out.is_close) out.is_close[k] = greater_mask(F8(out.close_square), least) != 0;
     if constexpr (with_friction) out.friction[k] = {sx.total(), sy.total(), sz.total()};
     if constexpr (with_rates) {
       out.rates[k] = rates.sum();

@@ -27,10 +27,10 @@ struct Correction {
 Correction correction(const StepState& state, const FluidSettings& s) {
   const double g = state.gravity.norm();
   const double metres = s.spacing / metre(g);
-  const double recovery_time = std::min(0.9 * std::sqrt(s.spacing / g), 4 * metres);
-  if (state.boundary.empty()) return {0.05f, recovery_time, 0.04 * metres};
+  const double recovery = recovery_time(s.spacing, g);
+  if (state.boundary.empty()) return {0.05f, recovery, 0.04 * metres};
   const bool is_corrected = s.solver == PressureSolver::dfsph && s.gradient_correction > 0;
-  return {0.02f, recovery_time, is_corrected ? recovery_time / 2 : 0.2 * metres};
+  return {0.02f, recovery, is_corrected ? recovery / 2 : 0.2 * metres};
 }
 
 /// V_s/V (F.6): volume of a particle in settled water, which is disordered, over its volume on the lattice at

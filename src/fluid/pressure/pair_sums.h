@@ -5,6 +5,7 @@
 
 #include "core/chunks.h"
 #include "fluid/kernels.h"
+#include "fluid/pressure/close_pairs.h"
 #include "fluid/pressure/step_state.h"
 #include "fluid/stability.h"
 #include "oilskin/settings.h"
@@ -62,11 +63,16 @@ inline void add_wall_density(StepState& state) {
 struct ExplicitModel {
   float density_scale, self_density;
   PairFriction friction;
+  double spacing, support_radius;  ///< dx, H [m]
+  float close_square;              ///< of the distance of a close pair [H²] (F.86)
   float friction_load;  ///< half the largest eigenvalue of all friction at ρ0; it grows with ρ (F.84)
 
-  ExplicitModel(const FluidSettings& s, double volume, double support_radius, double dt)
-      : density_scale(static_cast<float>(volume * CubicSpline::norm / std::pow(support_radius, 3))),
-        self_density(density_scale * static_cast<float>(CubicSpline::w(0.0))) {
+  ExplicitModel(const FluidSettings& s, double volume, double h, double dt)
+      : density_scale(static_cast<float>(volume * CubicSpline::norm / std::pow(h, 3))),
+        self_density(density_scale * static_cast<float>(CubicSpline::w(0.0))),
+        spacing(s.spacing),
+        support_radius(h),
+        close_square(static_cast<float>(std::pow(closest_spacing * s.spacing / h, 2))) {
     const double smoothing = -std::expm1(-s.xsph_rate.value_or(0) * dt), most_by_strain = 0.125;
     friction.smoothing = static_cast<float>(smoothing) * density_scale;
     friction.by_strain = static_cast<float>(s.xsph_strain.value_or(0) * dt / s.spacing) * density_scale;
@@ -97,18 +103,19 @@ inline void add_friction(StepState& state, const ExplicitModel& model, double sc
     float density[chunk_size];
     Change friction[chunk_size];
     pair_kernels().start(pair_table(state, begin), state.position().data(), state.velocity.data(),
-                         model.friction, {begin, end}, {density, friction, nullptr});
+                         model.friction, {begin, end}, {density, friction, nullptr, nullptr, 0});
     for (std::size_t i = begin; i < end; ++i) state.dv[i] += scale * to_vector(friction[i - begin]);
   });
 }
 
 /// Density, slopes and, `with_friction`, viscosity and XSPH of all particles. keep(rates, i) takes the rates
-/// of particle i; nullptr: they are not asked for.
+/// of particle i; nullptr: they are not asked for. Close pairs are parted.
 template <class Keep>
 void run_explicit_sums(StepState& state, const ExplicitModel& model, bool with_friction, const Keep& keep) {
   constexpr bool with_rates = !std::is_same_v<Keep, std::nullptr_t>;
   const std::size_t chunks = (state.size() + chunk_size - 1) / chunk_size;
   if (state.slope.size() < chunks) state.slope.resize(chunks);
+  state.is_close.resize(state.size());
   state.workers.for_chunks(state.size(), chunk_size, [&](std::size_t begin, std::size_t end, std::size_t c) {
     provide_slopes(state, c, begin, end);
     float density[chunk_size];
@@ -116,7 +123,8 @@ void run_explicit_sums(StepState& state, const ExplicitModel& model, bool with_f
     PairRates rates[with_rates ? chunk_size : 1];
     pair_kernels().start(pair_table(state, begin), state.position().data(), state.velocity.data(),
                          model.friction, {begin, end},
-                         {density, with_friction ? friction : nullptr, with_rates ? rates : nullptr});
+                         {density, with_friction ? friction : nullptr, with_rates ? rates : nullptr,
+                          &state.is_close[begin], model.close_square});
     for (std::size_t i = begin, k = 0; i < end; ++i, ++k) {
       const float own_mass = state.mass_ratio.empty() ? 1 : state.mass_ratio[i];
       state.relative_density[i] = own_mass * model.self_density + model.density_scale * density[k];
@@ -124,6 +132,7 @@ void run_explicit_sums(StepState& state, const ExplicitModel& model, bool with_f
       if constexpr (with_rates) keep(rates[k], i);
     }
   });
+  part_close_pairs(state, model.spacing, model.support_radius);
   // Densities are known only now. Clusters that are too dense for the friction are rare: it is summed again.
   if (!with_friction) return;
   const float stable = stable_friction(state, model);

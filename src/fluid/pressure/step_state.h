@@ -31,6 +31,8 @@ struct StepState {
   /// images change them (B.32). Computed ones have the same bits, but loops take up to 1.2 times as long.
   std::size_t most_with_slopes = 250000;
 
+  std::vector<std::uint8_t> is_close;  ///< per particle: a neighbour is nearer than close pairs are (F.86)
+
   // Output
   std::vector<float> relative_density;  ///< ρ/ρ0 at the start
   std::vector<Vec3> dv;                 ///< change of velocity, gravity included [m/s]
