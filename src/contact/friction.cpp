@@ -184,7 +184,7 @@ class TangentialSupport {
 Vec3 sticking_impulse(const Context& context, const ContactConstraint& constraint, const Vec3& vt) {
   const Contact& c = constraint.contact;
   const SurfaceMotion& s = *context.surfaces[c.surface];
-  const Vec3 yielding = constraint.tangential_impulse - vt / constraint.k_tangent;
+  Vec3 yielding = constraint.tangential_impulse - vt / constraint.k_tangent;
   if (s.body || context.hosts.empty() || context.hosts[c.surface].carried.empty()) return yielding;
   TangentialSupport support(context, c);
   if (!support.carries()) return yielding;
@@ -238,7 +238,7 @@ Vec3 tangential_impulse(const Context& context, const ContactConstraint& constra
       return size <= limit ? sticking : Vec3(sticking * (limit / size));
     }
     case SlipModel::sticking: {
-      const Vec3 sticking = sticking_impulse(context, constraint, vt);
+      Vec3 sticking = sticking_impulse(context, constraint, vt);
       if (constraint.viscous_share == 0) return sticking;
       const double drag = wall_drag(context, constraint, 0);
       return (1 - constraint.viscous_share / (1 + drag * constraint.k_tangent)) * sticking;
