@@ -5,6 +5,7 @@
 
 #include "oilskin/world.h"
 #include "support/static_mesh.h"
+#include "support/world_helpers.h"
 
 namespace oilskin {
 namespace {
@@ -15,7 +16,7 @@ constexpr double tank = 12 * dx, wall = 2 * dx, opening = 4 * dx;
 /// A tank, a wall that ends above the floor, and a slot behind it, which is empty at the start.
 class Slot {
  public:
-  explicit Slot(double width) : world_(settings(), fluid()) {
+  explicit Slot(double width) : world_(test::under_gravity(), test::of_spacing(dx)) {
     const double end = tank + wall + width, top = 0.25;
     const Vec3 y(0, top, 0), z(0, 0, breadth), raised(0, opening, 0);
     walls_.add_rectangle({0, 0, 0}, z, {end, 0, 0});
@@ -44,16 +45,6 @@ class Slot {
   }
 
  private:
-  static WorldSettings settings() {
-    WorldSettings s;
-    s.gravity = Vec3(0, -9.81, 0);
-    return s;
-  }
-  static FluidSettings fluid() {
-    FluidSettings s;
-    s.spacing = dx;
-    return s;
-  }
   void step() {
     const StepReport& report = world_.step(1e-3);
     ASSERT_TRUE(report.status.ok()) << report.status.message;

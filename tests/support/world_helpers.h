@@ -15,6 +15,20 @@ inline SurfaceSettings sheet_settings(double thickness = 0.001) {
   return s;
 }
 
+/// The default settings, with the gravity of the earth along −y.
+inline WorldSettings under_gravity() {
+  WorldSettings s;
+  s.gravity = Vec3(0, -9.81, 0);
+  return s;
+}
+
+/// The default settings, with a spacing [m].
+inline FluidSettings of_spacing(double spacing) {
+  FluidSettings s;
+  s.spacing = spacing;
+  return s;
+}
+
 /// Of particle i [kg].
 inline double mass_of(const World& w, std::size_t i) {
   const Span<const float> ratio = w.mass_ratios();

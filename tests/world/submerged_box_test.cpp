@@ -15,7 +15,7 @@ constexpr double dx = 0.02, side = 14 * dx, depth = 10 * dx, half = 3 * dx, heig
 /// A tank with a box in its middle, `gap` [dx] above the floor, and water around both.
 class SubmergedBox {
  public:
-  explicit SubmergedBox(double gap) : bottom_(gap * dx), world_(settings(), fluid()) {
+  explicit SubmergedBox(double gap) : bottom_(gap * dx), world_(test::under_gravity(), test::of_spacing(dx)) {
     tank_.add_box({Vec3::Zero(), Vec3(side, 2 * depth, side)}, 2 * dx);
     box_.add_box({middle() - Vec3(half, -bottom_, half), middle() + Vec3(half, bottom_ + height, half)}, dx);
     for (SurfaceHost* host : {static_cast<SurfaceHost*>(&tank_), static_cast<SurfaceHost*>(&box_)})
@@ -60,23 +60,13 @@ class SubmergedBox {
     return std::abs(d.x()) < around && std::abs(d.z()) < around && x.y() > bottom_ - 0.3 * dx &&
            x.y() < bottom_ + height + 0.3 * dx;
   }
-  static WorldSettings settings() {
-    WorldSettings s;
-    s.gravity = Vec3(0, -9.81, 0);
-    return s;
-  }
-  static FluidSettings fluid() {
-    FluidSettings s;
-    s.spacing = dx;
-    return s;
-  }
 
   const double bottom_;
   test::StaticMesh tank_, box_;
   World world_;
 };
 
-// With gradients corrected beside its edges (F.77) it moves at 0.12 √(g dx).
+// With gradients corrected beside its edges (F.77) it moves at 0.1 √(g dx).
 TEST(SubmergedBox, water_around_it_comes_to_rest) {
   SubmergedBox box(3);
   box.run(2);
