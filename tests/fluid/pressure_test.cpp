@@ -104,6 +104,28 @@ TEST_P(Incompressible, reaches_a_tight_tolerance_and_its_minimum) {
   }
 }
 
+// The slope of the kernel is 0 there: nothing else parts them (F.86).
+TEST_P(Incompressible, particles_in_one_place_part) {
+  Tank tank(settings());
+  tank.walls = false;
+  tank.gravity.setZero();
+  tank.fill(8, 8, 8, dx);
+  const Vec3 place = tank.particles.position[8 * 8 * 4 + 8 * 4 + 4];
+  tank.add(place, Vec3::Zero());
+  const std::uint64_t added = tank.particles.size();
+  for (int step = 0; step < 100; ++step) tank.step(1e-3);
+  ASSERT_TRUE(tank.finite());
+  Vec3 x = Vec3::Zero();
+  for (std::size_t i = 0; i < tank.particles.size(); ++i)
+    if (tank.particles.id[i] == added) x = tank.particles.position[i];
+  double nearest = 1;
+  for (std::size_t i = 0; i < tank.particles.size(); ++i)
+    if (tank.particles.id[i] != added) nearest = std::min(nearest, (tank.particles.position[i] - x).norm());
+  EXPECT_GT(nearest, 0.3 * dx);
+  EXPECT_LT(tank.fastest(), 0.5);
+  EXPECT_LE(tank.velocity_sum().norm(), 1e-12 * tank.speed_sum());
+}
+
 TEST_P(Incompressible, compressed_start_recovers) {
   for (const double distance : {0.7, 0.8, 0.9}) {
     Tank tank(settings());
