@@ -89,6 +89,7 @@ Gathered CollisionObjectHost::gather(double dt, SurfaceMotion& motion) {
     motion.triangles = triangles_;
     motion.storage = bt_storage;
     motion.nodes_movable = false;
+    motion.solid = mesh_.solid;
   }
   motion.x_t1 = world_;
   motion.inverse_mass.assign(n, 0);

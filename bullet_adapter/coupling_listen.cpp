@@ -65,9 +65,11 @@ void btFluidCoupling::Impl::hear_surfaces(double dt) {
   if (!listening.listeners.empty())
     for (std::size_t k = 0; k < all.size(); ++k) particles[k] = count_touching_particles(*all[k]);
   const std::vector<ParticlesBefore> before = std::exchange(particles_before, {});
+  std::vector<std::vector<const Vec3*>> starts;
+  for (std::size_t k = 0; k < before.size(); ++k) starts.push_back(before[k].positions_of(*all[k]));
   for (Attachment& a : attachments) {
     if (a.sensor) {
-      if (!before.empty() && a.measures) listening.add_flow(a.sensor->end(all, before), a.number);
+      if (!before.empty() && a.measures) listening.add_flow(a.sensor->end(all, starts), a.number);
       continue;
     }
     const SurfaceMotion* motion = nullptr;

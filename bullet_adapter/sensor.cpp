@@ -35,11 +35,16 @@ ParticlesBefore::ParticlesBefore(const World& world) {
   std::sort(sorted_.begin(), sorted_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
 }
 
-const Vec3* ParticlesBefore::position_of(std::uint64_t id) const {
-  const auto it =
-      std::lower_bound(sorted_.begin(), sorted_.end(), id,
-                       [](const auto& entry, std::uint64_t value) { return entry.first < value; });
-  return it != sorted_.end() && it->first == id ? &it->second : nullptr;
+std::vector<const Vec3*> ParticlesBefore::positions_of(const World& world) const {
+  std::vector<const Vec3*> positions;
+  positions.reserve(world.particle_count());
+  for (const std::uint64_t id : world.ids()) {
+    const auto it =
+        std::lower_bound(sorted_.begin(), sorted_.end(), id,
+                         [](const auto& entry, std::uint64_t value) { return entry.first < value; });
+    positions.push_back(it != sorted_.end() && it->first == id ? &it->second : nullptr);
+  }
+  return positions;
 }
 
 bool Sensor::is_sensor(const btCollisionObject& object) {
@@ -94,32 +99,39 @@ void Sensor::set_state(State state) {
   reading_ = state.reading;
 }
 
-btFluidFlow Sensor::end(Span<World* const> worlds, const std::vector<ParticlesBefore>& before) {
+btFluidFlow Sensor::end(Span<World* const> worlds, const std::vector<std::vector<const Vec3*>>& starts) {
   const Eigen::Affine3d now = *inverse_of(object_->getWorldTransform());
   const Eigen::Affine3d then = teleported_ ? now : *to_local_;
-  OILSKIN_ASSERT(worlds.size() == inside_.size() && worlds.size() == before.size());
+  OILSKIN_ASSERT(worlds.size() == inside_.size() && worlds.size() == starts.size());
   teleported_ = false;
   btFluidFlow flow;
   reading_.m_volume = 0;
   reading_.m_particles = 0;
   for (std::size_t k = 0; k < worlds.size(); ++k)
-    add_flow_of(*worlds[k], before[k], then, now, inside_[k], flow);
+    add_flow_of(*worlds[k], starts[k], then, now, inside_[k], flow);
   to_local_ = now;
   reading_.m_flow += flow;
   return flow;
 }
 
-void Sensor::add_flow_of(const World& world, const ParticlesBefore& before, const Eigen::Affine3d& then,
-                         const Eigen::Affine3d& now, Inside& remembered, btFluidFlow& flow) {
+/// Particles whose path has no point of the region's box change nothing, but for those that were inside.
+void Sensor::add_flow_of(const World& world, const std::vector<const Vec3*>& starts,
+                         const Eigen::Affine3d& then, const Eigen::Affine3d& now, Inside& remembered,
+                         btFluidFlow& flow) {
+  OILSKIN_ASSERT(starts.size() == world.particle_count());
   Inside inside;
   std::size_t still_here = 0;  // of those inside before
+  const Box bounds = region_->bounds();
   for (std::size_t i = 0; i < world.particle_count(); ++i) {
-    const std::uint64_t id = world.ids()[i];
+    const Vec3* start = starts[i];
     const Vec3 x_t1 = now * world.positions()[i];
-    const double volume = volume_of(world, i);
-    const bool was_remembered = std::binary_search(remembered.begin(), remembered.end(), id);
-    const Vec3* start = before.position_of(id);
     const Vec3 x_t0 = start ? Vec3(then * *start) : x_t1;
+    const bool is_near = bounds.overlaps({x_t0.cwiseMin(x_t1), x_t0.cwiseMax(x_t1)});
+    if (!is_near && remembered.empty()) continue;
+    const std::uint64_t id = world.ids()[i];
+    const bool was_remembered = std::binary_search(remembered.begin(), remembered.end(), id);
+    if (!is_near && !was_remembered) continue;
+    const double volume = volume_of(world, i);
     const bool was_inside = start && region_->contains(x_t0), is_inside = region_->contains(x_t1);
     still_here += was_remembered;
     flow.m_vanished += was_remembered && !was_inside;

@@ -13,8 +13,8 @@ namespace oilskin::bullet {
 class ParticlesBefore {
  public:
   explicit ParticlesBefore(const World& world);
-  /// Null for a particle that did not exist.
-  const Vec3* position_of(std::uint64_t id) const;
+  /// Of each particle that the world has now; null where it did not exist.
+  std::vector<const Vec3*> positions_of(const World& world) const;
 
  private:
   std::vector<std::pair<std::uint64_t, Vec3>> sorted_;
@@ -30,8 +30,8 @@ class Sensor {
   Status read();
   /// Before a step of fluids: the first time, counts what is inside. A fluid that was added since appears.
   void begin(Span<World* const> worlds);
-  /// After the step; the flow within it. `before` has one per fluid.
-  btFluidFlow end(Span<World* const> worlds, const std::vector<ParticlesBefore>& before);
+  /// After the step; the flow within it. `starts`: per fluid, ParticlesBefore::positions_of().
+  btFluidFlow end(Span<World* const> worlds, const std::vector<std::vector<const Vec3*>>& starts);
   /// What is inside of the k-th fluid vanishes; with the last fluid all measurements do.
   void forget_fluid(std::size_t k);
   /// The motion up to the next step is a teleport.
@@ -51,7 +51,7 @@ class Sensor {
 
  private:
   using Inside = std::vector<std::uint64_t>;  // ids, sorted
-  void add_flow_of(const World& world, const ParticlesBefore& before, const Eigen::Affine3d& then,
+  void add_flow_of(const World& world, const std::vector<const Vec3*>& starts, const Eigen::Affine3d& then,
                    const Eigen::Affine3d& now, Inside& inside, btFluidFlow& flow);
 
   const btCollisionObject* object_;

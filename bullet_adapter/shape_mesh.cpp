@@ -134,12 +134,14 @@ Status read(const btCollisionShape& shape, const btTransform& to_body, double to
   }
   if (type == STATIC_PLANE_PROXYTYPE) {
     read_plane(static_cast<const btStaticPlaneShape&>(shape), to_body, mesh);
+    mesh->solid = false;
     return Status::accepted();
   }
   Collector collector(to_body, mesh);
   if (shape.isConvex()) return read_convex(shape, tolerance, &collector);
   if (!shape.isConcave()) return unsupported(shape, "is not supported");
   read_concave(shape, &collector);
+  mesh->solid = false;
   return Status::accepted();
 }
 

@@ -18,6 +18,7 @@ struct ShapeMesh {
   std::vector<btVector3> vertices;  ///< coincident ones are welded
   std::vector<Triangle> triangles;
   std::vector<Plane> planes;
+  bool solid = true;  ///< its parts are convex: no triangle mesh and no plane
 };
 
 /// Reads triangle meshes (any concave shape that lists its triangles), convex hulls, boxes and tetrahedra

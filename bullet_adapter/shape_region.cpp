@@ -151,6 +151,19 @@ bool ShapeRegion::add(const btCollisionShape& shape, const Eigen::Affine3d& to_l
   return region.has_value();
 }
 
+/// A little larger, for the rounding of positions in the frames of the parts.
+Box ShapeRegion::bounds() const {
+  Box all;
+  for (const Part& part : parts_) {
+    const Box box = *part.region.region().bounds();
+    const Eigen::Affine3d to_shape = part.to_local.inverse();
+    for (int c = 0; c < 8; ++c)
+      all.add(to_shape * Vec3(c & 1 ? box.max.x() : box.min.x(), c & 2 ? box.max.y() : box.min.y(),
+                              c & 4 ? box.max.z() : box.min.z()));
+  }
+  return all.inflated(1e-9 * (all.max - all.min).norm());
+}
+
 bool ShapeRegion::contains(const Vec3& x) const {
   return std::any_of(parts_.begin(), parts_.end(),
                      [&x](const Part& part) { return part.region.contains(part.to_local * x); });

@@ -46,6 +46,8 @@ class ShapeRegion {
   /// None for shapes without a volume: triangle meshes, planes, and compounds that have one.
   static std::optional<ShapeRegion> of(const btCollisionShape& shape);
 
+  /// A box that has all points of the shape.
+  Box bounds() const;
   bool contains(const Vec3& x) const;
   /// Whether the segment between two points has a point of the shape.
   bool meets(const Vec3& a, const Vec3& b) const;

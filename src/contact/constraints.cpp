@@ -102,7 +102,7 @@ void apply_friction(Context& context, ContactConstraint& constraint) {
       context.surfaces[constraint.contact.surface]->slip_on(constraint.contact.back).model;
   if (model == SlipModel::free || (model == SlipModel::viscous_wall && constraint.wall_area == 0)) return;
   if (!constraint.friction_active && !(constraint.friction_load() > 0)) return;
-  const Vec3 v = relative_velocity(context, constraint.contact);
+  const Vec3 v = slip_velocity(context, constraint.contact);
   const Vec3 vt = v - v.dot(constraint.contact.normal) * constraint.contact.normal;
   const Vec3 impulse = tangential_impulse(context, constraint, vt);
   const Vec3 change = impulse - constraint.tangential_impulse;

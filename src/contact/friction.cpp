@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "contact/reach.h"
+#include "contact/surface_point.h"
 #include "core/assert.h"
 
 namespace oilskin::contact {
@@ -51,6 +52,12 @@ SurfaceSide side_of(const MeshTopology& topology, Span<const Triangle> triangles
 
 namespace {
 
+/// What the host will undo of a change `v`, of which it undoes up to `carried`.
+Vec3 undone_of(const Vec3& v, const Vec3& carried) {
+  const double most2 = carried.squaredNorm();
+  return most2 > 0 ? Vec3(std::clamp(v.dot(carried) / most2, -1.0, 1.0) * carried) : Vec3::Zero();
+}
+
 bool has_wall_area(const Context& context, const ContactConstraint& constraint) {
   const Contact& c = constraint.contact;
   switch (context.surfaces[c.surface]->slip_on(c.back).model) {
@@ -89,7 +96,7 @@ double viscous_share(const Context& context, const ContactConstraint& constraint
   const double u = p.inverse_mass[c.particle];
   if (s.slip_on(c.back).model != SlipModel::sticking || !(u > 0)) return 0;
   const auto tangential = [&](const Vec3& v) { return (v - v.dot(c.normal) * c.normal).norm(); };
-  const Vec3 &v = p.velocity[c.particle], slip = relative_velocity(context, c);
+  const Vec3 &v = p.velocity[c.particle], slip = slip_velocity(context, c);
   const Vec3 change = context.start_velocity.empty() ? v : Vec3(v - context.start_velocity[c.particle]);
   const Liquid& liquid = context.liquid(c.particle);
   const double z = shear_distance(context, constraint), nu = liquid.viscosity,
@@ -197,6 +204,16 @@ Vec3 sticking_impulse(const Context& context, const ContactConstraint& constrain
 }
 
 }  // namespace
+
+Vec3 slip_velocity(const Context& context, const Contact& c) {
+  const Vec3 v = relative_velocity(context, c);
+  const SurfaceMotion& s = *context.surfaces[c.surface];
+  if (!s.body || context.hosts.empty() || context.hosts[c.surface].carried.empty()) return v;
+  const HostSupport& host = context.hosts[c.surface];
+  OILSKIN_ASSERT(host.velocity.size() == 2 && host.carried.size() == 2);
+  return v + undone_of(s.body->velocity - host.velocity[0], host.carried[0]) +
+         undone_of(s.body->angular_velocity - host.velocity[1], host.carried[1]).cross(arm_of(s, c));
+}
 
 // A particle represents dx² of each wall that it sees: once if several contacts belong to one wall (inner
 // edges of a flat sheet, a cloth on a floor), twice in a corner. A contact gets the area that nearer contacts

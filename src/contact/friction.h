@@ -20,6 +20,10 @@ SurfaceSide side_of(const MeshTopology& topology, Span<const Triangle> triangles
 /// Sets ContactConstraint::wall_area (C.19) and viscous_share (B.36). Constraints are ordered by particle.
 void distribute_wall_area(const Context& context, std::vector<ContactConstraint>& constraints);
 
+/// Of the particle against the surface, as friction sees it: without what the host of a body will undo
+/// (C.44).
+Vec3 slip_velocity(const Context& context, const Contact& contact);
+
 /// The accumulated tangential impulse of the surface's law for the current tangential velocity v_t (C.16),
 /// (C.17) [N s].
 Vec3 tangential_impulse(const Context& context, const ContactConstraint& constraint, const Vec3& vt);

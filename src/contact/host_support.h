@@ -7,7 +7,8 @@
 
 namespace oilskin::contact {
 
-/// One value per node; both lists are empty where nothing is known, and the nodes yield by their masses.
+/// One value per node; of a body two, of its velocity and of its angular velocity. Both lists are empty where
+/// nothing is known, and nodes and bodies yield by their masses.
 struct HostSupport {
   std::vector<Vec3> velocity;  ///< as the host proposed it, at the start of the step [m/s]
   std::vector<Vec3> carried;  ///< change of velocity by loads, from then to the end of the interval, that the

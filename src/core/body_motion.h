@@ -47,6 +47,12 @@ inline void record_on_body(ContactReport& report, const BodyMotion& body, const 
   report.impulse_on_prescribed += impulse - taken;
 }
 
+/// Whether friction must know what the host does with loads: dry friction, and any friction of a body.
+inline bool friction_follows_host(const SurfaceMotion& s) {
+  return s.has_dry_friction() ||
+         (s.body && (s.slip_on(false).model != SlipModel::free || s.slip_on(true).model != SlipModel::free));
+}
+
 /// [a]×: [a]× b = a × b.
 Eigen::Matrix3d cross_matrix(const Vec3& a);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "core/body_motion.h"
 #include "core/stage_timer.h"
 #include "fluid/occlusion.h"
 #include "fluid/pressure/pressure_model.h"
@@ -44,7 +45,7 @@ struct FluidSolver::Impl {
   void load(const Particles& particles);
   bool remembers_loads(Span<SurfaceMotion* const> surfaces) const {
     return settings.boundary == BoundaryModel::mirrored ||
-           std::any_of(surfaces.begin(), surfaces.end(), [](auto* s) { return s->has_dry_friction(); });
+           std::any_of(surfaces.begin(), surfaces.end(), [](auto* s) { return friction_follows_host(*s); });
   }
   void finish(Particles& particles, Span<Vec3> velocity);
 

@@ -160,6 +160,8 @@ class Effect {
 
   /// In messages and saved worlds.
   virtual std::string name() const = 0;
+  /// Accepted, or why it cannot act: World::add_effect() then refuses it with this.
+  virtual Status status() const { return {}; }
   /// Per number that the world keeps for each particle: its value in a new particle. Must not change. The
   /// numbers follow their particle, are saved with the world, and end with it.
   virtual std::vector<double> particle_values() const { return {}; }
@@ -167,8 +169,8 @@ class Effect {
   /// them.
   virtual std::vector<double> node_values() const { return {}; }
 
-  /// From how far on act() reads EffectForces::walls() [dx], ≥ 0; H or more: all of them, 0: none. Must not
-  /// change. Without it walls are not searched; up to half of H the boundary terms have found them.
+  /// From how far on act() reads EffectForces::walls() [dx], ≥ 0; H or more: all of them, 0: none. Is asked
+  /// in each interval. Without it walls are not searched; up to half of H the boundary terms have found them.
   virtual double wall_reach() const { return 0; }
   /// The longest interval [s] in which act() is stable for such a fluid. Longer steps are cut into fluid
   /// sub-steps, as far as FluidSettings::max_substeps allows; a message says so where it does not. A value

@@ -98,9 +98,10 @@ class ForceFields final : public Effect {
   std::size_t size() const { return fields_.size(); }
 
   std::string name() const override { return "force fields"; }
-  /// One spacing: walls nearer than that are no free surface.
-  double wall_reach() const override { return 1; }
-  /// 0.25 √(H/a) with the largest acceleration a, as for pressure (F.45). Wind needs no limit.
+  /// One spacing where wind blows: walls nearer than that are no free surface.
+  double wall_reach() const override;
+  /// 0.25 √(H/a) with the largest acceleration a, as for pressure (F.45), of fields whose regions overlap.
+  /// Wind needs no limit.
   double longest_interval(const FluidSettings& fluid) const override;
   void act(EffectForces& forces) override;
   /// Moves regions and axes.

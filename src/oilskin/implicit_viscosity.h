@@ -46,12 +46,12 @@ struct ImplicitViscosityReport {
 /// Effects that push the fluid should be added before this one, which then sees their forces.
 class ImplicitViscosity : public Effect {
  public:
-  /// Settings that validate() refuses make status() a refusal; then nothing acts.
+  /// Settings that validate() refuses make status() a refusal; World::add_effect() then refuses it.
   explicit ImplicitViscosity(const ImplicitViscositySettings& settings = {});
   ~ImplicitViscosity() override;
 
   /// Whether the settings were accepted.
-  const Status& status() const { return status_; }
+  Status status() const override { return status_; }
   /// The settings in use.
   const ImplicitViscositySettings& settings() const { return settings_; }
   /// Takes other settings from the next interval on, or refuses and changes nothing.
@@ -60,9 +60,11 @@ class ImplicitViscosity : public Effect {
   const ImplicitViscosityReport& report() const { return report_; }
 
   std::string name() const override { return "viscosity"; }
-  /// The acceleration of the last interval [m/s²], three components: where the next solution starts.
-  std::vector<double> particle_values() const override { return {0, 0, 0}; }
-  /// What the surface's host holds of the drag (V.10): forces [N] and a velocity [m/s].
+  /// The acceleration by drag in the last interval [m/s²], where the next solution starts; the velocity that
+  /// it would have left without pressure [m/s]; what pressure is expected to do [m/s²] (V.12); its length
+  /// [s].
+  std::vector<double> particle_values() const override;
+  /// What the surface's host holds of the drag (V.10), (V.13).
   std::vector<double> node_values() const override;
   double wall_reach() const override { return std::numeric_limits<double>::infinity(); }
   bool is_friction() const override { return true; }

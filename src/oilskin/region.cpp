@@ -40,6 +40,25 @@ bool Region::contains(const Vec3& x) const {
                      [&](const HalfSpace& half) { return half.normal.dot(local - half.point) <= 0; });
 }
 
+std::optional<Box> Region::bounds() const {
+  Box own;
+  if (capsule) {
+    own.add(capsule->from);
+    own.add(capsule->to);
+    own = own.inflated(capsule->radius);
+  } else if (box) {
+    own = *box;
+  } else {
+    return {};
+  }
+  Box placed;
+  for (int c = 0; c < 8; ++c)
+    placed.add(pose.position + pose.rotation.normalized() * Vec3(c & 1 ? own.max.x() : own.min.x(),
+                                                                 c & 2 ? own.max.y() : own.min.y(),
+                                                                 c & 4 ? own.max.z() : own.min.z()));
+  return placed;
+}
+
 Status Region::validate() const {
   if (box)
     if (Status s = check_box(*box); !s.ok()) return Status::refused("region: " + s.message);

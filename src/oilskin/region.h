@@ -41,6 +41,8 @@ struct Region {
 
   /// Whether a point [m] lies in it.
   bool contains(const Vec3& x) const;
+  /// A box around it [m]; none where neither `box` nor `capsule` bounds it.
+  std::optional<Box> bounds() const;
   /// Accepted, or the first number that is not finite or out of range.
   Status validate() const;
 };

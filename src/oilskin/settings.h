@@ -133,6 +133,10 @@ struct SurfaceSettings {
   /// approach that is flatter than the neighbouring triangles' angle is damped. Edges of more than 60° stay
   /// edges.
   bool smooth = false;
+  /// The triangles, closed and all with normals outwards or all inwards, enclose a solid: no particle starts
+  /// inside, and what is inside where it appears, or after a teleport, is removed (ContactReport::relocated).
+  /// Absent: as the host says (SurfaceMotion::solid); Bullet's convex shapes and compounds of them are solid.
+  std::optional<bool> solid;
   /// The surface touches a fluid whose collision_mask has a bit of this group …
   std::uint32_t collision_group = 1;
   /// … and whose collision_group has a bit of this mask.

@@ -73,6 +73,8 @@ struct SurfaceMotion {
   /// Whether split repulsion may move free nodes. False for hosts that derive velocities from positions, such
   /// as Bullet's position-based solver: there the displacement of a node would add kinetic energy.
   bool nodes_movable = true;
+  /// The triangles enclose a solid, as those of a convex shape do; see SurfaceSettings::solid.
+  bool solid = false;
 
   // --- input of an interval, one value per node; filled by SurfaceHost::gather()
   /// Stored positions at the start [m]: where contact left the nodes.
@@ -182,8 +184,8 @@ class SurfaceHost {
   virtual ~SurfaceHost() = default;
 
   /// Fills the input of an interval: x_t1, velocity, inverse_mass, holdable; if it returns new_surface also
-  /// triangles, storage and nodes_movable. dt [s] is the length of the step, 0 when the surface is attached.
-  /// The caller fills x_t0.
+  /// triangles, storage, nodes_movable and solid. dt [s] is the length of the step, 0 when the surface is
+  /// attached. The caller fills x_t0.
   ///
   /// A host of many triangles that mostly stand still gives what it fills in a number, motion.revision, ≥ 1:
   /// another one whenever nodes, masses or triangles change. Where it finds its present number in

@@ -28,11 +28,11 @@ struct SurfaceTensionSettings {
 /// measured: docs/decisions/0025-surface-tension.md.
 class SurfaceTension : public Effect {
  public:
-  /// Settings that are out of range act like none: see status().
+  /// Settings that are out of range act like none; World::add_effect() refuses them.
   explicit SurfaceTension(const SurfaceTensionSettings& settings = {});
 
   /// Accepted, or what is wrong with the settings given at construction.
-  Status status() const { return status_; }
+  Status status() const override { return status_; }
   /// What acts.
   const SurfaceTensionSettings& settings() const { return settings_; }
   /// Changes what acts, between steps. A refusal changes nothing.

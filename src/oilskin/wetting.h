@@ -66,12 +66,12 @@ struct WettingSettings {
 /// not, unless they have a fabric of their own. The rest shape is that in which a surface is first seen.
 class Wetting : public Effect {
  public:
-  /// Settings that validate() refuses make status() a refusal; then nothing acts.
+  /// Settings that validate() refuses make status() a refusal; World::add_effect() then refuses it.
   explicit Wetting(const WettingSettings& settings = {});
   ~Wetting() override;
 
   /// Whether the settings were accepted.
-  const Status& status() const;
+  Status status() const override;
   /// The settings.
   const WettingSettings& settings() const;
   /// The fabric of one surface, from the next step on. Refuses numbers out of range. It is saved under the

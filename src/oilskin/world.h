@@ -216,7 +216,8 @@ class World {
 
   // --- effects
   /// Adds an effect, which acts from the next step on. It remains the caller's, and must outlive its stay
-  /// here. Effects act in the order in which they were added.
+  /// here. Effects act in the order in which they were added. Refuses one whose settings were refused
+  /// (Effect::status()), and a second one of the same name.
   Status add_effect(Effect& effect);
   /// Removes an effect, with its numbers. One that is not there is ignored.
   void remove_effect(const Effect& effect);

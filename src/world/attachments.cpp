@@ -82,15 +82,18 @@ bool is_zero(const Vec3& v) {
   return v[0] == 0 && v[1] == 0 && v[2] == 0;
 }
 
+/// Bits are compared, so that +0 and −0 differ.
+bool are_same(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0;
+}
+
 /// Whether SurfaceMotion::still holds.
 bool stands_still(const SurfaceMotion& m) {
-  if (m.body || !m.added_mass.empty() || m.x_t0.size() != m.x_t1.size()) return false;
+  if (m.body || !m.added_mass.empty()) return false;
   if (std::any_of(m.inverse_mass.begin(), m.inverse_mass.end(), [](double u) { return u != 0; }))
     return false;
-  // Bits are compared, so that +0 and −0 differ.
-  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
-  return std::memcmp(m.x_t0.data(), m.x_t1.data(), m.x_t0.size() * sizeof(Vec3)) == 0 &&
-         std::all_of(m.velocity.begin(), m.velocity.end(), is_zero);
+  return are_same(m.x_t0, m.x_t1) && std::all_of(m.velocity.begin(), m.velocity.end(), is_zero);
 }
 
 Status refuse_unchanged() {
@@ -108,6 +111,10 @@ void Attachments::note_stillness(SurfaceMotion& m) {
   m.impulse.clear();      // contact makes new ones
   m.moved.clear();
   m.touched.clear();
+}
+
+bool stand_alike(const SurfaceMotion& m, const SurfaceMotion& still) {
+  return still.still != 0 && stands_still(m) && are_same(m.x_t1, still.x_t1) && m.holdable == still.holdable;
 }
 
 bool can_collide(const FluidSettings& fluid, const SurfaceSettings& surface) {
@@ -303,7 +310,13 @@ namespace {
 
 /// `x`: x_t0 or x_t1 of its motion.
 StandingSurface standing_at(const std::vector<Vec3>& x, Attachment& a) {
-  return {a.motion.triangles, x, a.motion.inverse_mass, a.motion.delta, &a.geometry, a.motion.still};
+  return {a.motion.triangles,
+          x,
+          a.motion.inverse_mass,
+          a.motion.delta,
+          &a.geometry,
+          a.motion.still,
+          a.settings.solid.value_or(a.motion.solid)};
 }
 
 }  // namespace
@@ -320,14 +333,15 @@ namespace {
 /// From and to a still surface of one number: what a step may change.
 void copy_changes(const SurfaceMotion& from, SurfaceMotion& to) {
   // Names every member: a new one that is forgotten here does not compile.
-  const auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, x_t0, x_t1,
-               velocity, velocity_t0, inverse_mass, holdable, added_mass, body, impulse, moved, touched,
+  const auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, solid, x_t0,
+               x_t1, velocity, velocity_t0, inverse_mass, holdable, added_mass, body, impulse, moved, touched,
                revision, still, carried_mass, absorbed_mass] = from;
   OILSKIN_ASSERT(!body && still != 0 && to.still == still && to.id == id && to.x_t1.size() == x_t1.size());
   OILSKIN_ASSERT(to.storage == storage && to.triangles.size() == triangles.size());
   OILSKIN_ASSERT(to.velocity.size() == velocity.size() && to.inverse_mass.size() == inverse_mass.size());
   OILSKIN_ASSERT(to.x_t0.size() == x_t0.size() && velocity_t0.empty() && added_mass.empty());
   OILSKIN_ASSERT(to.holdable.size() == holdable.size() && to.nodes_movable == nodes_movable);
+  OILSKIN_ASSERT(to.solid == solid);
   to.thickness = thickness;
   to.delta = delta;
   to.slip = slip;

@@ -86,6 +86,9 @@ struct ActiveSurfaces {
 /// The largest coordinate that δ covers [m].
 double max_coordinate(const Box& kill_box);
 
+/// Whether the second one has a number SurfaceMotion::still that holds for the first one, too.
+bool stand_alike(const SurfaceMotion& m, const SurfaceMotion& still);
+
 /// Do the collision groups and masks of a fluid and a surface let them collide?
 bool can_collide(const FluidSettings& fluid, const SurfaceSettings& surface);
 
@@ -122,6 +125,9 @@ class Attachments {
   /// Takes over hosts and handles of `from`, whose surfaces must be as many and have the same meshes in the
   /// same order. A refusal changes nothing.
   Status take_hosts(Attachments& from);
+  /// After take_hosts(): also what was derived from the meshes, and the numbers of surfaces that stand where
+  /// they did.
+  void take_geometry(Attachments& from);
 
  private:
   void note_stillness(SurfaceMotion& m);

@@ -6,6 +6,7 @@
 
 #include "contact/predicates.h"
 #include "core/assert.h"
+#include "core/row_crossing.h"
 
 namespace oilskin::world {
 
@@ -49,6 +50,17 @@ void for_near_triangles(const StandingSurface& surface, double reach, Span<const
     }
 }
 
+/// Blocks the points inside a closed surface.
+void block_enclosed_points(const StandingSurface& surface, Span<const Vec3> points, const Workers& workers,
+                           std::vector<std::uint8_t>& blocked) {
+  const Box bounds = bounds_of(surface, workers);
+  workers.for_each(points.size(), 1024, [&](std::size_t i) {
+    if (!blocked[i] && bounds.contains(points[i]) &&
+        crossing_number(surface.triangles, surface.x, points[i]) != 0)
+      blocked[i] = 1;
+  });
+}
+
 /// The triangle of a surface that is nearest to a point.
 struct Nearest {
   double distance = std::numeric_limits<double>::infinity();
@@ -68,6 +80,7 @@ std::vector<std::uint8_t> find_blocked_points(Span<const StandingSurface> surfac
                        [&](std::uint32_t i, const Triangle&, const contact::PointTriangle& q) {
                          if (contact::end_distance(q, cutoff).too_close) blocked[i] = 1;
                        });
+    if (s.solid) block_enclosed_points(s, points, workers, blocked);
   }
   return blocked;
 }

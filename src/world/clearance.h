@@ -15,9 +15,11 @@ struct StandingSurface {
   double delta = 0;                 // δ [m]
   contact::SurfaceGeometry* geometry = nullptr;
   std::uint64_t still = 0;  // as SurfaceMotion::still
+  bool solid = false;       // what it encloses is no place for particles
 };
 
-/// Per point: 1 where some triangle is nearer than 2 δ of its surface, or rounding cannot decide.
+/// Per point: 1 where some triangle is nearer than 2 δ of its surface, or rounding cannot decide, and within
+/// solids.
 std::vector<std::uint8_t> find_blocked_points(Span<const StandingSurface> surfaces, Span<const Vec3> points,
                                               const Workers& workers);
 

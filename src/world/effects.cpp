@@ -213,6 +213,7 @@ const Effects::Slot* Effects::find(const Effect& effect) const {
 }
 
 Status Effects::add(Effect& effect, fluid::Particles& particles, Attachments& attachments) {
+  if (Status s = effect.status(); !s.ok()) return s;
   Slot slot{&effect, effect.name(), effect.particle_values(), effect.node_values(), 0, 0};
   for (const Slot& s : slots_)
     if (s.effect == &effect || s.name == slot.name)

@@ -50,13 +50,15 @@ void visit(Archive& archive, std::optional<SlipSettings>& settings) {
 }
 
 void visit(Archive& archive, SurfaceSettings& settings) {
-  auto& [thickness, slip, slip_back, smooth, collision_group, collision_mask] = settings;
+  auto& [thickness, slip, slip_back, smooth, solid, collision_group, collision_mask] = settings;
   double value = thickness.value_or(0);  // an attached surface has one
   archive.value(value);
   thickness = value;
   visit(archive, slip);
   visit(archive, slip_back);
-  archive.values(smooth, collision_group, collision_mask);
+  archive.value(smooth);
+  archive.optional(solid, [&](bool& is_solid) { archive.value(is_solid); });
+  archive.values(collision_group, collision_mask);
 }
 
 void visit(Archive& archive, std::optional<BodyMotion>& body) {
@@ -70,7 +72,7 @@ void visit(Archive& archive, std::optional<BodyMotion>& body) {
 }
 
 void visit(Archive& archive, SurfaceMotion& motion) {
-  auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, x_t0, x_t1,
+  auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, solid, x_t0, x_t1,
          velocity, velocity_t0, inverse_mass, holdable, added_mass, body, impulse, moved, touched, revision,
          still, carried_mass, absorbed_mass] = motion;
   if (archive.reading()) {  // gather() fills them
@@ -80,8 +82,8 @@ void visit(Archive& archive, SurfaceMotion& motion) {
   archive.values(id, triangles, storage, thickness, delta);
   visit(archive, slip);
   visit(archive, slip_back);
-  archive.values(smooth, nodes_movable, x_t0, x_t1, velocity, inverse_mass, holdable, added_mass, impulse,
-                 moved, carried_mass, absorbed_mass);
+  archive.values(smooth, nodes_movable, solid, x_t0, x_t1, velocity, inverse_mass, holdable, added_mass,
+                 impulse, moved, carried_mass, absorbed_mass);
   visit(archive, body);
   if (!archive.reading()) return;
   touched.clear();
@@ -210,6 +212,24 @@ Status Attachments::take_hosts(Attachments& from) {
   return {};
 }
 
+void Attachments::take_geometry(Attachments& from) {
+  OILSKIN_ASSERT(list_.size() == from.list_.size());
+  next_still_ = from.next_still_;  // geometry was fitted to numbers before it
+  for (std::size_t k = 0; k < list_.size(); ++k) {
+    Attachment &mine = *list_[k], &other = *from.list_[k];
+    if (mine.refused || other.refused) continue;
+    const bool is_analysed = other.geometry.id == other.motion.id;
+    mine.geometry = std::move(other.geometry);
+    mine.geometry.id = is_analysed ? mine.motion.id : 0;
+    if (!stand_alike(mine.motion, other.motion)) {
+      mine.geometry.fitted_still = 0;
+      continue;
+    }
+    mine.motion.revision = other.motion.revision;
+    mine.motion.still = other.motion.still;
+  }
+}
+
 }  // namespace world
 
 /// Counters come first: ids are checked against them.
@@ -263,6 +283,7 @@ Status World::Impl::restore(Span<const std::uint8_t> saved) {
   if (!archive.ok()) return refuse(archive.status());
   if (Status s = restored.attachments.take_hosts(attachments); !s.ok()) return s;
   if (Status s = restored.effects.restore(); !s.ok()) return refuse(s);
+  restored.attachments.take_geometry(attachments);
   restored.observer = observer;
   restored.report.step = restored.state.step_count;
   restored.report.time = restored.state.time;

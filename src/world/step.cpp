@@ -5,6 +5,7 @@
 
 #include "contact/verify.h"
 #include "core/assert.h"
+#include "core/body_motion.h"
 #include "world/absorption.h"
 #include "world/carried_mass.h"
 #include "world/numeric_range.h"
@@ -92,7 +93,7 @@ void World::Impl::run_interval(IntervalContext& interval) {
   end_interval(interval, motion);
 }
 
-/// What friction may expect of them (C.43).
+/// What friction may expect of them (C.43), (C.44).
 void World::Impl::find_hosts(IntervalContext& interval) const {
   StepContext& step = interval.step;
   const double passed = interval.begin + interval.dt - state.time;
@@ -129,7 +130,12 @@ void World::Impl::gather(StepContext& step) {
   for (const world::Attachment* a : step.surfaces.attachment) step.contact_surfaces.push_back({a->handle});
   for (const SurfaceMotion* s : step.surfaces.motion) {
     step.hosts.emplace_back();
-    if (s->still == 0 && !s->body && s->has_dry_friction()) step.hosts.back().velocity = s->velocity;
+    if (s->still != 0 || !friction_follows_host(*s)) continue;
+    std::vector<Vec3>& velocity = step.hosts.back().velocity;
+    if (s->body)
+      velocity = {s->body->velocity, s->body->angular_velocity};
+    else
+      velocity = s->velocity;
   }
   fluid->record_host_response(step.dt, settings.gravity, step.surfaces.motion);
   world::relocate_particles(step.surfaces, state.particles, state.next_particle_id, *workers, step.report,

@@ -1,7 +1,9 @@
 #include "world/substeps.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/assert.h"
 #include "core/body_path.h"
@@ -33,11 +35,79 @@ double longest_step(const Speeds& speeds, double distance) {
   return longest;
 }
 
-bool has_free_nodes(Span<SurfaceMotion* const> surfaces) {
-  return std::any_of(surfaces.begin(), surfaces.end(), [](const SurfaceMotion* s) {
-    return s->still == 0 && !s->body &&
-           std::any_of(s->inverse_mass.begin(), s->inverse_mass.end(), [](double m) { return m > 0; });
+bool has_free_nodes(Span<SurfaceMotion* const> surfaces, const Box& water) {
+  return std::any_of(surfaces.begin(), surfaces.end(), [&](const SurfaceMotion* s) {
+    if (s->still != 0 || s->body ||
+        std::none_of(s->inverse_mass.begin(), s->inverse_mass.end(), [](double m) { return m > 0; }))
+      return false;
+    Box swept;
+    for (const std::vector<Vec3>* nodes : {&s->x_t0, &s->x_t1})
+      for (const Vec3& x : *nodes) swept.add(x);
+    return swept.overlaps(water);
   });
+}
+
+namespace {
+
+/// Which of many layers have something in them.
+class Layers {
+ public:
+  static constexpr std::size_t count = 4096;
+
+  void mark(std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k <= last; ++k) words_[k / 64] |= std::uint64_t(1) << (k % 64);
+  }
+  void operator+=(const Layers& o) {
+    for (std::size_t w = 0; w < words_.size(); ++w) words_[w] |= o.words_[w];
+  }
+  /// From a layer with something in it to another, with at most `empty` layers in a row between them.
+  std::size_t longest_run(std::size_t empty) const {
+    std::size_t longest = 0, first = 0, last = count;  // last: none yet
+    for (std::size_t k = 0; k < count; ++k) {
+      if ((words_[k / 64] >> (k % 64) & 1) == 0) continue;
+      if (last == count || k - last > empty + 1) first = k;
+      last = k;
+      longest = std::max(longest, last - first + 1);
+    }
+    return longest;
+  }
+
+ private:
+  std::array<std::uint64_t, count / 64> words_{};
+};
+
+/// From the lowest to the highest corner along `up`.
+std::pair<double, double> extent_of(const Box& box, const Vec3& up) {
+  const Vec3 a = box.min.cwiseProduct(up), b = box.max.cwiseProduct(up);
+  return {a.cwiseMin(b).sum(), a.cwiseMax(b).sum()};
+}
+
+}  // namespace
+
+double tallest_part(Span<const Vec3> points, const Box& box, const Box& bounds, const Vec3& up, double gap,
+                    const Workers& workers) {
+  constexpr std::size_t chunk = 8192, layers_of_gap = 4;
+  const auto [low, high] = extent_of(bounds, up);
+  const double layer = std::max(gap / layers_of_gap, (high - low) / (Layers::count - 1));
+  OILSKIN_ASSERT(gap > 0 && std::isfinite(layer));
+  const auto layer_of = [&, low = low](double height) {
+    return static_cast<std::size_t>(std::clamp((height - low) / layer, 0.0, Layers::count - 1.0));
+  };
+  Layers layers =
+      workers.ordered_sum(points.size(), chunk, Layers(), [&](std::size_t begin, std::size_t end) {
+        Layers part;
+        for (std::size_t i = begin; i < end; ++i) {
+          if (!bounds.contains(points[i])) continue;
+          const std::size_t k = layer_of(up.dot(points[i]));
+          part.mark(k, k);
+        }
+        return part;
+      });
+  if (box.min.x() <= box.max.x()) {
+    const auto [bottom, top] = extent_of(box, up);
+    layers.mark(layer_of(bottom), layer_of(top));
+  }
+  return std::min(high - low, static_cast<double>(layers.longest_run(layers_of_gap)) * layer);
 }
 
 namespace {

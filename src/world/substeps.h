@@ -12,9 +12,9 @@ struct Speeds {
   double gravity = 0;   ///< |g| [m/s²]
   double surfaces = 0;  ///< of the fastest node that may touch the fluid
   double change = 0;    ///< largest change per second by the fluid's own forces, in the last interval [m/s²]
-  double height = 0;    ///< extent of the water along gravity [m]; volumes that are due count
+  double height = 0;    ///< of the tallest water along gravity [m]; volumes that are due count
   bool has_water = false;  ///< particles, or a volume that is due
-  bool has_cloth = false;  ///< a surface has nodes that yield on their own
+  bool has_cloth = false;  ///< a surface near the water has nodes that yield on their own
 };
 
 /// The number of equal parts of a step of dt [s] such that no displacement in a part exceeds `distance` [m]
@@ -29,8 +29,14 @@ double parts_needed(double dt, double longest);
 /// The longest dt [s] without a displacement above `distance` [m]; infinity where nothing moves.
 double longest_step(const Speeds& speeds, double distance);
 
-/// Whether a node may move by the fluid's load, other than with a body.
-bool has_free_nodes(Span<SurfaceMotion* const> surfaces);
+/// Whether a node may move by the fluid's load, other than with a body: of a surface whose box comes into the
+/// box `water`.
+bool has_free_nodes(Span<SurfaceMotion* const> surfaces, const Box& water);
+
+/// The longest part along the unit vector `up` of points and of a box, in which gaps are no longer than `gap`
+/// [m], to a quarter of that or more. Points beyond `bounds` do not count.
+double tallest_part(Span<const Vec3> points, const Box& box, const Box& bounds, const Vec3& up, double gap,
+                    const Workers& workers);
 
 /// The largest speed of a node whose triangle sweeps through the box `water` in a step of dt [s].
 double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, double dt, const Workers& workers);

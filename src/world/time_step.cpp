@@ -39,17 +39,20 @@ world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved
         return part;
       });
   Box box = water.box;
-  box.add(emission->due_volumes(state.time, dt));
+  const Box due = emission->due_volumes(state.time, dt);
+  box.add(due);
   world::Speeds found;
   found.fluid = std::max(std::sqrt(water.speed), emission->fastest_due(state.time, dt));
   found.change = state.max_acceleration;
   const double g = settings.gravity.norm();
   found.has_water = box.min.x() <= box.max.x();
   if (found.has_water && g > 0)
-    found.height = (box.max - box.min).dot(settings.gravity.cwiseAbs()) / g + fluid_settings.spacing;
+    found.height =
+        fluid_settings.spacing + world::tallest_part(particles.position, due, box, settings.gravity / -g,
+                                                     fluid->support_radius() + found.fluid * dt, *workers);
   found.gravity = found.fluid > 0 || found.has_water ? g : 0;
-  found.has_cloth = world::has_free_nodes(moved);
   const double reach = fluid->support_radius() + found.fluid * dt;
+  found.has_cloth = found.has_water && world::has_free_nodes(moved, box.inflated(reach));
   if (moved_for > 0) found.surfaces = world::fastest_node(moved, box.inflated(reach), moved_for, *workers);
   return found;
 }
@@ -62,10 +65,10 @@ double World::Impl::stable_parts(const world::Speeds& found, double dt) const {
                     effects.longest_interval(f).interval}));
 }
 
-/// By the pressure of the last interval, in heights of a column. It is at most the height of the water:
-/// impacts have more, for a moment, and are limited by speeds. It is at least that height up to 15 dx, since
-/// in water that falls or fills a vessel the pressure rises too fast to be seen in time; before the first
-/// interval the height counts in full. In longer intervals drops on light cloth make energy, and PCISPH
+/// By the pressure of the last interval, in heights of a column. It is at most the height of the tallest
+/// water: impacts have more, for a moment, and are limited by speeds. It is at least that height up to 15 dx,
+/// since in water that falls or fills a vessel the pressure rises too fast to be seen in time; before the
+/// first interval the height counts in full. In longer intervals drops on light cloth make energy, and PCISPH
 /// bursts in shallow water.
 double World::Impl::loaded_interval(const world::Speeds& found) const {
   using fluid::usual_layers;

@@ -120,6 +120,29 @@ TEST(CollisionObjectHost, hull_keeps_the_users_points_and_scaling) {
     EXPECT_TRUE(x.x() == 2 * double(bt(0.1)) || x.x() == -2 * double(bt(0.3)));
 }
 
+TEST(CollisionObjectHost, convex_shapes_and_their_compounds_are_solid) {
+  btBoxShape box(btVector3(1, 1, 1));
+  btSphereShape sphere(1);
+  btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+  btTriangleMesh triangles;
+  for (int i = 0; i < 2; ++i)
+    triangles.addTriangle(btVector3(0, bt(i), 0), btVector3(1, bt(i), 0), btVector3(0, bt(i), 1));
+  btBvhTriangleMeshShape mesh(&triangles, false);
+  btCompoundShape solid, mixed;
+  solid.addChildShape(turned, &box);
+  solid.addChildShape(btTransform::getIdentity(), &sphere);
+  mixed.addChildShape(turned, &box);
+  mixed.addChildShape(turned, &mesh);
+  for (btCollisionShape* shape :
+       {static_cast<btCollisionShape*>(&box), static_cast<btCollisionShape*>(&sphere),
+        static_cast<btCollisionShape*>(&solid)})
+    EXPECT_TRUE(Object(shape).motion.solid) << shape->getName();
+  for (btCollisionShape* shape :
+       {static_cast<btCollisionShape*>(&plane), static_cast<btCollisionShape*>(&mesh),
+        static_cast<btCollisionShape*>(&mixed)})
+    EXPECT_FALSE(Object(shape).motion.solid) << shape->getName();
+}
+
 TEST(CollisionObjectHost, flat_and_empty_shapes_are_refused_by_name) {
   btConvexHullShape flat;
   for (int i = 0; i < 4; ++i) flat.addPoint(btVector3(bt(i & 1), 0, bt(i & 2)));

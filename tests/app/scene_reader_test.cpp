@@ -70,6 +70,7 @@ Scene everything() {
   plane.shape = PlaneShape();
   body.shape = *mesh.mesh;
   box.motion.stop = 3;
+  body.surface.solid = true;
   Body raft;
   raft.shape = CompoundShape{{BoxShape(), BoxShape()}};
   raft.density = 300;

@@ -12,6 +12,7 @@ class StaticMesh : public SurfaceHost {
   /// Whether the nodes change while attached: it compares them in every step; they do not; or it gives
   /// them no number, and the world reads them in every step.
   enum class Changes { compared, never, unknown } changes = Changes::compared;
+  bool solid = false;  ///< SurfaceMotion::solid
 
   /// Two triangles a cell over corner + s·u + t·v.
   void add_rectangle(const Vec3& corner, const Vec3& u, const Vec3& v, std::uint32_t nu = 1,
@@ -45,6 +46,7 @@ class StaticMesh : public SurfaceHost {
     const bool is_new = m.triangles.size() != triangles.size();
     if (is_new) m.triangles = triangles;
     m.storage = Storage::float64;
+    m.solid = solid;
     m.x_t1 = nodes;
     m.velocity.assign(nodes.size(), Vec3::Zero());
     m.inverse_mass.assign(nodes.size(), 0);

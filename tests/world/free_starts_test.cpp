@@ -45,11 +45,16 @@ struct TankWithBody {
     Random random(seed);
     body.add_box({Vec3::Constant(-4.3 * dx), Vec3::Constant(4.3 * dx)}, 2 * dx);
     const Rotation turn(Eigen::AngleAxis<double>(random.uniform(0, 3), random.direction()));
-    const Vec3 at = Vec3(0, 8 * dx, 0) + random.in_cube(dx);
-    for (Vec3& n : body.nodes) n = at + turn * n;
+    middle = Vec3(0, 8 * dx, 0) + random.in_cube(dx);
+    for (Vec3& n : body.nodes) n = middle + turn * n;
+    for (Triangle& t : body.triangles) {
+      const Vec3 &a = body.nodes[t[0]], &b = body.nodes[t[1]], &c = body.nodes[t[2]];
+      if ((b - a).cross(c - a).dot(a - middle) < 0) std::swap(t[1], t[2]);  // normals outwards
+    }
     EXPECT_TRUE(world.attach(tank, sheet_settings(), nullptr).ok());
   }
 
+  Vec3 middle;  // of the body
   StaticMesh tank, body;
   World world;
 };
@@ -77,6 +82,49 @@ TEST(FreeStarts, a_tank_filled_around_a_turned_body_makes_no_energy) {
     for (int k = 0; k < 30; ++k) made = std::max(made, t.world.step(0.001).energy.made_fraction());
     EXPECT_LE(made, 0.01) << seed;
     record("energy_made", made);
+  }
+}
+
+/// What encloses no water: a body that the host, or the caller, calls a solid.
+TEST(FreeStarts, no_water_starts_in_a_solid) {
+  for (const BoundaryModel boundary : {BoundaryModel::mirrored, BoundaryModel::contact_only})
+    for (const bool by_host : {true, false}) {
+      TankWithBody t(boundary, 1);
+      t.body.solid = by_host;
+      SurfaceSettings settings = sheet_settings();
+      if (!by_host) settings.solid = true;
+      ASSERT_TRUE(t.world.attach(t.body, settings, nullptr).ok());
+      ASSERT_TRUE(t.world.add_emitter(whole_tank).ok());
+      const double inside = 8.6 * 8.6 * 8.6, layer = 6 * 8.6 * 8.6;
+      const bool is_crowded = boundary == BoundaryModel::mirrored;
+      EXPECT_NEAR(static_cast<double>(t.world.step(0.001).blocked_starts),
+                  inside + (is_crowded ? 0.2 * layer : 0), 0.1 * layer);
+      std::uint64_t blocked = 0;
+      const Vec3 still = Vec3::Zero();
+      ASSERT_TRUE(t.world.add_particles({&t.middle, 1}, {&still, 1}, &blocked).ok());
+      EXPECT_EQ(blocked, 1u);
+    }
+}
+
+/// A solid that appears in water takes its volume; a shell keeps what is inside.
+TEST(FreeStarts, a_solid_takes_the_place_of_water) {
+  for (const bool solid : {true, false}) {
+    TankWithBody t(BoundaryModel::mirrored, 2);
+    t.body.solid = true;
+    SurfaceSettings settings = sheet_settings();
+    if (!solid) settings.solid = false;
+    ASSERT_TRUE(t.world.add_emitter(whole_tank).ok());
+    t.world.step(0.001);
+    const std::size_t before = t.world.particle_count();
+    SurfaceId id;
+    ASSERT_TRUE(t.world.attach(t.body, settings, &id).ok());
+    const StepReport& report = t.world.step(0.001);
+    const double removed = static_cast<double>(before - t.world.particle_count());
+    EXPECT_EQ(report.removed, before - t.world.particle_count());
+    EXPECT_NEAR(removed, solid ? 8.6 * 8.6 * 8.6 : 0, solid ? 50 : 5);
+    EXPECT_LE(report.momentum_residual().norm(), 1e-12 * t.world.fluid_mass());
+    t.world.reset_motion(id);
+    EXPECT_LE(t.world.step(0.001).removed, 5u) << "nothing is left inside";
   }
 }
 

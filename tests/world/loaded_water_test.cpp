@@ -123,9 +123,22 @@ TEST(LoadedWaterLimit, takes_the_height_of_water_that_has_no_pressure_yet) {
   EXPECT_EQ(substeps_of({Vec3::Zero()}, BoundaryModel::mirrored), parts(3));
   EXPECT_EQ(substeps_of({Vec3::Zero(), Vec3(3, 0, 1)}, BoundaryModel::mirrored), parts(3))
       << "across gravity";
-  EXPECT_EQ(substeps_of({Vec3::Zero(), Vec3(0, 2, 0)}, BoundaryModel::mirrored), parts(401));
-  EXPECT_EQ(substeps_of({Vec3::Zero(), Vec3(0, 2, 0)}, BoundaryModel::contact_only), 1);
-  EXPECT_EQ(substeps_of({Vec3(0, 1, 0)}, BoundaryModel::mirrored, true), parts(15));
+  std::vector<Vec3> tower;  // 2 m high, without pressure
+  for (int k = 0; k <= 200; ++k) tower.emplace_back(0, 2 * k * dx, 0);
+  EXPECT_EQ(substeps_of(tower, BoundaryModel::mirrored), parts(401));
+  EXPECT_EQ(substeps_of(tower, BoundaryModel::contact_only), 1);
+  EXPECT_EQ(substeps_of({Vec3(0, dx, 0)}, BoundaryModel::mirrored, true), parts(15)) << "near cloth";
+}
+
+TEST(LoadedWaterLimit, does_not_count_what_is_far_away) {
+  const int shallow = substeps_of({Vec3::Zero()}, BoundaryModel::mirrored);
+  EXPECT_EQ(substeps_of({Vec3::Zero(), Vec3(0, 2, 0)}, BoundaryModel::mirrored), shallow) << "a drop";
+  std::vector<Vec3> two_pools;
+  for (int k = 0; k < 3; ++k)
+    for (double floor : {-1.0, 0.0, 2.0}) two_pools.emplace_back(floor, floor + 2 * k * dx, 0);
+  EXPECT_EQ(substeps_of(two_pools, BoundaryModel::mirrored),
+            substeps_of({{0, 0, 0}, {0, 2 * dx, 0}, {0, 4 * dx, 0}}, BoundaryModel::mirrored));
+  EXPECT_EQ(substeps_of({Vec3(0, 1, 0)}, BoundaryModel::mirrored, true), shallow) << "cloth 1 m below";
 }
 
 }  // namespace

@@ -186,6 +186,46 @@ TEST(Save, surfaces_keep_their_ids_in_the_trace_and_get_the_handles_of_the_new_w
   EXPECT_TRUE(other.world.surface(other.cloth_id)->slip_back.has_value());
 }
 
+/// A floor that counts how often it had to fill in its mesh.
+class CountingFloor : public test::StaticMesh {
+ public:
+  int filled = 0;
+  CountingFloor() {
+    changes = Changes::never;
+    add_rectangle(Vec3(-0.1, 0, -0.1), Vec3(0.2, 0, 0), Vec3(0, 0, 0.2), 8, 8);
+  }
+  Gathered gather(double dt, SurfaceMotion& m) override {
+    const Gathered gathered = StaticMesh::gather(dt, m);
+    filled += !gathered.unchanged;
+    return gathered;
+  }
+};
+
+// A game that goes back some frames would pay for its whole level in each.
+TEST(Save, a_level_that_stands_where_it_stood_is_not_read_again) {
+  CountingFloor floor;
+  World w(test::under_gravity(), test::of_spacing(0.01));
+  ASSERT_TRUE(w.attach(floor, test::sheet_settings(), nullptr).ok());
+  test::add_block(w, 4, Vec3(-0.02, 0.005, -0.02), Vec3::Zero());
+  for (int k = 0; k < 3; ++k) w.step(2e-3);
+  const Bytes saved = save(w);
+  std::vector<std::uint64_t> hashes;
+  for (int k = 0; k < 20; ++k) hashes.push_back((w.step(2e-3), w.state_hash()));
+  const int filled = floor.filled;
+  ASSERT_TRUE(w.restore(saved).ok());
+  for (std::uint64_t hash : hashes) {
+    w.step(2e-3);
+    ASSERT_EQ(w.state_hash(), hash);
+  }
+  EXPECT_EQ(floor.filled, filled);
+  for (Vec3& x : floor.nodes) x.y() -= 0.001;
+  floor.changes = test::StaticMesh::Changes::compared;
+  ASSERT_TRUE(w.restore(saved).ok());
+  w.step(2e-3);
+  EXPECT_EQ(floor.filled, filled + 1) << "it moved";
+  EXPECT_NE(w.state_hash(), hashes.front());
+}
+
 /// A host that fails on request.
 class Fragile : public test::StaticMesh {
  public:

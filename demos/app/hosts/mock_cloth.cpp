@@ -195,6 +195,11 @@ Mesh plane_mesh(const PlaneShape& plane, const Box& kill_box) {
 
 namespace {
 
+bool is_solid(const Body& body) {
+  return std::holds_alternative<BoxShape>(body.shape) || std::holds_alternative<SphereShape>(body.shape) ||
+         std::holds_alternative<CompoundShape>(body.shape);
+}
+
 void append(const Mesh& mesh, Mesh& to) {
   const auto first = static_cast<std::uint32_t>(to.vertices.size());
   to.vertices.insert(to.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
@@ -217,7 +222,10 @@ Mesh tessellate(const Body& body, const Box& kill_box) {
 }
 
 MockBody::MockBody(const Body& body, const Box& kill_box)
-    : mesh_(tessellate(body, kill_box)), prescribed_(body.motion), x_(mesh_.vertices) {
+    : mesh_(tessellate(body, kill_box)),
+      solid_(is_solid(body)),
+      prescribed_(body.motion),
+      x_(mesh_.vertices) {
   v_.assign(x_.size(), Vec3::Zero());
 }
 
@@ -250,6 +258,7 @@ Gathered MockBody::gather(double, SurfaceMotion& motion) {
   if (result.new_surface) {
     motion.triangles = mesh_.triangles;
     motion.storage = Storage::float64;
+    motion.solid = solid_;
   }
   motion.x_t1 = x_;
   motion.velocity = v_;

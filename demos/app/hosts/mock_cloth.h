@@ -58,6 +58,7 @@ class MockBody : public SurfaceHost {
 
  private:
   Mesh mesh_;
+  bool solid_;
   Motion prescribed_;
   Vec3 displaced_ = Vec3::Zero(), pull_ = Vec3::Zero();  ///< [m], [m/s]
   bool was_pulled_ = false;

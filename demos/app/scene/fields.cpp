@@ -238,24 +238,27 @@ void Fields::json_object(const char* key, Json& value) {
   }
 }
 
-void Fields::optional_number(const char* key, std::optional<double>& value, const Range& range) {
+template <class T, class F>
+void Fields::optional_value(const char* key, std::optional<T>& value, const F& describe) {
   if (out_ != nullptr ? !value : !has(key)) {
     known_.push_back(key);
     return;
   }
-  double x = value.value_or(0);
-  number(key, x, range);
+  T x = value.value_or(T());
+  describe(x);
   value = x;
 }
 
+void Fields::optional_number(const char* key, std::optional<double>& value, const Range& range) {
+  optional_value(key, value, [&](double& x) { number(key, x, range); });
+}
+
 void Fields::optional_integer(const char* key, std::optional<int>& value, const Range& range) {
-  if (out_ != nullptr ? !value : !has(key)) {
-    known_.push_back(key);
-    return;
-  }
-  int x = value.value_or(0);
-  integer(key, x, range);
-  value = x;
+  optional_value(key, value, [&](int& x) { integer(key, x, range); });
+}
+
+void Fields::optional_boolean(const char* key, std::optional<bool>& value) {
+  optional_value(key, value, [&](bool& x) { boolean(key, x); });
 }
 
 void Fields::names(const char* key, std::vector<std::string>& values, const std::vector<std::string>& known) {

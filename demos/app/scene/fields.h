@@ -92,6 +92,7 @@ class Fields {
   void json_object(const char* key, Json& value);
 
   void optional_number(const char* key, std::optional<double>& value, const Range& range);
+  void optional_boolean(const char* key, std::optional<bool>& value);
   void optional_integer(const char* key, std::optional<int>& value, const Range& range);
   template <class T, class F>
   void optional_object(const char* key, std::optional<T>& value, F describe);
@@ -114,6 +115,8 @@ class Fields {
   std::vector<double> numbers(const Json& value, const std::string& key, std::size_t count,
                               const Range& range) const;
   std::size_t chosen(const char* key, std::size_t current, const std::vector<std::string>& names);
+  template <class T, class F>
+  void optional_value(const char* key, std::optional<T>& value, const F& describe);
 
   const Json* in_;
   Json* out_;

@@ -21,6 +21,7 @@ void describe(Fields& f, SurfaceSettings& s) {
   f.object("slip", [&](Fields& g) { describe(g, s.slip); });
   f.optional_object("slip_back", s.slip_back, [](Fields& g, SlipSettings& back) { describe(g, back); });
   f.boolean("smooth", s.smooth);
+  f.optional_boolean("solid", s.solid);
   f.mask("collision_group", s.collision_group);
   f.mask("collision_mask", s.collision_mask);
 }

@@ -171,12 +171,37 @@ std::optional<ForceState> ForceFields::find(ForceId id) const {
   return {};
 }
 
+/// Walls shelter from wind alone.
+double ForceFields::wall_reach() const {
+  const auto is_wind = [](const Field& f) { return f.enabled && std::holds_alternative<WindForce>(f.force); };
+  return std::any_of(fields_.begin(), fields_.end(), is_wind) ? 1 : 0;
+}
+
 double ForceFields::longest_interval(const FluidSettings& fluid) const {
-  double sum = 0;
+  struct Strength {
+    std::optional<Box> where;  // none: everywhere
+    double acceleration;
+  };
+  std::vector<Strength> all;
   for (const Field& field : fields_)
-    if (field.enabled) sum += std::visit([](const auto& f) { return largest_acceleration(f); }, field.force);
-  return sum > 0 ? 0.25 * std::sqrt(fluid.support_ratio * fluid.spacing / sum)
-                 : Effect::longest_interval(fluid);
+    if (field.enabled)
+      std::visit(
+          [&](const auto& f) {
+            all.push_back({f.region.bounds(), largest_acceleration(f)});
+          },
+          field.force);
+  const bool has_place =
+      std::any_of(all.begin(), all.end(), [](const Strength& s) { return s.where.has_value(); });
+  double largest = 0;
+  for (const Strength& one : all) {  // at a point of it, those that overlap it may act
+    if (!one.where && has_place) continue;
+    double sum = 0;
+    for (const Strength& other : all)
+      if (!one.where || !other.where || one.where->overlaps(*other.where)) sum += other.acceleration;
+    largest = std::max(largest, sum);
+  }
+  return largest > 0 ? 0.25 * std::sqrt(fluid.support_ratio * fluid.spacing / largest)
+                     : Effect::longest_interval(fluid);
 }
 
 void ForceFields::act(EffectForces& forces) {

@@ -6,11 +6,11 @@
 
 #include "core/archive.h"
 #include "core/refuse.h"
-#include "effects/viscosity/support_memory.h"
 #include "effects/viscosity/viscous_system.h"
 
 namespace oilskin {
 
+using effects::ParticleMemory;
 using effects::SupportMemory;
 using effects::ViscousSystem;
 using Vector = ViscousSystem::Vector;
@@ -65,6 +65,10 @@ ImplicitViscosity::ImplicitViscosity(const ImplicitViscositySettings& settings)
 
 ImplicitViscosity::~ImplicitViscosity() = default;
 
+std::vector<double> ImplicitViscosity::particle_values() const {
+  return std::vector<double>(effects::ParticleMemory::channels, 0);
+}
+
 std::vector<double> ImplicitViscosity::node_values() const {
   return std::vector<double>(effects::SupportMemory::channels, 0);
 }
@@ -95,10 +99,8 @@ Status ImplicitViscosity::restore(Span<const std::uint8_t> saved) {
 /// v* and the change of the last interval.
 void ImplicitViscosity::Workspace::guess(EffectForces& f) {
   x = system.start();
-  for (std::size_t c = 0; c < 3; ++c) {
-    const Span<double> last = f.of_particles(c);
-    for (std::size_t i = 0; i < last.size(); ++i) x[i][static_cast<Eigen::Index>(c)] += f.dt * last[i];
-  }
+  const ParticleMemory memory(f);
+  for (std::size_t i = 0; i < f.id.size(); ++i) x[i] += f.dt * memory.last_drag(i);
 }
 
 /// Preconditioned conjugate gradients for (V.3), from x on.
@@ -142,11 +144,11 @@ double ImplicitViscosity::Workspace::energy_bound() {
 }
 
 void ImplicitViscosity::Workspace::apply(EffectForces& f, double share) {
-  Span<double> last[3] = {f.of_particles(0), f.of_particles(1), f.of_particles(2)};
+  const ParticleMemory memory(f);
   f.for_each(f.id.size(), [&](std::size_t i) {
     const Vec3 acceleration = -share / f.dt * drag[i];
     f.acceleration[i] += acceleration;
-    for (std::size_t c = 0; c < 3; ++c) last[c][i] = acceleration[static_cast<Eigen::Index>(c)];
+    memory.record(i, acceleration);
   });
   system.react(x, drag, share);
 }
@@ -156,6 +158,7 @@ void ImplicitViscosity::act(EffectForces& f) {
   if (!status_.ok() || f.id.empty()) return;
   Workspace& w = *workspace_;
   SupportMemory::learn(f);
+  ParticleMemory(f).learn();
   w.system.build(f, settings_.coefficient);
   w.guess(f);
   report_ = w.solve(settings_);

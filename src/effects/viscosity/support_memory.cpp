@@ -7,36 +7,30 @@ namespace oilskin::effects {
 
 namespace {
 
-/// t_s of (V.10) [s].
-constexpr double memory_time = 0.02;
+/// The nodes of a body's surface that keep its numbers: those of its velocity and of its angular velocity,
+/// like those of a node with a mass of 1, and as mean_drag what gravity takes back of loads [m/s²].
+constexpr std::size_t linear = 0, angular = 1, taken_back = 2, nodes_of_body = 3;
 
-/// Three channels of the nodes of a surface, as vectors.
-class NodeVectors {
- public:
-  NodeVectors(EffectForces& f, std::size_t surface, std::size_t first)
-      : component_{f.of_nodes(surface, first), f.of_nodes(surface, first + 1),
-                   f.of_nodes(surface, first + 2)} {}
+bool has_memory(const SurfaceMotion& s) {
+  return s.body && s.x_t1.size() >= nodes_of_body;
+}
 
-  Vec3 get(std::size_t node) const { return {component_[0][node], component_[1][node], component_[2][node]}; }
-  void set(std::size_t node, const Vec3& v) const {
-    const bool finite = v.allFinite();  // the world saves them
-    for (std::size_t c = 0; c < 3; ++c) component_[c][node] = finite ? v[static_cast<Eigen::Index>(c)] : 0;
-  }
-
- private:
-  std::array<Span<double>, 3> component_;
-};
+/// The part of gravity that takes back an acceleration by loads.
+Vec3 taken_back_by(const Vec3& gravity, const Vec3& by_loads) {
+  const double square = gravity.squaredNorm();
+  return square > 0 ? Vec3(std::clamp(-by_loads.dot(gravity) / square, 0.0, 1.0) * gravity) : Vec3::Zero();
+}
 
 struct Memory {
-  NodeVectors drag;  // the impulse in this step [N s]
-  NodeVectors mean_drag, mean_support, last_velocity;
+  ChannelVectors drag;  // the impulse in this step [N s]
+  ChannelVectors mean_drag, mean_support, last_velocity;
   Span<double> time;  // of the drag [s]
 
   Memory(EffectForces& f, std::size_t surface)
-      : drag(f, surface, 0),
-        mean_drag(f, surface, 3),
-        mean_support(f, surface, 6),
-        last_velocity(f, surface, 9),
+      : drag(ChannelVectors::of_nodes(f, surface, 0)),
+        mean_drag(ChannelVectors::of_nodes(f, surface, 3)),
+        mean_support(ChannelVectors::of_nodes(f, surface, 6)),
+        last_velocity(ChannelVectors::of_nodes(f, surface, 9)),
         time(f.of_nodes(surface, 12)) {}
 
   void learn(std::size_t node, const Vec3& velocity, double inverse_mass) const {
@@ -51,6 +45,18 @@ struct Memory {
     drag.set(node, Vec3::Zero());
     time[node] = 0;
   }
+  void learn_body(const BodyMotion& body, bool is_first, double dt) const {
+    if (is_first) {
+      learn(linear, body.velocity, 1);
+      learn(angular, body.angular_velocity, 1);
+    } else {
+      const Vec3 by_loads = (body.velocity - last_velocity.get(linear)) / time[linear];
+      const Vec3 mean = mean_drag.get(taken_back);
+      mean_drag.set(taken_back,
+                    mean - std::expm1(-dt / memory_time) * (taken_back_by(body.gravity, by_loads) - mean));
+    }
+    for (std::size_t node : {linear, angular}) time[node] += dt;
+  }
   /// The force by which the host is expected to hold a node [N].
   Vec3 support(std::size_t node) const {
     const Vec3 mean = mean_drag.get(node);
@@ -58,11 +64,18 @@ struct Memory {
     if (!(square > 0)) return Vec3::Zero();
     return -std::clamp(-mean_support.get(node).dot(mean) / square, 0.0, 1.0) * mean;
   }
+  /// SupportMemory::given()
+  Vec3 given(std::size_t node) const { return drag.get(node) + time[node] * support(node); }
+  void add_drag(std::size_t node, const Vec3& more) const { drag.set(node, drag.get(node) + more); }
 };
 
 void learn_surface(EffectForces& f, std::size_t surface) {
   const SurfaceMotion& s = *f.surfaces[surface];
   const Memory memory(f, surface);
+  if (has_memory(s)) {
+    memory.learn_body(*s.body, f.is_first, f.dt);
+    return;
+  }
   f.for_each(s.x_t1.size(), [&](std::size_t i) {
     if (!(s.inverse_mass[i] > 0)) return;
     // Hosts move their nodes in straight lines through a step, whatever acts on them.
@@ -78,13 +91,29 @@ void SupportMemory::learn(EffectForces& forces) {
 }
 
 Vec3 SupportMemory::given(EffectForces& forces, std::size_t surface, std::uint32_t node) {
-  const Memory memory(forces, surface);
-  return memory.drag.get(node) + memory.time[node] * memory.support(node);
+  return Memory(forces, surface).given(node);
 }
 
 void SupportMemory::record(EffectForces& forces, std::size_t surface, std::uint32_t node, const Vec3& drag) {
+  Memory(forces, surface).add_drag(node, drag);
+}
+
+RigidVelocity SupportMemory::expected_of_body(EffectForces& forces, std::size_t surface) {
+  const BodyMotion& body = *forces.surfaces[surface]->body;
+  RigidVelocity velocity{body.velocity, body.angular_velocity};
+  if (!has_memory(*forces.surfaces[surface])) return velocity;
   const Memory memory(forces, surface);
-  memory.drag.set(node, memory.drag.get(node) + drag);
+  velocity.linear += (memory.time[linear] - forces.dt) * memory.mean_drag.get(taken_back) +
+                     forces.dt * memory.support(linear);
+  velocity.angular += forces.dt * memory.support(angular);
+  return velocity;
+}
+
+void SupportMemory::record_of_body(EffectForces& forces, std::size_t surface, const RigidVelocity& change) {
+  if (!has_memory(*forces.surfaces[surface])) return;
+  const Memory memory(forces, surface);
+  memory.add_drag(linear, change.linear);
+  memory.add_drag(angular, change.angular);
 }
 
 }  // namespace oilskin::effects

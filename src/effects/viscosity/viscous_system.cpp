@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/body_motion.h"
-#include "effects/viscosity/support_memory.h"
 
 namespace oilskin::effects {
 
@@ -40,10 +39,12 @@ void ViscousSystem::build(EffectForces& forces, double coefficient) {
   if (!drag_ || drag_->ratio() != ratio_of_support) drag_.emplace(ratio_of_support);
   start_.resize(particles_);
   weight_.resize(particles_);
-  for (std::size_t i = 0; i < particles_; ++i) {
-    start_[i] = forces.velocity[i] + forces.dt * (forces.gravity + forces.acceleration[i]);
+  const ParticleMemory memory(forces);
+  forces.for_each(particles_, [&](std::size_t i) {
+    start_[i] =
+        forces.velocity[i] + forces.dt * (forces.gravity + forces.acceleration[i] + memory.expected(i));
     weight_[i] = ratio(i);
-  }
+  });
   find_pairs(coefficient);
   find_walls(coefficient);
   find_diagonals();
@@ -89,8 +90,9 @@ std::uint32_t ViscousSystem::body_of(std::size_t surface) {
   if (body != none) return body;
   body = static_cast<std::uint32_t>(bodies_.size());
   const double mass = forces_->particle_mass;
-  bodies_.push_back({static_cast<std::uint32_t>(size()), (mass * s.body->inverse_mass).cwiseSqrt(),
-                     root_of(mass * s.body->inverse_inertia)});
+  bodies_.push_back({surface, static_cast<std::uint32_t>(size()),
+                     SupportMemory::expected_of_body(*forces_, surface),
+                     (mass * s.body->inverse_mass).cwiseSqrt(), root_of(mass * s.body->inverse_inertia)});
   weight_.resize(size() + 2, 1);
   start_.resize(size(), Vec3::Zero());
   return body;
@@ -103,7 +105,8 @@ void ViscousSystem::find_velocity(WallTerm& term) {
     term.body = body_of(wall.surface);
     for (std::size_t k = 0; k < 3; ++k)
       term.arm += wall.weights[k] * (s.x_t0[wall.nodes[k]] - s.body->center_t0);
-    term.base = velocity_at(*s.body, term.arm);
+    const RigidVelocity& velocity = bodies_[term.body].velocity;
+    term.base = velocity.linear + velocity.angular.cross(term.arm);
     return;
   }
   for (std::size_t k = 0; k < 3; ++k) {
@@ -270,6 +273,10 @@ void ViscousSystem::react(const Vector& x, const Vector& drag, double share) {
     const double mass = weight_[n.unknown] * forces_->particle_mass;
     SupportMemory::record(*forces_, n.surface, n.node, -share * mass * drag[n.unknown]);
   }
+  for (const FreeBody& b : bodies_)
+    SupportMemory::record_of_body(
+        *forces_, b.surface,
+        {-share * b.linear.cwiseProduct(drag[b.unknown]), -share * (b.angular * drag[b.unknown + 1])});
 }
 
 }  // namespace oilskin::effects

@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "effects/viscosity/particle_memory.h"
+#include "effects/viscosity/support_memory.h"
 #include "effects/viscosity/wall_drag.h"
 #include "oilskin/effect.h"
 
@@ -20,7 +22,7 @@ class ViscousSystem {
   void build(EffectForces& forces, double coefficient);
 
   std::size_t size() const { return weight_.size(); }
-  /// v*: velocities without viscosity.
+  /// v* and u* of (V.1), (V.7).
   const Vector& start() const { return start_; }
   /// (A − 1) x, the change by viscosity with the opposite sign; `walls_move`: with the velocity of prescribed
   /// nodes, which makes it affine; else as if they stood still.
@@ -63,8 +65,10 @@ class ViscousSystem {
   /// A dynamic body whose unknowns y, z change its velocity by linear y and its angular velocity by angular
   /// z.
   struct FreeBody {
+    std::size_t surface;
     std::uint32_t unknown;  // of y; that of z follows
-    Vec3 linear;            // √(m/M) along the axes of the world
+    RigidVelocity velocity;
+    Vec3 linear;  // √(m/M) along the axes of the world
     Eigen::Matrix3d angular;
 
     Vec3 change_at(const Vec3& arm, const Vector& x) const {

@@ -184,7 +184,7 @@ Wetting::Wetting(const WettingSettings& settings) : impl_(std::make_unique<Impl>
 
 Wetting::~Wetting() = default;
 
-const Status& Wetting::status() const {
+Status Wetting::status() const {
   return impl_->status;
 }
 

@@ -18,6 +18,11 @@ double weight_of_new_value(double dt) {
   return -std::expm1(-dt / memory_time);
 }
 
+/// Along the axes that the host does not lock [kg].
+Vec3 mass_of(const BodyMotion& body) {
+  return (body.inverse_mass.array() > 0).select(body.inverse_mass.cwiseInverse(), 0);
+}
+
 /// A body has two: of its centre of mass, and of its rotation.
 std::size_t memories_of(const SurfaceMotion& s) {
   return s.body ? 2 : s.x_t0.size();
@@ -58,7 +63,7 @@ void LoadMemory::record_host_response(double dt, const Vec3& gravity, Span<Surfa
     std::vector<NodeMemory>* nodes = find(*s);
     if (nodes == nullptr) continue;
     if (s->body) {
-      const Vec3 mass = (s->body->inverse_mass.array() > 0).select(s->body->inverse_mass.cwiseInverse(), 0);
+      const Vec3 mass = mass_of(*s->body);
       NodeMemory &center = (*nodes)[0], &rotation = (*nodes)[1];
       center.respond(fresh,
                      mass.cwiseProduct((s->body->velocity - center.velocity_left) / dt - s->body->gravity));
@@ -109,17 +114,24 @@ Vec3 LoadMemory::carried_impulse(std::uint64_t surface_id, std::uint32_t node, d
   return carried;
 }
 
-Vec3 LoadMemory::NodeMemory::carried(double dt) const {
+Vec3 LoadMemory::NodeMemory::carried(double dt, const Vec3& constant) const {
   const double load2 = load.squaredNorm();
   if (!(load2 > 0)) return Vec3::Zero();
-  const double share = std::clamp(-response.dot(load) / load2, 0.0, 1.0);
+  const double share = std::clamp(-(response + constant).dot(load) / load2, 0.0, 1.0);
   return share * dt * load;
 }
 
 void LoadMemory::find_carried(const SurfaceMotion& surface, double dt, std::vector<Vec3>& change) const {
   change.clear();
-  const std::vector<NodeMemory>* nodes = surface.body ? nullptr : find(surface);
+  const std::vector<NodeMemory>* nodes = find(surface);
   if (nodes == nullptr) return;
+  if (surface.body) {
+    const BodyMotion& body = *surface.body;
+    change = {
+        body.inverse_mass.cwiseProduct((*nodes)[0].carried(dt, mass_of(body).cwiseProduct(body.gravity))),
+        body.inverse_inertia * (*nodes)[1].carried(dt)};
+    return;
+  }
   for (std::size_t i = 0; i < nodes->size(); ++i)
     change.push_back(surface.inverse_mass[i] * (*nodes)[i].carried(dt));
 }

@@ -31,8 +31,9 @@ class LoadMemory {
   /// s].
   Vec3 carried_impulse(std::uint64_t surface_id, std::uint32_t node, double dt) const;
 
-  /// Per node of a sheet: the change of velocity by the load of all fluids that the host is expected to undo
-  /// within dt [m/s]. An empty list where nothing is known.
+  /// Per node of a sheet, and of the velocity [m/s] and the angular velocity [1/s] of a body: the change by
+  /// the load of all fluids that the host, with gravity, is expected to undo within dt. An empty list where
+  /// nothing is known.
   void find_carried(const SurfaceMotion& surface, double dt, std::vector<Vec3>& change) const;
 
   void visit(Archive& archive);
@@ -46,8 +47,8 @@ class LoadMemory {
     Vec3 of_others = Vec3::Zero();      // the part of it by other fluids [N]
     Vec3 response = Vec3::Zero();       // of the host, without gravity [N]
 
-    /// What the host carries of the load within dt [N s], with χ_c (B.27).
-    Vec3 carried(double dt) const;
+    /// What the host carries of the load within dt [N s], with χ_c (B.27), beside a force that is constant.
+    Vec3 carried(double dt, const Vec3& constant = Vec3::Zero()) const;
     void respond(double fresh, const Vec3& force) { response += fresh * (force - response); }
     void record(double fresh, const Vec3& velocity, const Vec3& force, const Vec3& force_of_others) {
       velocity_left = velocity;

@@ -4,6 +4,7 @@
 
 #include "core/assert.h"
 #include "core/refuse.h"
+#include "core/row_crossing.h"
 #include "fluid/emission/emission.h"
 #include "fluid/kernels.h"
 
@@ -44,31 +45,10 @@ struct Lattice {
   double size() const { return static_cast<double>(n[0]) * rows(); }
 };
 
-/// Side of the edge a→b, seen along x, on which the row (y, z) passes: +1 or −1, 0 for an edge along x.
-/// Evaluated in one order of a and b, so that it is antisymmetric bit for bit. A row through the edge is
-/// shifted symbolically by (ε, ε²), the same for all edges [Edelsbrunner1990].
-int side(const Vec3& a, const Vec3& b, double y, double z) {
-  const bool swap = std::make_pair(b[1], b[2]) < std::make_pair(a[1], a[2]);
-  const Vec3 &p = swap ? b : a, &q = swap ? a : b;
-  const double dy = q[1] - p[1], dz = q[2] - p[2];
-  double s = dy * (z - p[2]) - dz * (y - p[1]);
-  if (s == 0) s = dz != 0 ? -dz : dy;
-  const int sign = (s > 0) - (s < 0);
-  return swap ? -sign : sign;
-}
-
 struct Crossing {
   double x;
   int sign;
 };
-
-/// x at which the row intersects the plane of a triangle that it is known to pass.
-double plane_x(const Vec3& a, const Vec3& b, const Vec3& c, double y, double z) {
-  const Vec3 normal = (b - a).cross(c - a);
-  const double low = std::min({a[0], b[0], c[0]}), high = std::max({a[0], b[0], c[0]});
-  const double x = a[0] - (normal[1] * (y - a[1]) + normal[2] * (z - a[2])) / normal[0];
-  return x >= low ? std::min(x, high) : low;  // low also for NaN
-}
 
 /// Crossings of the mesh with all rows of the lattice; row (j, k) has the number j + n_y k.
 class RowCrossings {
@@ -102,9 +82,8 @@ class RowCrossings {
       for (std::int64_t k = low[2]; k <= high[2]; ++k)
         for (std::int64_t j = low[1]; j <= high[1]; ++j) {
           const double y = lattice.at(1, j), z = lattice.at(2, k);
-          const int s = side(a, b, y, z);
-          if (s != 0 && side(b, c, y, z) == s && side(c, a, y, z) == s)
-            f(static_cast<std::size_t>(j + lattice.n[1] * k), Crossing{plane_x(a, b, c, y, z), s});
+          if (const int s = row_sign(a, b, c, y, z); s != 0)
+            f(static_cast<std::size_t>(j + lattice.n[1] * k), Crossing{row_x(a, b, c, y, z), s});
         }
     }
   }
