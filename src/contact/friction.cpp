@@ -206,7 +206,7 @@ Vec3 sticking_impulse(const Context& context, const ContactConstraint& constrain
 }  // namespace
 
 Vec3 slip_velocity(const Context& context, const Contact& c) {
-  const Vec3 v = relative_velocity(context, c);
+  Vec3 v = relative_velocity(context, c);
   const SurfaceMotion& s = *context.surfaces[c.surface];
   if (!s.body || context.hosts.empty() || context.hosts[c.surface].carried.empty()) return v;
   const HostSupport& host = context.hosts[c.surface];
