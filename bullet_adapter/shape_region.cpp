@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "convert.h"
+#include "core/box_around.h"
 #include "shape_mesh.h"
 
 namespace oilskin::bullet {
@@ -155,11 +156,8 @@ bool ShapeRegion::add(const btCollisionShape& shape, const Eigen::Affine3d& to_l
 Box ShapeRegion::bounds() const {
   Box all;
   for (const Part& part : parts_) {
-    const Box box = *part.region.region().bounds();
     const Eigen::Affine3d to_shape = part.to_local.inverse();
-    for (int c = 0; c < 8; ++c)
-      all.add(to_shape * Vec3(c & 1 ? box.max.x() : box.min.x(), c & 2 ? box.max.y() : box.min.y(),
-                              c & 4 ? box.max.z() : box.min.z()));
+    all.add(box_around(*part.region.region().bounds(), [&](const Vec3& x) { return Vec3(to_shape * x); }));
   }
   return all.inflated(1e-9 * (all.max - all.min).norm());
 }

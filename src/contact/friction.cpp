@@ -8,6 +8,7 @@
 #include "contact/reach.h"
 #include "contact/surface_point.h"
 #include "core/assert.h"
+#include "core/clamped_part.h"
 
 namespace oilskin::contact {
 
@@ -51,12 +52,6 @@ SurfaceSide side_of(const MeshTopology& topology, Span<const Triangle> triangles
 }
 
 namespace {
-
-/// What the host will undo of a change `v`, of which it undoes up to `carried`.
-Vec3 undone_of(const Vec3& v, const Vec3& carried) {
-  const double most2 = carried.squaredNorm();
-  return most2 > 0 ? Vec3(std::clamp(v.dot(carried) / most2, -1.0, 1.0) * carried) : Vec3::Zero();
-}
 
 bool has_wall_area(const Context& context, const ContactConstraint& constraint) {
   const Contact& c = constraint.contact;
@@ -211,8 +206,9 @@ Vec3 slip_velocity(const Context& context, const Contact& c) {
   if (!s.body || context.hosts.empty() || context.hosts[c.surface].carried.empty()) return v;
   const HostSupport& host = context.hosts[c.surface];
   OILSKIN_ASSERT(host.velocity.size() == 2 && host.carried.size() == 2);
-  return v + undone_of(s.body->velocity - host.velocity[0], host.carried[0]) +
-         undone_of(s.body->angular_velocity - host.velocity[1], host.carried[1]).cross(arm_of(s, c));
+  return v + clamped_part(s.body->velocity - host.velocity[0], host.carried[0], -1, 1) +
+         clamped_part(s.body->angular_velocity - host.velocity[1], host.carried[1], -1, 1)
+             .cross(arm_of(s, c));
 }
 
 // A particle represents dx² of each wall that it sees: once if several contacts belong to one wall (inner

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/box_around.h"
 #include "core/refuse.h"
 
 namespace oilskin {
@@ -51,12 +52,8 @@ std::optional<Box> Region::bounds() const {
   } else {
     return {};
   }
-  Box placed;
-  for (int c = 0; c < 8; ++c)
-    placed.add(pose.position + pose.rotation.normalized() * Vec3(c & 1 ? own.max.x() : own.min.x(),
-                                                                 c & 2 ? own.max.y() : own.min.y(),
-                                                                 c & 4 ? own.max.z() : own.min.z()));
-  return placed;
+  const Rotation turn = pose.rotation.normalized();
+  return box_around(own, [&](const Vec3& x) { return Vec3(pose.position + turn * x); });
 }
 
 Status Region::validate() const {

@@ -1,7 +1,8 @@
 #include "effects/viscosity/support_memory.h"
 
-#include <algorithm>
 #include <cmath>
+
+#include "core/clamped_part.h"
 
 namespace oilskin::effects {
 
@@ -13,12 +14,6 @@ constexpr std::size_t linear = 0, angular = 1, taken_back = 2, nodes_of_body = 3
 
 bool has_memory(const SurfaceMotion& s) {
   return s.body && s.x_t1.size() >= nodes_of_body;
-}
-
-/// The part of gravity that takes back an acceleration by loads.
-Vec3 taken_back_by(const Vec3& gravity, const Vec3& by_loads) {
-  const double square = gravity.squaredNorm();
-  return square > 0 ? Vec3(std::clamp(-by_loads.dot(gravity) / square, 0.0, 1.0) * gravity) : Vec3::Zero();
 }
 
 struct Memory {
@@ -52,17 +47,14 @@ struct Memory {
     } else {
       const Vec3 by_loads = (body.velocity - last_velocity.get(linear)) / time[linear];
       const Vec3 mean = mean_drag.get(taken_back);
-      mean_drag.set(taken_back,
-                    mean - std::expm1(-dt / memory_time) * (taken_back_by(body.gravity, by_loads) - mean));
+      mean_drag.set(taken_back, mean - std::expm1(-dt / memory_time) *
+                                           (clamped_part(-by_loads, body.gravity, 0, 1) - mean));
     }
     for (std::size_t node : {linear, angular}) time[node] += dt;
   }
   /// The force by which the host is expected to hold a node [N].
   Vec3 support(std::size_t node) const {
-    const Vec3 mean = mean_drag.get(node);
-    const double square = mean.squaredNorm();
-    if (!(square > 0)) return Vec3::Zero();
-    return -std::clamp(-mean_support.get(node).dot(mean) / square, 0.0, 1.0) * mean;
+    return -clamped_part(-mean_support.get(node), mean_drag.get(node), 0, 1);
   }
   /// SupportMemory::given()
   Vec3 given(std::size_t node) const { return drag.get(node) + time[node] * support(node); }
