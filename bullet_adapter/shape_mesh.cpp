@@ -78,7 +78,7 @@ btAlignedObjectArray<btVector3> support_points(const btConvexShape& shape, doubl
   btScalar radius = 0;
   shape.getBoundingSphere(center, radius);
   btAlignedObjectArray<btVector3> points;
-  for (const Vec3& direction : icosphere(static_cast<double>(radius), tolerance).points)
+  for (const Vec3& direction : even_directions(static_cast<double>(radius), tolerance))
     points.push_back(shape.localGetSupportingVertex(to_bt(direction)));
   return points;
 }
@@ -98,8 +98,8 @@ Status read_convex(const btCollisionShape& shape, double tolerance, Collector* c
   PointMesh part;
   switch (shape.getShapeType()) {
     case SPHERE_SHAPE_PROXYTYPE:
-      part = circumscribed_sphere(static_cast<double>(static_cast<const btSphereShape&>(shape).getRadius()),
-                                  tolerance);
+      part = sphere_of_equal_volume(static_cast<double>(static_cast<const btSphereShape&>(shape).getRadius()),
+                                    tolerance);
       break;
     case BOX_SHAPE_PROXYTYPE:
     case TETRAHEDRAL_SHAPE_PROXYTYPE:

@@ -22,11 +22,11 @@ struct ShapeMesh {
 };
 
 /// Reads triangle meshes (any concave shape that lists its triangles), convex hulls, boxes and tetrahedra
-/// exactly, without the collision margin that Bullet adds outside; spheres circumscribed (tessellation.h);
-/// other convex shapes (capsule, cylinder, cone, …) as the hull of some of their surface points, inscribed,
-/// with the margin; static planes; compounds of these. Spheres and such hulls have 42, 162 or 642 points,
-/// by `tolerance` and the size of the shape (icosphere()). Applies the shape's scaling. Refuses shapes
-/// without triangles by name.
+/// exactly, without the collision margin that Bullet adds outside; spheres with their volume; other convex
+/// shapes (capsule, cylinder, cone, …) as the hull of some of their surface points, inscribed, with the
+/// margin; static planes; compounds of these. `tolerance` and the size of the shape say how many points
+/// spheres and such hulls have (tessellation.h). Applies the shape's scaling. Refuses shapes without
+/// triangles by name.
 Status read_shape(const btCollisionShape& shape, ShapeMesh* mesh, double tolerance = 0);
 
 /// Differs if the shape must be read again: another shape, scaling or margin, children added, removed or

@@ -11,7 +11,8 @@ namespace oilskin::bullet {
 
 namespace {
 
-constexpr int finest_level = 3;
+/// Parts of an edge of the icosahedron.
+constexpr std::uint32_t fewest_parts = 2, most_parts = 8;
 
 PointMesh icosahedron() {
   const double g = (1 + std::sqrt(5.0)) / 2;
@@ -38,23 +39,32 @@ PointMesh icosahedron() {
   return mesh;
 }
 
-PointMesh subdivided(const PointMesh& coarse) {
+/// The triangles of an icosahedron, each divided into `parts`² whose points are moved outwards to the sphere.
+PointMesh divided_icosahedron(std::uint32_t parts) {
+  const PointMesh coarse = icosahedron();
   PointMesh fine;
-  fine.points = coarse.points;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
-  auto middle = [&](std::uint32_t a, std::uint32_t b) {
-    const auto [it, is_new] =
-        middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(fine.points.size()));
-    if (is_new) fine.points.push_back((fine.points[a] + fine.points[b]).normalized());
+  // By how many parts of which corners: the same for all triangles that share a point.
+  std::map<std::map<std::uint32_t, std::uint32_t>, std::uint32_t> numbers;
+  auto number_of = [&](const Triangle& corner, std::uint32_t u, std::uint32_t v) {
+    std::map<std::uint32_t, std::uint32_t> weights;
+    const std::uint32_t weight[3] = {parts - u - v, u, v};
+    for (std::size_t k = 0; k < 3; ++k)
+      if (weight[k] > 0) weights[corner[k]] = weight[k];
+    const auto [it, is_new] = numbers.try_emplace(weights, static_cast<std::uint32_t>(fine.points.size()));
+    if (is_new) {
+      Vec3 sum = Vec3::Zero();
+      for (const auto& [point, count] : weights) sum += count * coarse.points[point];
+      fine.points.push_back(sum.normalized());
+    }
     return it->second;
   };
-  for (const Triangle& t : coarse.triangles) {
-    const std::uint32_t a = middle(t[0], t[1]), b = middle(t[1], t[2]), c = middle(t[2], t[0]);
-    fine.triangles.push_back({t[0], a, c});
-    fine.triangles.push_back({a, t[1], b});
-    fine.triangles.push_back({c, b, t[2]});
-    fine.triangles.push_back({a, b, c});
-  }
+  for (const Triangle& t : coarse.triangles)
+    for (std::uint32_t u = 0; u < parts; ++u)
+      for (std::uint32_t v = 0; u + v < parts; ++v) {
+        const std::uint32_t a = number_of(t, u, v), b = number_of(t, u + 1, v), c = number_of(t, u, v + 1);
+        fine.triangles.push_back({a, b, c});
+        if (u + v + 1 < parts) fine.triangles.push_back({b, number_of(t, u + 1, v + 1), c});
+      }
   return fine;
 }
 
@@ -67,6 +77,28 @@ double inradius(const PointMesh& sphere) {
     smallest = std::min(smallest, n.dot(a));
   }
   return smallest;
+}
+
+/// [m³]
+double volume(const PointMesh& mesh) {
+  double six_volumes = 0;
+  for (const Triangle& t : mesh.triangles)
+    six_volumes += mesh.points[t[0]].dot(mesh.points[t[1]].cross(mesh.points[t[2]]));
+  return six_volumes / 6;
+}
+
+/// What the points of a mesh of unit size must be multiplied by for the volume of the unit ball.
+double scale_to_ball(const PointMesh& sphere) {
+  return std::cbrt(4 * std::acos(-1.0) / 3 / volume(sphere));
+}
+
+/// The coarsest division that `is_near` accepts, else the finest.
+template <class F>
+PointMesh coarsest_sphere(const F& is_near) {
+  PointMesh mesh = divided_icosahedron(fewest_parts);
+  for (std::uint32_t parts = fewest_parts + 1; parts <= most_parts && !is_near(mesh); ++parts)
+    mesh = divided_icosahedron(parts);
+  return mesh;
 }
 
 /// Removes the points that no triangle uses.
@@ -86,12 +118,12 @@ bool is_flat(const PointMesh& mesh) {
   Box box;
   for (const Vec3& p : mesh.points) box.add(p);
   const double size = (box.max - box.min).norm();
-  double volume = 0;
+  double six_volumes = 0;
   for (const Triangle& t : mesh.triangles)
-    volume += (mesh.points[t[1]] - mesh.points[t[0]])
-                  .cross(mesh.points[t[2]] - mesh.points[t[0]])
-                  .dot(mesh.points[0] - mesh.points[t[0]]);
-  return std::abs(volume) <= 1e-9 * size * size * size;
+    six_volumes += (mesh.points[t[1]] - mesh.points[t[0]])
+                       .cross(mesh.points[t[2]] - mesh.points[t[0]])
+                       .dot(mesh.points[0] - mesh.points[t[0]]);
+  return std::abs(six_volumes) <= 1e-9 * size * size * size;
 }
 
 /// Keeps the part of a convex polygon with sign · x[axis] ≤ sign · bound.
@@ -112,16 +144,15 @@ std::vector<Vec3> clip(const std::vector<Vec3>& polygon, int axis, double sign, 
 
 }  // namespace
 
-PointMesh icosphere(double radius, double tolerance) {
-  PointMesh mesh = subdivided(icosahedron());
-  for (int level = 1; level < finest_level && radius * (1 / inradius(mesh) - 1) > tolerance; ++level)
-    mesh = subdivided(mesh);
-  return mesh;
+std::vector<Vec3> even_directions(double radius, double tolerance) {
+  return coarsest_sphere([&](const PointMesh& mesh) { return radius * (1 - inradius(mesh)) <= tolerance; })
+      .points;
 }
 
-PointMesh circumscribed_sphere(double radius, double tolerance) {
-  PointMesh mesh = icosphere(radius, tolerance);
-  const double scale = radius / inradius(mesh);
+PointMesh sphere_of_equal_volume(double radius, double tolerance) {
+  PointMesh mesh = coarsest_sphere(
+      [&](const PointMesh& sphere) { return radius * (scale_to_ball(sphere) - 1) <= tolerance; });
+  const double scale = radius * scale_to_ball(mesh);
   for (Vec3& p : mesh.points) p *= scale;
   return mesh;
 }

@@ -13,14 +13,15 @@ struct PointMesh {
   std::vector<Triangle> triangles;  ///< counter-clockwise from outside
 };
 
-/// Evenly distributed unit directions and their triangles: an icosahedron whose triangles are divided in four
-/// one to three times (42, 162 or 642 points), the fewest of which none is farther than `tolerance` from a
-/// sphere of the radius that they touch from outside. 642, less than 1 % of the radius, where none are so
-/// near.
-PointMesh icosphere(double radius, double tolerance);
+/// Evenly distributed unit directions: the points of an icosahedron whose edges are divided into n = 2 to 8
+/// parts, 10 n² + 2 of them. n is the least with which triangles between points of a sphere of the radius
+/// are nowhere farther than `tolerance` from it; 8 (0.5 % of the radius) where none are so near.
+std::vector<Vec3> even_directions(double radius, double tolerance);
 
-/// The same around a sphere of the radius: no fluid enters the ball that is drawn.
-PointMesh circumscribed_sphere(double radius, double tolerance);
+/// The 20 n² triangles between such directions, with the volume of the ball: what it displaces has its
+/// weight. n is the least with which points lie outside the ball by `tolerance` at most; triangles lie inside
+/// it by less than half of that. With n = 8, 0.3 % of the radius.
+PointMesh sphere_of_equal_volume(double radius, double tolerance);
 
 /// The convex hull; its corners are points of the input bit for bit. No triangles for points in a plane.
 PointMesh convex_hull(const btAlignedObjectArray<btVector3>& points);

@@ -92,8 +92,8 @@ class btFluidCoupling : public btActionInterface {
   void removeCloth(btSoftBody* cloth);
   /// Attaches a static or kinematic object; for dynamic rigid bodies there is addRigidBody(). Triangle meshes
   /// (all concave shapes that list their triangles), boxes and convex hulls are exact, without the margin
-  /// that Bullet adds outside of hulls. Spheres are triangles around them, other convex shapes the hull of
-  /// some of their points: 42, 162 or 642 points, the fewest that are within 10 % of the finest fluid's
+  /// that Bullet adds outside of hulls. Spheres are triangles with their volume, other convex shapes the hull
+  /// of some of their points: 42 to 642 points, the fewest that are within 10 % of the finest fluid's
   /// spacing of the shape. Static planes are their part inside the kill box; compounds consist of these.
   /// Transform and scaling are read at every step.
   ///

@@ -96,7 +96,7 @@ std::vector<Box> FluidSolver::boxes(const Particles& particles) const {
   return neighbours.boxes({particles.position.data(), neighbours.size()}, *impl_->workers);
 }
 
-void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles& particles,
+void FluidSolver::apply_surfaces(double passed, double dt, const Vec3& gravity, const Particles& particles,
                                  Span<SurfaceMotion* const> surfaces,
                                  Span<const MeshTopology* const> topologies, Span<const TriangleList> near,
                                  StageSeconds& seconds) {
@@ -118,7 +118,7 @@ void FluidSolver::apply_surfaces(double dt, const Vec3& gravity, const Particles
   }
   if (mirrored) {
     const StageTimer timer(seconds.boundary);
-    state.boundary.find({dt, particle_mass(), support_radius(), gravity.stableNormalized(), positions,
+    state.boundary.find({passed, dt, particle_mass(), support_radius(), gravity.stableNormalized(), positions,
                          surfaces, topologies, impl_->cells},
                         *impl_->workers);
   }
@@ -137,7 +137,7 @@ const WallGeometry& FluidSolver::find_visible_walls(double reach, double dt, con
   if (!impl_->cells.is_found())
     impl_->cells.find(positions, surfaces, topologies, near, support_radius(), state.neighbours,
                       *impl_->workers);
-  impl_->visible_walls.find({dt, particle_mass(), support_radius(), gravity.stableNormalized(), positions,
+  impl_->visible_walls.find({dt, dt, particle_mass(), support_radius(), gravity.stableNormalized(), positions,
                              surfaces, topologies, impl_->cells},
                             *impl_->workers);
   return impl_->visible_walls;

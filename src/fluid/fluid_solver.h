@@ -35,16 +35,17 @@ class FluidSolver {
   std::vector<Box> boxes(const Particles& particles) const;
 
   /// After prepare(), for the same particles. As the settings say, removes neighbours hidden by surfaces and
-  /// finds the boundary terms. The surfaces move from x_t0 to x_t1 within dt [s]. They are kept until
+  /// finds the boundary terms. The surfaces move from x_t0 to x_t1 within dt [s], which end when `passed` [s]
+  /// of the step have passed. They are kept until
   /// propose(), which changes their velocities and impulses: boundary terms give the nodes the momentum
   /// opposite to that of the particles. `topologies` are those of the surfaces, in their order. `near`:
   /// per surface, ascending, at least the triangles that are within H of a particle at x_t0; empty = all
   /// are looked at.
-  void apply_surfaces(double dt, const Vec3& gravity, const Particles& particles,
+  void apply_surfaces(double passed, double dt, const Vec3& gravity, const Particles& particles,
                       Span<SurfaceMotion* const> surfaces, Span<const MeshTopology* const> topologies,
                       Span<const TriangleList> near, StageSeconds& seconds);
-  /// After apply_surfaces(), with the same arguments: the parts of the surfaces that each particle sees, at
-  /// least those within `reach` [m] and H. Valid until the next prepare().
+  /// After apply_surfaces(), with the same other arguments: the parts of the surfaces that each particle
+  /// sees, at least those within `reach` [m] and H. Valid until the next prepare().
   const WallGeometry& find_visible_walls(double reach, double dt, const Vec3& gravity,
                                          const Particles& particles, Span<SurfaceMotion* const> surfaces,
                                          Span<const MeshTopology* const> topologies,

@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::size_t triangle_chunk = 64, particle_chunk = 64;
 
-/// So many particles on one side are not compared with those within H/2.
-constexpr std::size_t few = 8;
+/// So many ends are not compared with others: particles, and those among which they are searched.
+constexpr std::size_t few = 8, few_to_search = 64;
 
 using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -71,50 +71,71 @@ class EndsOfPairs {
   EndsOfPairs(Span<const Vec3> x, double support_radius, const TriangleCells& cells)
       : x_(x), reach_(support_radius * (1 + 1e-9)), cells_(cells) {}
 
-  /// The fewest particles from which all pairs are found that the triangle hides; none where all are on one
-  /// side.
+  /// Few particles from which all pairs are found that the triangle hides; none where all are on one side.
   const std::vector<std::uint32_t>& find(const SurfaceMotion& motion, std::uint32_t triangle);
 
  private:
+  struct Target;
+  void find_within(const Target& target, Sides sides, double reach, std::vector<std::uint32_t>& found) const;
+
   Span<const Vec3> x_;
   double reach_;
   const TriangleCells& cells_;
-  std::vector<std::uint32_t> ends_, near_;
+  std::vector<std::uint32_t> ends_, others_;
 };
 
-const std::vector<std::uint32_t>& EndsOfPairs::find(const SurfaceMotion& motion, std::uint32_t triangle) {
-  const NearbyTriangle& nearby = cells_.triangles()[triangle];
-  const SightTest test(motion, nearby.triangle);
-  ends_.clear();
-  if (test.normal_length() == 0) return ends_;
-  const BesideTriangle beside(test);
+struct EndsOfPairs::Target {
+  std::uint32_t triangle;
+  SightTest test;
+  BesideTriangle beside{test};
   Box corners;
-  for (const Vec3& corner : test.corners()) corners.add(corner);
-  const auto find_ends = [&](Sides sides, double reach, std::vector<std::uint32_t>& found) {
-    found.clear();
-    const Box box = corners.inflated(reach);  // a quick test
-    const double most = reach * test.normal_length(), highest = sides.front ? most : 0,
-                 lowest = sides.back ? -most : 0;
-    cells_.for_particles_near(triangle, [&](std::uint32_t begin, std::uint32_t end, Sides of_run) {
-      if (!(sides.front && of_run.front) && !(sides.back && of_run.back)) return;
-      for (std::uint32_t i = begin; i < end; ++i) {
-        const double side = test.side(x_[i]);
-        if (!(side >= lowest && side <= highest && box.contains(x_[i]))) continue;
-        const double above = side / test.normal_length(), aside = beside.distance(x_[i]);
-        if (above * above + aside * aside <= reach * reach) found.push_back(i);
-      }
-    });
-  };
-  std::uint32_t front = 0, back = 0;
-  cells_.for_particles_near(triangle, [&](std::uint32_t begin, std::uint32_t end, Sides of_run) {
-    front += of_run.front ? end - begin : 0;
-    back += of_run.back ? end - begin : 0;
-  });
-  find_ends({front < back, front >= back}, reach_, ends_);
-  if (ends_.size() > few) {
-    find_ends({true, true}, 0.5 * reach_, near_);
-    if (near_.size() < ends_.size()) ends_.swap(near_);
+
+  Target(const SurfaceMotion& motion, std::uint32_t index, const NearbyTriangle& nearby)
+      : triangle(index), test(motion, nearby.triangle) {
+    for (const Vec3& corner : test.corners()) corners.add(corner);
   }
+};
+
+void EndsOfPairs::find_within(const Target& target, Sides sides, double reach,
+                              std::vector<std::uint32_t>& found) const {
+  found.clear();
+  const Box box = target.corners.inflated(reach);  // a quick test
+  const double length = target.test.normal_length(), most = reach * length, highest = sides.front ? most : 0,
+               lowest = sides.back ? -most : 0;
+  cells_.for_particles_near(target.triangle, [&](const TriangleCells::Cell& group, Sides of_group) {
+    if (!(sides.front && of_group.front) && !(sides.back && of_group.back)) return;
+    if (!box.overlaps(group.box)) return;
+    for (std::uint32_t i = group.begin; i < group.end; ++i) {
+      const double side = target.test.side(x_[i]);
+      if (!(side >= lowest && side <= highest && box.contains(x_[i]))) continue;
+      const double above = side / length, aside = target.beside.distance(x_[i]);
+      if (above * above + aside * aside <= reach * reach) found.push_back(i);
+    }
+  });
+}
+
+const std::vector<std::uint32_t>& EndsOfPairs::find(const SurfaceMotion& motion, std::uint32_t triangle) {
+  const Target target(motion, triangle, cells_.triangles()[triangle]);
+  ends_.clear();
+  if (target.test.normal_length() == 0) return ends_;
+  std::size_t front = 0, back = 0;
+  cells_.for_particles_near(triangle, [&](const TriangleCells::Cell& group, Sides of_group) {
+    front += of_group.front ? group.end - group.begin : 0;
+    back += of_group.back ? group.end - group.begin : 0;
+  });
+  // Where few are on one side, as above a floor, that is the least work; else what is nearer.
+  const Sides fewer = {front < back, front >= back};
+  const bool one_side_first = std::min(front, back) <= few_to_search;
+  const auto find_one_side = [&](std::vector<std::uint32_t>& found) {
+    find_within(target, fewer, reach_, found);
+  };
+  const auto find_nearer = [&](std::vector<std::uint32_t>& found) {
+    find_within(target, {true, true}, 0.5 * reach_, found);
+  };
+  one_side_first ? find_one_side(ends_) : find_nearer(ends_);
+  if (ends_.size() <= few) return ends_;
+  one_side_first ? find_nearer(others_) : find_one_side(others_);
+  if (others_.size() < ends_.size()) ends_.swap(others_);
   return ends_;
 }
 

@@ -59,15 +59,13 @@ class TriangleCells {
   const std::vector<NearbyTriangle>& triangles() const { return triangles_; }
   /// Of triangles().
   const Corners* corners() const { return corners_.data(); }
-  /// f(begin, end, sides) for runs of particles: all that are within H of the triangle, and few others.
-  /// `sides` of its plane on which they may be.
+  /// f(cell, sides) for cells with and without triangles: all particles within H of the triangle, and few
+  /// others. `sides` of its plane on which they may be.
   template <class F>
   void for_particles_near(std::uint32_t triangle, const F& f) const {
     const std::vector<Touch>& touches = found_[triangle / triangle_chunk];
-    for (std::uint32_t k = touches_[triangle].begin; k < touches_[triangle].end; ++k) {
-      const Cell& group = groups_[touches[k].group];
-      f(group.begin, group.end, touches[k].sides);
-    }
+    for (std::uint32_t k = touches_[triangle].begin; k < touches_[triangle].end; ++k)
+      f(groups_[touches[k].group], touches[k].sides);
   }
 
  private:

@@ -105,7 +105,8 @@ Status ContactSettings::validate() const {
 }
 
 Status WorldSettings::validate() const {
-  if (!gravity.allFinite()) return refuse_value("gravity", gravity.transpose(), "finite");
+  if (!(gravity.cwiseAbs().maxCoeff() <= 1e6) || !gravity.allFinite())
+    return refuse_value("gravity", gravity.transpose(), "finite, and no component beyond 1e6 m/s²");
   if (!kill_box.min.allFinite() || !kill_box.max.allFinite() ||
       !(kill_box.min.array() < kill_box.max.array()).all())
     return refuse_value("kill_box", kill_box.min.transpose(), "finite with min < max on every axis");

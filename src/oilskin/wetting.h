@@ -50,7 +50,7 @@ struct WettingSettings {
   double absorption = 1;
   /// [1/s], 0 … 1e6: what exceeds S = 1 gathers to drops at this rate.
   double dripping = 5;
-  /// [1/s], 0 … 1e6: part of the liquid that dries per time.
+  /// [1/s], 0 … 1e6: part of the liquid that dries per time; less where water covers one side or both.
   double drying = 0;
   /// [s], 0 … 1: liquid spreads in steps of at least this length, since it is slower than cloth moves by
   /// orders of magnitude. 0: in every interval.

@@ -163,9 +163,9 @@ void Attachments::detach(std::uint64_t handle) {
 }
 
 Attachment* Attachments::find(std::uint64_t handle) {
-  for (auto& a : list_)
-    if (a->handle == handle) return a.get();
-  return nullptr;
+  const auto at = std::lower_bound(list_.begin(), list_.end(), handle,
+                                   [](const auto& a, std::uint64_t h) { return a->handle < h; });
+  return at != list_.end() && (*at)->handle == handle ? at->get() : nullptr;
 }
 const Attachment* Attachments::find(std::uint64_t handle) const {
   return const_cast<Attachments*>(this)->find(handle);

@@ -78,16 +78,23 @@ void EnergyBalance::enter(const Vec3& x, const Vec3& velocity, double dt) {
 }
 
 /// (F.59). Nodes that are not prescribed get the impulse after their motion: (F.60).
-void EnergyBalance::touch(Span<SurfaceMotion* const> surfaces, double dt) {
-  OILSKIN_ASSERT(dt > 0);
-  for (const SurfaceMotion* s : surfaces)
+void EnergyBalance::touch(Span<SurfaceMotion* const> surfaces, double dt,
+                          Span<const SurfaceMotion* const> before, double dt_before) {
+  OILSKIN_ASSERT(dt > 0 && (before.empty() || before.size() == surfaces.size()));
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    const SurfaceMotion* s = surfaces[k];
+    const bool goes_on =
+        !before.empty() && before[k]->id == s->id && before[k]->x_t1.size() == s->x_t1.size();
     for (std::uint32_t j : s->touched) {
       if (s->impulse[j].isZero(0)) continue;
       const Vec3 u = speed(*s, j, dt);
       state_.max_node_speed = std::max(state_.max_node_speed, u.norm());
       const bool is_prescribed = s->inverse_mass[j] == 0 && !s->body;
       (is_prescribed ? on_prescribed_ : transfer_) += s->impulse[j].dot(u);
+      if (is_prescribed && goes_on)
+        on_prescribed_ += std::min(0.0, 0.5 * s->impulse[j].dot(speed(*before[k], j, dt_before) - u));
     }
+  }
 }
 
 void EnergyBalance::move(fluid::Particles& particles, std::size_t i, const Vec3& start, double time,

@@ -82,7 +82,10 @@ class EnergyBalance {
   /// An emitter starts a particle in an interval of length dt.
   void enter(const Vec3& x, const Vec3& velocity, double dt);
   /// Impulses and motion of the surfaces in an interval of length dt.
-  void touch(Span<SurfaceMotion* const> surfaces, double dt);
+  /// Impulses on surfaces in an interval of dt. `before`: the surfaces as a step of dt_before left them;
+  /// empty where the step has had an interval, in which they moved with the same speed.
+  void touch(Span<SurfaceMotion* const> surfaces, double dt, Span<const SurfaceMotion* const> before,
+             double dt_before);
 
   /// Particle i went from `start` to particles.position within `time` [s]: sets particles.motion.
   static void move(fluid::Particles& particles, std::size_t i, const Vec3& start, double time, double dt);

@@ -26,8 +26,7 @@ void World::Impl::withdraw(std::size_t particle) {
   world::Withdrawn& withdrawn = state.withdrawn;
   ++withdrawn.count;
   withdrawn.mass_ratio += ratio;
-  if (!world::is_in_range(particles.position[particle]) || !world::is_in_range(particles.velocity[particle]))
-    return;
+  if (!world::is_in_range(particles, particle)) return;
   withdrawn.momentum += ratio * particles.velocity[particle];
   state.energy.withdraw(particles, particle, ratio * fluid->particle_mass());
 }
@@ -72,9 +71,7 @@ void World::clear() {
 void World::Impl::remove_invalid_particles(world::StepContext& step) {
   constexpr std::size_t chunk = 2048;
   fluid::Particles& particles = state.particles;
-  const auto is_valid = [&](std::size_t i) {
-    return world::is_in_range(particles.position[i]) && world::is_in_range(particles.velocity[i]);
-  };
+  const auto is_valid = [&](std::size_t i) { return world::is_in_range(particles, i); };
   const auto count_invalid = [&](std::size_t begin, std::size_t end) {
     std::uint64_t count = 0;
     for (std::size_t i = begin; i < end; ++i) count += is_valid(i) ? 0 : 1;

@@ -47,7 +47,7 @@ void World::Impl::run_step(StepContext& step) {
   world::RollBack<Impl> roll_back_on_exception(*this);
   step.contact = &contact_settings;
   begin_step(step);
-  step.counted = step.surfaces.motion;
+  step.count(step.surfaces);
   choose_substeps(step);
   const double part = step.dt / step.report.substeps;
   step.paths.begin(step.surfaces.motion, step.report.substeps, part);
@@ -93,13 +93,17 @@ void World::Impl::run_interval(IntervalContext& interval) {
   end_interval(interval, motion);
 }
 
+/// From the start of the step to the end of the interval [s].
+double World::Impl::passed(const IntervalContext& interval) const {
+  return (interval.begin - state.time) + interval.dt;  // at least dt, rounded or not
+}
+
 /// What friction may expect of them (C.43), (C.44).
 void World::Impl::find_hosts(IntervalContext& interval) const {
   StepContext& step = interval.step;
-  const double passed = interval.begin + interval.dt - state.time;
   for (std::size_t k = 0; k < step.hosts.size(); ++k)
     if (!step.hosts[k].velocity.empty())
-      fluid->load_memory().find_carried(*step.surfaces.motion[k], passed, step.hosts[k].carried);
+      fluid->load_memory().find_carried(*step.surfaces.motion[k], passed(interval), step.hosts[k].carried);
 }
 
 void World::Impl::begin_interval(IntervalContext& interval) {
@@ -151,8 +155,8 @@ void World::Impl::apply_surfaces(IntervalContext& interval, contact::ContactPass
     StageTimer timer(step.report.seconds.proximity);
     interval.near = pass.find_triangles_near(fluid->boxes(state.particles), fluid->support_radius());
   }
-  fluid->apply_surfaces(interval.dt, settings.gravity, state.particles, step.surfaces.motion,
-                        step.surfaces.topology, interval.near, step.report.seconds);
+  fluid->apply_surfaces(passed(interval), interval.dt, settings.gravity, state.particles,
+                        step.surfaces.motion, step.surfaces.topology, interval.near, step.report.seconds);
 }
 
 void World::Impl::act(IntervalContext& interval) {
@@ -309,7 +313,9 @@ void World::Impl::commit(IntervalContext& interval) {
   OILSKIN_ASSERT(all_finite(interval.x_t1) && all_finite(interval.velocity));
   std::vector<std::uint8_t> keep(particles.size(), 1);
   if (state.sinks.act()) interval.taken_by.assign(particles.size(), world::Sinks::none);
-  step.energy.touch(step.counted, interval.dt);
+  const Span<const SurfaceMotion* const> before = step.counted_before;
+  step.energy.touch(step.counted, interval.dt, interval.is_first ? before : decltype(before)(),
+                    state.last_dt);
   const world::EndSums all = workers->ordered_sum(particles.size(), chunk_size, world::EndSums(),
                                                   [&](std::size_t begin, std::size_t end) {
                                                     world::EndSums sums;

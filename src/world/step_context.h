@@ -17,14 +17,20 @@ struct StepContext {
   StepContext(const StepContext&) = delete;
   StepContext& operator=(const StepContext&) = delete;
 
+  void count(const ActiveSurfaces& active) {
+    counted = active.motion;
+    for (const Attachment* a : active.attachment) counted_before.push_back(&Attachments::before(*a));
+  }
+
   // Input
   double dt;  // [s]
 
   // State
   ActiveSurfaces surfaces;
-  std::vector<SurfaceMotion*> counted;       // of which the report has impulses and energies
-  const ContactSettings* contact = nullptr;  // in force
-  double mass_of_others = 0;                 // of the water in other worlds that counts in `energy` [kg]
+  std::vector<SurfaceMotion*> counted;               // of which the report has impulses and energies
+  std::vector<const SurfaceMotion*> counted_before;  // as the last step left them
+  const ContactSettings* contact = nullptr;          // in force
+  double mass_of_others = 0;  // of the water in other worlds that counts in `energy` [kg]
   SurfacePaths paths;
   std::vector<contact::HostSupport> hosts;  // one per surface
 

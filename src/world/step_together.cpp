@@ -164,7 +164,7 @@ void World::JointStep::join_surfaces() {
     }
   }
   loads_.assign(members_.size(), std::vector<std::vector<Vec3>>(surfaces_.size()));
-  members_[0]->step.counted = surfaces_.motion;
+  members_[0]->step.count(surfaces_);
 }
 
 void World::JointStep::choose_substeps() {

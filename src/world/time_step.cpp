@@ -30,9 +30,8 @@ world::Speeds World::Impl::speeds(Span<SurfaceMotion* const> moved, double moved
       workers->ordered_sum(particles.size(), 4096, Water(), [&](std::size_t begin, std::size_t end) {
         Water part;
         for (std::size_t i = begin; i < end; ++i) {
-          const Vec3 &x = particles.position[i], &v = particles.velocity[i];
-          if (!world::is_in_range(x) || !world::is_in_range(v)) continue;  // removed by the next step
-          part.box.add(x);
+          if (!world::is_in_range(particles, i)) continue;  // removed by the next step
+          part.box.add(particles.position[i]);
           // Momentum that a surface has not taken yet moves nothing.
           part.speed = std::max(part.speed, particles.motion[i].squaredNorm());
         }

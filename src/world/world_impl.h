@@ -102,6 +102,7 @@ struct World::Impl {
   void emit(world::IntervalContext& interval);  // emit.cpp
   void predict_motion(world::IntervalContext& interval) const;
   void propose(world::IntervalContext& interval, contact::ContactPass& pass);
+  double passed(const world::IntervalContext& interval) const;
   void apply_surfaces(world::IntervalContext& interval, contact::ContactPass& pass);
   void act(world::IntervalContext& interval);
   void predict_contacts(world::IntervalContext& interval, contact::ContactPass& pass) const;

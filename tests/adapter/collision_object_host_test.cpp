@@ -86,7 +86,7 @@ TEST(CollisionObjectHost, box_is_exact_and_closed_where_it_is) {
   EXPECT_FALSE(gather_step(o.host, 0.1, o.motion).new_surface);
 }
 
-TEST(CollisionObjectHost, sphere_encloses_the_ball_closely) {
+TEST(CollisionObjectHost, sphere_has_the_volume_of_the_ball) {
   btSphereShape sphere(bt(0.3));
   Object o(&sphere, turned);
   ASSERT_TRUE(o.gathered.status.ok());
@@ -94,14 +94,12 @@ TEST(CollisionObjectHost, sphere_encloses_the_ball_closely) {
   EXPECT_EQ(o.motion.x_t1.size(), 642u);
   EXPECT_TRUE(is_closed(o.motion));
   const double ball = 4.0 / 3 * 3.14159265358979 * 0.027;
-  EXPECT_GT(volume(o.motion), ball);
-  EXPECT_LT(volume(o.motion), 1.01 * ball);
+  EXPECT_NEAR(volume(o.motion), ball, 20 * eps * ball);
   const Vec3 c = to_vec3(turned.getOrigin());
   for (const Triangle& t : o.motion.triangles) {
     const Vec3 a = o.motion.x_t1[t[0]] - c, b = o.motion.x_t1[t[1]] - c, d = o.motion.x_t1[t[2]] - c;
-    EXPECT_GT(std::abs((b - a).cross(d - a).normalized().dot(a)), 0.3 - 5 * eps)
-        << "no triangle cuts the ball";
-    EXPECT_LT(a.norm(), 0.3 * 1.01);
+    EXPECT_GT(std::abs((b - a).cross(d - a).normalized().dot(a)), 0.3 * 0.998);
+    EXPECT_LT(a.norm(), 0.3 * 1.003);
   }
 }
 

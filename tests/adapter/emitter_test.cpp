@@ -32,6 +32,21 @@ btTransform at(double x, double y, double z, double angle = 0) {
   return btTransform(btQuaternion(btVector3(0, 0, 1), bt(angle)), btVector3(bt(x), bt(y), bt(z)));
 }
 
+TEST(Emitter, a_box_of_whole_spacings_is_full_wherever_single_precision_puts_it) {
+  for (const double dx : {0.02, 0.03, 0.04})
+    for (double x = -40; x < 40; x += 1.731) {
+      WorldSettings far = weightless();
+      far.kill_box = {Vec3::Constant(-50), Vec3::Constant(50)};
+      FluidSettings fluid = coarse_fluid();
+      fluid.spacing = dx;
+      btFluid water(fluid, far, ContactSettings());
+      const btVector3 low(bt(x), bt(x), bt(x)), size(bt(7 * dx), bt(7 * dx), bt(7 * dx));
+      ASSERT_TRUE(water.addBox(low, low + size).ok());
+      ASSERT_TRUE(water.getWorld().step(1e-4).status.ok());
+      ASSERT_EQ(water.getNumParticles(), 343) << dx << " at " << x;
+    }
+}
+
 TEST(Emitter, a_hose_that_is_steered_in_each_frame_gives_what_is_asked) {
   Water water;
   btFluidDiscEmitter hose(bt(0.05), 2);

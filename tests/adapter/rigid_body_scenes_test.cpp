@@ -1,6 +1,7 @@
 // Rigid bodies of Bullet among other things in the water.
 #include <gtest/gtest.h>
 
+#include <cfenv>
 #include <cmath>
 
 #include "oilskin/wetting.h"
@@ -12,6 +13,57 @@ namespace {
 using namespace test;
 
 constexpr double g = 9.81;  // [m/s²]
+
+/// An open box of five boxes, 4 cm wide and 8 cm deep inside; its inner floor is at y = 0.
+btRigidBody* add_bucket(WetWorld& w, double mass) {
+  const btScalar h = bt(0.02), t = bt(0.005), d = bt(0.04);
+  static btBoxShape base({h + 2 * t, t, h + 2 * t}), side({t, d, h + 2 * t}), front({h, d, t});
+  btCompoundShape* bucket = new btCompoundShape();
+  const auto add = [&](btBoxShape& part, const btVector3& at) {
+    bucket->addChildShape(btTransform(btQuaternion::getIdentity(), at), &part);
+  };
+  add(base, {0, -t, 0});
+  for (const btScalar s : {bt(-1), bt(1)}) {
+    add(side, {s * (h + t), d, 0});
+    add(front, {0, d, s * (h + t)});
+  }
+  return w.add(bucket, mass, {0, 0, 0});
+}
+
+/// Mean height of the water above the floor of the bucket after a second [m].
+double height_in_a_bucket(bool is_free, double dt) {
+  WetWorld w(down);
+  btRigidBody* ground = w.add_box(0, {bt(0.3), bt(0.05), bt(0.3)}, {0, bt(-0.06), 0});
+  EXPECT_TRUE(w.solver.addCollisionObject(ground, bt(0.002)).ok());
+  btRigidBody* bucket = add_bucket(w, is_free ? 0.2 : 0);
+  EXPECT_TRUE(
+      (is_free ? w.solver.addRigidBody(bucket, bt(0.002)) : w.solver.addCollisionObject(bucket, bt(0.002)))
+          .ok());
+  w.fill({bt(-0.02), 0, bt(-0.02)}, {bt(0.02), bt(0.06), bt(0.02)}, [](const Vec3&) { return true; });
+  w.run(1, dt);
+  double height = -static_cast<double>(bucket->getWorldTransform().getOrigin().y());
+  for (const Vec3& x : w.water.getWorld().positions()) height += x.y() / w.water.getNumParticles();
+  return height;
+}
+
+TEST(RigidBodyScene, water_stands_as_high_in_a_free_bucket_as_in_a_fixed_one) {
+  for (const double dt : {1.0 / 60, 1.0 / 120}) {
+    const double fixed = height_in_a_bucket(false, dt), free = height_in_a_bucket(true, dt);
+    EXPECT_NEAR(free, fixed, 0.01 * 0.03) << "half the depth is 3 cm; at " << dt;
+  }
+}
+
+/// Hosts trap such operations to find their own errors.
+TEST(RigidBodyScene, nothing_invalid_is_computed) {
+  WetWorld w(down);
+  w.add_tank(0.1, 0.1);
+  btRigidBody* ball = w.add(new btSphereShape(bt(0.02)), 0.02, {0, bt(0.08), 0});
+  ASSERT_TRUE(w.solver.addRigidBody(ball, bt(0.002)).ok());
+  w.fill({bt(-0.05), 0, bt(-0.05)}, {bt(0.05), bt(0.05), bt(0.05)}, [](const Vec3&) { return true; });
+  std::feclearexcept(FE_ALL_EXCEPT);
+  w.run(0.3, 0.005);
+  EXPECT_EQ(std::fetestexcept(FE_INVALID | FE_DIVBYZERO), 0);
+}
 
 TEST(RigidBodyScene, a_jet_knocks_over_a_stack_of_crates_and_throws_none_out) {
   WetWorld w(down);

@@ -204,6 +204,38 @@ TEST(Wetting, liquid_dries_at_its_rate) {
   EXPECT_LE(std::abs(s.missing()), 1e-12 * s.emitted);
 }
 
+/// Of the liquid that would dry in air, what dries under water on so many sides.
+double dried_part(int sides) {
+  WettingSettings settings;
+  settings.fabric.capacity = 0.05;
+  settings.fabric.diffusivity = 1e-12;
+  settings.fabric.saturation_limit = 1;
+  settings.absorption = 20;
+  settings.dripping = 0;
+  settings.drying = 1;
+  GridShape as_wide_as_the_water;
+  as_wide_as_the_water.nu = as_wide_as_the_water.nv = 9;
+  as_wide_as_the_water.origin = Vec3(-0.02, 0, -0.02);
+  as_wide_as_the_water.u = Vec3(0.04, 0, 0);
+  as_wide_as_the_water.v = Vec3(0, 0, 0.04);
+  WetScene s(settings, Vec3::Zero(), 1, as_wide_as_the_water);
+  for (double& u : s.cloth.inverse_mass) u = 0;
+  EXPECT_TRUE(s.wetting.set_fabric(s.id, settings.fabric).ok());
+  s.add_block(8, Vec3(-0.0175, 0.5 * dx, -0.0175), Vec3::Zero());
+  if (sides == 2) s.add_block(8, Vec3(-0.0175, -7.5 * dx, -0.0175), Vec3::Zero());
+  for (int k = 0; k < 100; ++k) s.step(1e-3);
+  EXPECT_GT(s.world.absorbed_mass(), 0.5 * 0.05 * 0.04 * 0.04) << "soaked";
+  const double before = s.dried;
+  for (int k = 0; k < 100; ++k) s.step(1e-3);
+  EXPECT_LE(std::abs(s.missing()), 1e-12 * s.emitted);
+  return (s.dried - before) / (settings.drying * 0.1 * s.world.absorbed_mass());
+}
+
+TEST(Wetting, liquid_dries_on_the_sides_that_no_water_covers) {
+  EXPECT_NEAR(dried_part(1), 0.5, 0.1);
+  EXPECT_LT(dried_part(2), 0.1);
+}
+
 TEST(Wetting, waterproof_cloth_and_fixed_surfaces_stay_dry_unless_they_have_a_fabric) {
   for (const bool fixed : {false, true})
     for (const bool own : {false, true}) {

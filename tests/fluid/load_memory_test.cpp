@@ -82,5 +82,64 @@ TEST(LoadMemory, forgets_surfaces_that_are_absent) {
   EXPECT_TRUE(sheet.memory.carried_impulse(1, 0, dt).isZero(0));
 }
 
+/// A body of 2 kg, its response to each load that of a floor, a rope, or nothing.
+struct Body {
+  SurfaceMotion motion;
+  LoadMemory memory;
+  static constexpr double body_mass = 2;
+  const Vec3 gravity = Vec3(0, -9.81, 0), weight = body_mass * gravity;
+
+  Body() {
+    test::StaticMesh mesh;
+    mesh.add_rectangle(Vec3::Zero(), Vec3(1, 0, 0), Vec3(0, 0, 1));
+    motion = test::surface_of(mesh, 1 / body_mass);
+    BodyMotion& body = motion.body.emplace();
+    body.inverse_mass = Vec3::Constant(1 / body_mass);
+    body.inverse_inertia = Eigen::Matrix3d::Identity();
+    body.gravity = gravity;
+    body.velocity = Vec3(3, 4, 5);  // not a response
+    memory.prepare(surfaces());
+  }
+  std::vector<SurfaceMotion*> surfaces() { return {&motion}; }
+  void step(const Vec3& force, const Vec3& response) {
+    memory.record_host_response(dt, gravity, surfaces());
+    BodyMotion& body = *motion.body;
+    body.impulse = dt * force;
+    body.velocity += body.impulse / body_mass;
+    memory.record_load(dt, surfaces());
+    body.velocity += dt * (gravity + response / body_mass);
+  }
+  /// What (B.39) takes the host to do to the body: gravity, less what is carried [N].
+  Vec3 expected() const { return weight - memory.carried_of_body(motion, 3 * dt, dt).impulse / (3 * dt); }
+};
+
+TEST(LoadMemory, what_holds_a_body_holds_its_weight) {
+  const Vec3 up(0, 5, 0), press(0, -40, 0), aside(3, -1, 0);
+  for (const Vec3& force : {up, press, aside}) {
+    Body held;
+    for (int k = 0; k < 2; ++k) held.step(force, -force - held.weight);
+    EXPECT_LT((held.expected() + force).norm(), 1e-9) << "after two steps: " << force.transpose();
+    for (int k = 0; k < 1000; ++k) held.step(force, -force - held.weight);
+    EXPECT_LT((held.expected() + force).norm(), 1e-9) << force.transpose();
+  }
+  Body afloat, sliding;
+  for (int k = 0; k < 1000; ++k) {
+    afloat.step(-afloat.weight, Vec3::Zero());
+    sliding.step(Vec3(7, -2, 0), -sliding.weight + Vec3(0, 2, 0));
+  }
+  EXPECT_LT((afloat.expected() - afloat.weight).norm(), 1e-9);
+  EXPECT_LT((sliding.expected() - Vec3(0, 2, 0)).norm(), 1e-9) << "nothing holds it across";
+}
+
+TEST(LoadMemory, a_host_carries_no_more_than_load_and_weight) {
+  Body thrown, pulled;
+  for (int k = 0; k < 1000; ++k) {
+    thrown.step(Vec3(0, -5, 0), Vec3(0, 400, 0));
+    pulled.step(Vec3(0, -5, 0), Vec3(0, -400, 0));
+  }
+  EXPECT_LT((thrown.expected() - Vec3(0, 5, 0)).norm(), 1e-9);
+  EXPECT_LT((pulled.expected() - pulled.weight).norm(), 1e-9);
+}
+
 }  // namespace
 }  // namespace oilskin::fluid

@@ -192,7 +192,7 @@ TEST(Occlusion, keeps_momentum_and_bits) {
     StageSeconds seconds;
     FluidReport report;
     solver.prepare(particles, seconds);
-    solver.apply_surfaces(1e-3, Vec3::Zero(), particles, surfaces, topologies, {}, seconds);
+    solver.apply_surfaces(1e-3, 1e-3, Vec3::Zero(), particles, surfaces, topologies, {}, seconds);
     Vec3 before = Vec3::Zero();
     for (const Vec3& v : particles.velocity) before += v;
     solver.propose(1e-3, Vec3::Zero(), particles, {}, {}, particles.velocity, report, seconds);

@@ -34,7 +34,7 @@ std::vector<Vec3> velocities(const FluidSettings& settings, std::size_t most) {
   const double dt = 5e-4;
   for (int step = 0; step < 4; ++step) {
     tank.solver.prepare(particles, tank.seconds);
-    tank.solver.apply_surfaces(dt, tank.gravity, particles, surfaces, topologies, {}, tank.seconds);
+    tank.solver.apply_surfaces(dt, dt, tank.gravity, particles, surfaces, topologies, {}, tank.seconds);
     tank.solver.propose(dt, tank.gravity, particles, {}, {}, particles.velocity, tank.report, tank.seconds);
     for (std::size_t i = 0; i < particles.size(); ++i) particles.position[i] += dt * particles.velocity[i];
   }

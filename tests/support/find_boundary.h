@@ -27,9 +27,9 @@ inline std::vector<std::uint32_t> find_boundary(fluid::Boundary& boundary, std::
   for (const MeshTopology& topology : topologies) of_surfaces.push_back(&topology);
   fluid::TriangleCells cells;
   cells.find(x, surfaces, of_surfaces, {}, setting.support_radius, neighbours, workers);
-  boundary.find(
-      {1e-3, setting.particle_mass, setting.support_radius, setting.down, x, surfaces, of_surfaces, cells},
-      workers);
+  boundary.find({1e-3, 1e-3, setting.particle_mass, setting.support_radius, setting.down, x, surfaces,
+                 of_surfaces, cells},
+                workers);
   return order;
 }
 

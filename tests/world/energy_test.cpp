@@ -118,6 +118,31 @@ TEST(Energy, a_moving_plate_does_twice_the_work_that_a_particle_at_rest_keeps) {
   }
 }
 
+/// A particle rests on the plate, which falls faster and faster, by a part of g, and then stops.
+TEST(Energy, a_plate_that_slows_down_or_falls_faster_makes_none) {
+  const double g = 9.81, dt = 1e-3;
+  FluidSettings fluid = plain();
+  fluid.max_substeps = 1;
+  World w(box(10, Vec3(0, -g, 0)), fluid);
+  Driven plate(0.1);
+  plate.storage = Storage::float64;
+  ASSERT_TRUE(w.attach(plate, sheet_settings(), nullptr).ok());
+  add_apart(w, 1, Vec3(0.02, 0.0123, 0.01), Vec3::Zero());
+  double speed = 0, start = 0;
+  for (int k = 0; k < 700; ++k) {
+    if (k == 200) start = w.report().energy.made;  // it has landed
+    if (k >= 200 && k < 400) speed += 0.5 * g * dt;
+    if (k >= 500 && speed > 0) speed = std::max(0.0, speed - 0.5 * g * dt);
+    plate.move(Vec3(0, -speed * dt, 0));
+    w.step(dt);
+  }
+  const EnergyReport& e = w.report().energy;
+  ASSERT_EQ(w.particle_count(), 1u);
+  EXPECT_LT(e.work_prescribed, -0.5 * w.particle_mass() * g * 0.1) << "the plate took its energy";
+  EXPECT_LT(e.made - start, 1e-9 * e.scale);
+  EXPECT_LT(e.risen, 1e-9 * e.scale);
+}
+
 TEST(Energy, emitters_bring_theirs_and_removal_takes_it_away) {
   const Vec3 gravity(0, -9.81, 0);
   World w(box(0.5, gravity), plain());

@@ -59,12 +59,16 @@ std::array<double, 3> WettedCloth::uptake(const SurfaceMotion& motion, const Vis
   return given;
 }
 
-void WettedCloth::dry(double dt, double rate, std::size_t surface, EffectExchange& e) const {
-  if (!(rate > 0)) return;
+void WettedCloth::dry(double dt, double rate, Span<const double> covered, std::size_t surface,
+                      EffectExchange& e) const {
   const SurfaceMotion& motion = *e.surfaces[surface];
-  const double part = -std::expm1(-rate * dt);
-  for (std::uint32_t i = 0; i < motion.absorbed_mass.size(); ++i)
-    e.dry(surface, i, part * motion.absorbed_mass[i]);
+  OILSKIN_ASSERT(rate > 0 && covered.size() >= motion.absorbed_mass.size());
+  for (std::uint32_t i = 0; i < motion.absorbed_mass.size(); ++i) {
+    if (!(motion.absorbed_mass[i] > 0)) continue;
+    const double both_sides = 2 * capacity()[i] / fabric_.capacity;
+    const double open = both_sides > 0 ? std::max(0.0, 1 - covered[i] / both_sides) : 1;
+    e.dry(surface, i, -std::expm1(-rate * open * dt) * motion.absorbed_mass[i]);
+  }
 }
 
 /// The transport gives what each node has afterwards. Nodes that lost and nodes that gained are paired in

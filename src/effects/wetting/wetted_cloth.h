@@ -20,7 +20,9 @@ class WettedCloth {
   std::array<double, 3> uptake(const SurfaceMotion& motion, const VisibleWall& wall, double dt,
                                double absorption, double area, double mass, double least) const;
 
-  void dry(double dt, double rate, std::size_t surface, EffectExchange& e) const;
+  /// Where both sides are free, liquid dries at the rate; `covered`: the area under water, both sides, per
+  /// node [m²] (W.19).
+  void dry(double dt, double rate, Span<const double> covered, std::size_t surface, EffectExchange& e) const;
   /// Moves liquid between nodes for dt.
   void spread(double dt, std::size_t surface, EffectExchange& e);
   /// `gathered`: what hangs in drops at each node [kg] (W.17). Asks for a particle where they hold enough

@@ -93,6 +93,7 @@ struct Wetting::Impl {
   void find_cloths(EffectExchange& e);
   WettedCloth* cloth_of(const EffectExchange& e, std::size_t surface) const;
   void absorb(EffectExchange& e) const;
+  std::vector<double> covered_area(const EffectExchange& e, std::size_t surface) const;
   void spread(EffectExchange& e);
   void drip(EffectExchange& e);
   void visit(Archive& archive);
@@ -137,6 +138,16 @@ void Wetting::Impl::absorb(EffectExchange& e) const {
   }
 }
 
+/// Per node, by particles that touch [m²].
+std::vector<double> Wetting::Impl::covered_area(const EffectExchange& e, std::size_t surface) const {
+  std::vector<double> covered(e.surfaces[surface]->x_t1.size(), 0);
+  for (const Touching& t : touching_particles) {
+    if (t.wall.surface != surface) continue;
+    for (std::size_t k = 0; k < 3; ++k) covered[t.wall.nodes[k]] += e.spacing * e.spacing * t.wall.weights[k];
+  }
+  return covered;
+}
+
 void Wetting::Impl::spread(EffectExchange& e) {
   pending += e.dt;
   if (pending < settings.transport_interval) return;
@@ -145,7 +156,7 @@ void Wetting::Impl::spread(EffectExchange& e) {
     WettedCloth* cloth = cloth_of(e, s);
     if (cloth == nullptr || e.surfaces[s]->absorbed_mass.empty()) continue;
     cloth->spread(pending, s, e);
-    cloth->dry(pending, settings.drying, s, e);
+    if (settings.drying > 0) cloth->dry(pending, settings.drying, covered_area(e, s), s, e);
   }
   pending = 0;
 }

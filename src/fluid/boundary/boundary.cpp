@@ -33,7 +33,7 @@ void Boundary::find(const BoundaryInput& input, const Workers& workers) {
   geometry_.find(input, workers);
   if (empty()) return;
   nodes_.number(geometry_.walls(), input.surfaces, workers);
-  compliance_.bodies().build(geometry_, input.surfaces, memory_, input.dt, mass_, workers);
+  compliance_.bodies().build(geometry_, input.surfaces, memory_, input.passed, input.dt, mass_, workers);
   compliance_.build(geometry_, nodes_, node_motion(input.dt, workers), mass_, workers);
 }
 

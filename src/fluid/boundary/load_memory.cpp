@@ -42,9 +42,11 @@ void LoadMemory::prepare(Span<SurfaceMotion* const> surfaces) {
 }
 
 void LoadMemory::forget_others(Span<SurfaceMotion* const> surfaces) {
+  std::vector<std::uint64_t> present;
+  for (const SurfaceMotion* s : surfaces) present.push_back(s->id);
+  std::sort(present.begin(), present.end());
   for (auto it = of_surface_.begin(); it != of_surface_.end();) {
-    const bool is_present = std::any_of(surfaces.begin(), surfaces.end(),
-                                        [&](const SurfaceMotion* s) { return s->id == it->first; });
+    const bool is_present = std::binary_search(present.begin(), present.end(), it->first);
     it = is_present ? std::next(it) : of_surface_.erase(it);
   }
 }
@@ -65,9 +67,10 @@ void LoadMemory::record_host_response(double dt, const Vec3& gravity, Span<Surfa
     if (s->body) {
       const Vec3 mass = mass_of(*s->body);
       NodeMemory &center = (*nodes)[0], &rotation = (*nodes)[1];
-      center.respond(fresh,
+      if (!(center.weight > 0)) continue;
+      center.respond(center.fresh_of_body(fresh),
                      mass.cwiseProduct((s->body->velocity - center.velocity_left) / dt - s->body->gravity));
-      rotation.respond(fresh,
+      rotation.respond(rotation.fresh_of_body(fresh),
                        inertia_of(*s->body) * (s->body->angular_velocity - rotation.velocity_left) / dt);
       continue;
     }
@@ -96,8 +99,8 @@ void LoadMemory::record_load(double dt, Span<SurfaceMotion* const> surfaces,
         impulse += others[i];
         moment += (s.x_t0[i] - s.body->center_t0).cross(others[i]);
       }
-      (*nodes)[0].record(fresh, s.body->velocity, s.body->impulse / dt, impulse / dt);
-      (*nodes)[1].record(fresh, s.body->angular_velocity, s.body->angular_impulse / dt, moment / dt);
+      (*nodes)[0].record_body(fresh, s.body->velocity, s.body->impulse / dt, impulse / dt);
+      (*nodes)[1].record_body(fresh, s.body->angular_velocity, s.body->angular_impulse / dt, moment / dt);
       continue;
     }
     for (std::size_t i = 0; i < nodes->size(); ++i)
@@ -109,8 +112,30 @@ void LoadMemory::record_load(double dt, Span<SurfaceMotion* const> surfaces,
 Vec3 LoadMemory::carried_impulse(std::uint64_t surface_id, std::uint32_t node, double dt) const {
   OILSKIN_ASSERT(of_surface_.count(surface_id) == 1 && dt > 0);
   const NodeMemory& m = of_surface_.at(surface_id)[node];
-  Vec3 carried = m.carried(dt);
-  if (!m.of_others.isZero(0)) carried -= dt * m.of_others;
+  return m.without_others(m.carried(dt), dt);
+}
+
+/// Along gravity the host carries at most load and weight together, across it a share of the load.
+Vec3 LoadMemory::NodeMemory::carried_with_weight(double dt, const Vec3& gravity_force) const {
+  if (gravity_force.isZero(0)) return carried(dt);
+  const Vec3 down = gravity_force.normalized();
+  const double all = (load + gravity_force).dot(down), support = -response.dot(down);
+  const double along = std::clamp(support, std::min(0.0, all), std::max(0.0, all));
+  NodeMemory across = *this;
+  across.load -= across.load.dot(down) * down;
+  return dt * along * down + across.carried(dt);
+}
+
+LoadMemory::OfBody LoadMemory::carried_of_body(const SurfaceMotion& surface, double passed, double dt) const {
+  OILSKIN_ASSERT(surface.body && of_surface_.count(surface.id) == 1 && dt > 0 && passed >= dt);
+  const std::vector<NodeMemory>& m = of_surface_.at(surface.id);
+  const Vec3 weight = mass_of(*surface.body).cwiseProduct(surface.body->gravity);
+  return {m[0].without_others(m[0].carried_with_weight(passed, weight), dt),
+          m[1].without_others(m[1].carried(passed), dt)};
+}
+
+Vec3 LoadMemory::NodeMemory::without_others(Vec3 carried, double dt) const {
+  if (!of_others.isZero(0)) carried -= dt * of_others;
   return carried;
 }
 
@@ -141,8 +166,9 @@ void LoadMemory::visit(Archive& archive) {
   for (const auto& [id, nodes] : of_surface_) ids.push_back(id);
   archive.value(ids);
   for (std::uint64_t id : ids)
-    archive.list(of_surface_[id], sizeof(NodeMemory),
-                 [&](NodeMemory& m) { archive.values(m.velocity_left, m.load, m.of_others, m.response); });
+    archive.list(of_surface_[id], sizeof(NodeMemory), [&](NodeMemory& m) {
+      archive.values(m.velocity_left, m.load, m.of_others, m.response, m.weight);
+    });
 }
 
 }  // namespace oilskin::fluid

@@ -26,10 +26,17 @@ class LoadMemory {
   void record_load(double dt, Span<SurfaceMotion* const> surfaces,
                    Span<const std::vector<Vec3>> of_others = {});
 
-  /// J^carried: impulse of the fluid's load that the host, and other fluids, are expected to carry within dt
-  /// [N s] (B.28). Of a body, "node" 0 is the impulse at its centre of mass and 1 the angular impulse [N m
-  /// s].
+  /// J^carried: impulse of the fluid's load on a node of a sheet that the host, and other fluids, are
+  /// expected to carry within dt [N s] (B.28).
   Vec3 carried_impulse(std::uint64_t surface_id, std::uint32_t node, double dt) const;
+
+  /// At the centre of mass [N s], and about it [N m s].
+  struct OfBody {
+    Vec3 impulse, moment;
+  };
+  /// The same of a body (B.44): what the host carries within the time that has `passed` since the step began,
+  /// with the interval of dt that ends then, and other fluids within dt.
+  OfBody carried_of_body(const SurfaceMotion& surface, double passed, double dt) const;
 
   /// Per node of a sheet, and of the velocity [m/s] and the angular velocity [1/s] of a body: the change by
   /// the load of all fluids that the host, with gravity, is expected to undo within dt. An empty list where
@@ -46,10 +53,21 @@ class LoadMemory {
     Vec3 load = Vec3::Zero();           // of fluids and contact [N]
     Vec3 of_others = Vec3::Zero();      // the part of it by other fluids [N]
     Vec3 response = Vec3::Zero();       // of the host, without gravity [N]
+    double weight = 0;                  // of the steps that a body's mean is of; 1 = of very many
 
     /// What the host carries of the load within dt [N s], with χ_c (B.27), beside a force that is constant.
     Vec3 carried(double dt, const Vec3& constant = Vec3::Zero()) const;
+    /// Of a body, with its weight, a force [N] (B.44).
+    Vec3 carried_with_weight(double dt, const Vec3& gravity_force) const;
+    /// `carried` [N s], less what other fluids do within dt, which this one cannot count on the host for.
+    Vec3 without_others(Vec3 carried, double dt) const;
     void respond(double fresh, const Vec3& force) { response += fresh * (force - response); }
+    /// That of a body is known from the first step on: what stands does not fall before it is known to stand.
+    double fresh_of_body(double fresh) const { return fresh / weight; }
+    void record_body(double fresh, const Vec3& velocity, const Vec3& force, const Vec3& force_of_others) {
+      weight += fresh * (1 - weight);
+      record(fresh_of_body(fresh), velocity, force, force_of_others);
+    }
     void record(double fresh, const Vec3& velocity, const Vec3& force, const Vec3& force_of_others) {
       velocity_left = velocity;
       load += fresh * (force - load);

@@ -14,7 +14,8 @@ constexpr double triangle_reach = 0.85;
 
 /// What the boundary terms of an interval are computed from.
 struct BoundaryInput {
-  double dt = 0;                               ///< [s]
+  double passed = 0;                           ///< from the start of the step to the end of the interval [s]
+  double dt = 0;                               ///< of the interval [s]
   double particle_mass = 0;                    ///< [kg]
   double support_radius = 0;                   ///< H [m]
   Vec3 down = Vec3::Zero();                    ///< direction of gravity, or zero

@@ -28,13 +28,29 @@ void ViewSamples::clear() {
   seen_.fill(-1);
 }
 
-void ViewSamples::add(const WallPlane& plane, const std::array<Eigen::Vector3f, 3>& side) {
+/// At least the directions in a cone: those between its lowest and its highest, which follow each other.
+ViewSamples::Range ViewSamples::directions_in(const Eigen::Vector3f& axis, float cosine) {
+  if (cosine < 0) return {0, directions};
+  const float c = axis.z(), s = std::sqrt(std::max(0.0f, 1 - c * c)),
+              sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
+  const float lowest = c > -cosine ? c * cosine - s * sine : -1,
+              highest = c < cosine ? c * cosine + s * sine : 1;
+  constexpr float slack = 1e-3f, half = 0.5f * static_cast<float>(directions);  // rounding takes 1e-6
+  const auto number_at = [](float height) {
+    return static_cast<std::size_t>(std::clamp(half * (1 + height), 0.0f, 2 * half));
+  };
+  return {number_at(lowest - slack), std::min(directions, number_at(highest + slack) + 1)};
+}
+
+void ViewSamples::add(const WallPlane& plane, const std::array<Eigen::Vector3f, 3>& side,
+                      const Eigen::Vector3f& axis, float cosine) {
   static const Directions d;
   const auto number = static_cast<std::int32_t>(triangles_++);
   if (plane.offset == 0) return;  // edge-on
+  const Range range = directions_in(axis, cosine);
   const Eigen::Vector3f n = plane.normal / plane.offset, &a = side[0], &b = side[1], &c = side[2];
   // Without branches, so that the compiler takes several directions at once.
-  for (std::size_t k = 0; k < directions; ++k) {
+  for (std::size_t k = range.begin; k < range.end; ++k) {
     const float x = d.x[k], y = d.y[k], z = d.z[k];
     const float away = 1 / (n.x() * x + n.y() * y + n.z() * z);
     const float inside =

@@ -13,16 +13,23 @@ namespace oilskin::fluid {
 class ViewSamples {
  public:
   void clear();
-  /// `side`: unit normals of the faces of the pyramid from the particle through the edges, inwards. Triangles
-  /// have the numbers 0, 1, …, in the order in which they are added. Of those that lie on each other the one
-  /// that is added first is seen.
-  void add(const WallPlane& plane, const std::array<Eigen::Vector3f, 3>& side);
+  /// `side`: unit normals of the faces of the pyramid from the particle through the edges, inwards. The
+  /// pyramid lies in the cone around `axis`, a unit vector, with the cosine of its half angle; cosine < 0:
+  /// anywhere. Triangles have the numbers 0, 1, …, in the order in which they are added. Of those that lie on
+  /// each other the one that is added first is seen.
+  void add(const WallPlane& plane, const std::array<Eigen::Vector3f, 3>& side, const Eigen::Vector3f& axis,
+           float cosine);
   /// 2π Λ of what is seen of each triangle, as of Shadows.
   const std::vector<float>& masses();
 
  private:
   static constexpr std::size_t directions = 1024;
   struct Directions;
+  struct Range {
+    std::size_t begin, end;
+  };
+
+  static Range directions_in(const Eigen::Vector3f& axis, float cosine);
 
   std::size_t triangles_ = 0;
   std::array<float, directions> distance_;

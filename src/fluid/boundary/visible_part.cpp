@@ -135,26 +135,25 @@ bool VisibleParts::any_may_hide() {
 /// Cuts a convex piece by the plane normal · x = offset. What lies below goes to remaining_; returns the
 /// rest.
 VisibleParts::Piece VisibleParts::split(Piece piece, const Eigen::Vector3f& normal, float offset) {
-  below_.clear();
-  const std::size_t begin = points_.size();
-  for (std::size_t k = piece.begin; k < piece.end; ++k) {
-    const Eigen::Vector3f u = points_[k], v = points_[k + 1 < piece.end ? k + 1 : piece.begin];
-    const float a = normal.dot(u) - offset, b = normal.dot(v) - offset;
-    if (a > 0)
-      points_.push_back(u);
-    else
-      below_.push_back(u);
-    if ((a > 0) == (b > 0)) continue;
-    const Eigen::Vector3f cut = u + (a / (a - b)) * (v - u);
-    points_.push_back(cut);
-    below_.push_back(cut);
+  const std::size_t n = piece.end - piece.begin, begin = points_.size();
+  if (height_.size() < n) height_.resize(n);
+  for (std::size_t k = 0; k < n; ++k) height_[k] = normal.dot(points_[piece.begin + k]) - offset;
+  if (below_.size() < 2 * n) below_.resize(2 * n);
+  points_.resize(begin + 2 * n);
+  std::size_t above = begin, below = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t next = k + 1 < n ? k + 1 : 0;
+    const Eigen::Vector3f u = points_[piece.begin + k], v = points_[piece.begin + next];
+    const float a = height_[k], b = height_[next];
+    (a > 0 ? points_[above++] : below_[below++]) = u;
+    if ((a > 0) != (b > 0)) points_[above++] = below_[below++] = u + (a / (a - b)) * (v - u);
   }
-  const Piece above{begin, points_.size()};
-  if (below_.size() > 2) {
-    remaining_.push_back({points_.size(), points_.size() + below_.size()});
-    points_.insert(points_.end(), below_.begin(), below_.end());
+  points_.resize(above);
+  if (below > 2) {
+    remaining_.push_back({above, above + below});
+    points_.insert(points_.end(), below_.begin(), below_.begin() + static_cast<std::ptrdiff_t>(below));
   }
-  return above;
+  return {begin, above};
 }
 
 /// Is all of a piece on one side of the occluder's plane, or of a face of its pyramid, where it is seen? To
@@ -192,21 +191,24 @@ void VisibleParts::subtract(const Occluder& occluder) {
   pieces_.swap(remaining_);
 }
 
-/// Leaves the pieces of the k-th triangle that are seen.
-void VisibleParts::cut_triangle(std::size_t k) {
+/// Leaves the pieces of the k-th triangle that are seen. False if it takes too many tests.
+bool VisibleParts::cut_triangle(std::size_t k, std::size_t most_tests) {
   points_.assign(triangles_[k].corners.begin(), triangles_[k].corners.end());
   pieces_.assign(1, {0, 3});
   find_occluders(k);
   for (const std::size_t n : occluders_) {
-    if (pieces_.empty()) return;
+    if (pieces_.empty()) return true;
+    if (tests_ >= most_tests) return false;
     subtract(triangles_[order_[n]]);
   }
+  return true;
 }
 
-void VisibleParts::cast_shadows(std::size_t k) {
-  cut_triangle(k);
+bool VisibleParts::cast_shadows(std::size_t k, std::size_t most_tests) {
+  if (!cut_triangle(k, most_tests)) return false;
   for (const Piece& p : pieces_)
     shadows_.add(triangles_[k].plane, {points_.data() + p.begin, p.end - p.begin});
+  return true;
 }
 
 void VisibleParts::find_views() {

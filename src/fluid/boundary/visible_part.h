@@ -35,6 +35,8 @@ class VisibleParts {
   }
 
  private:
+  static constexpr std::size_t few = 8, sure = 3;
+
   /// False if it takes too many tests.
   template <class F>
   bool cut(const F& is_asked, std::size_t most_tests) {
@@ -43,9 +45,10 @@ class VisibleParts {
     pieces_end_.clear();
     tests_ = 0;
     for (std::size_t k = 0; k < triangles_.size(); ++k) {
-      if (tests_ >= most_tests) return false;
-      if (is_asked(k) && triangles_[k].plane.acts()) cast_shadows(k);
+      if (is_asked(k) && triangles_[k].plane.acts() && !cast_shadows(k, most_tests)) return false;
       pieces_end_.push_back(shadows_.size());
+      // At this rate it will take far too many.
+      if (k >= few && tests_ * triangles_.size() > sure * most_tests * (k + 1)) return false;
     }
     find_views();
     return true;
@@ -53,7 +56,7 @@ class VisibleParts {
   template <class F>
   void sample(const F& is_asked) {
     samples_.clear();
-    for (const Occluder& o : triangles_) samples_.add(o.plane, o.side);
+    for (const Occluder& o : triangles_) samples_.add(o.plane, o.side, o.axis, o.cosine);
     const std::vector<float>& masses = samples_.masses();
     for (std::size_t k = 0; k < triangles_.size(); ++k)
       if (masses[k] > 0 && is_asked(k) && triangles_[k].plane.acts())
@@ -77,8 +80,8 @@ class VisibleParts {
   void sort_by_distance();
   void fill_blocks();
   void arrange();
-  void cut_triangle(std::size_t k);
-  void cast_shadows(std::size_t k);
+  bool cut_triangle(std::size_t k, std::size_t most_tests);
+  bool cast_shadows(std::size_t k, std::size_t most_tests);
   void find_views();
   bool misses(const Occluder& occluder, const Piece& piece) const;
   void subtract(const Occluder& occluder);
@@ -99,6 +102,7 @@ class VisibleParts {
   std::size_t tests_ = 0;
   // Of cut(): what is left of the triangle
   std::vector<Eigen::Vector3f> points_, below_;
+  std::vector<float> height_;
   std::vector<Piece> pieces_, remaining_;
 };
 

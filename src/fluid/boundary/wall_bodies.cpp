@@ -15,27 +15,29 @@ constexpr std::size_t coupling_chunk = 256;
 }  // namespace
 
 void WallBodies::build(const WallGeometry& geometry, Span<SurfaceMotion* const> surfaces,
-                       const LoadMemory& memory, double dt, double particle_mass, const Workers& workers) {
+                       const LoadMemory& memory, double passed, double dt, double particle_mass,
+                       const Workers& workers) {
   mass_ = particle_mass;
   bodies_.clear();
   couplings_.clear();
-  add_bodies(surfaces, memory, dt);
+  add_bodies(surfaces, memory, passed, dt);
   if (empty()) return;
   couple(geometry, surfaces);
   const std::vector<float> at_rest(geometry.points().size());
   predict(at_rest, at_rest, workers);
 }
 
-void WallBodies::add_bodies(Span<SurfaceMotion* const> surfaces, const LoadMemory& memory, double dt) {
+void WallBodies::add_bodies(Span<SurfaceMotion* const> surfaces, const LoadMemory& memory, double passed,
+                            double dt) {
   of_surface_.assign(surfaces.size(), none);
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     if (!surfaces[s]->body) continue;
     of_surface_[s] = static_cast<std::uint32_t>(bodies_.size());
     const BodyMotion& b = *surfaces[s]->body;
-    Body body{b.inverse_mass, b.inverse_inertia, dt * b.gravity, {}, {}};
-    body.gravity = (b.inverse_mass.array() > 0).select(body.gravity, Vec3::Zero());
-    body.carried.linear = memory.carried_impulse(surfaces[s]->id, 0, dt);
-    body.carried.angular = memory.carried_impulse(surfaces[s]->id, 1, dt);
+    Body body{b.inverse_mass, b.inverse_inertia, {}, {}};
+    const LoadMemory::OfBody carried = memory.carried_of_body(*surfaces[s], passed, dt);
+    body.before = body.velocity_from({b.impulse - carried.impulse, b.angular_impulse - carried.moment});
+    body.before.linear += (b.inverse_mass.array() > 0).select(passed * b.gravity, Vec3::Zero());
     bodies_.push_back(std::move(body));
   }
 }
@@ -87,10 +89,8 @@ void WallBodies::predict(const std::vector<float>& theta, const std::vector<floa
                          const Workers& workers) {
   OILSKIN_ASSERT(theta.size() + 1 == begin_.size() && depth.size() == theta.size());
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    Wrench impulse = sum_over(bodies_[b], theta, &depth, workers);
-    impulse += bodies_[b].carried;
-    velocity_[b] = bodies_[b].velocity_from(impulse.times(-1));
-    velocity_[b].linear += bodies_[b].gravity;
+    velocity_[b] = bodies_[b].velocity_from(sum_over(bodies_[b], theta, &depth, workers).times(-1));
+    velocity_[b] += bodies_[b].before;
   }
 }
 

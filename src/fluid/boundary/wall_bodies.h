@@ -24,15 +24,16 @@ struct Wrench {
 /// How walls of bodies respond: what the nodes of sheets do each for itself, the nodes of a body do together.
 class WallBodies {
  public:
-  /// particle_mass [kg], dt of the interval [s].
+  /// particle_mass [kg], dt of the interval [s], `passed`: from the start of the step to its end [s].
   void build(const WallGeometry& geometry, Span<SurfaceMotion* const> surfaces, const LoadMemory& memory,
-             double dt, double particle_mass, const Workers& workers);
+             double passed, double dt, double particle_mass, const Workers& workers);
 
   /// There is no body at any wall.
   bool empty() const { return bodies_.empty(); }
 
   /// The velocities that the bodies get, beyond what the host proposes, from wall pressures theta + depth d_T
-  /// [m/s] per point (B.13), from gravity, and from the load that the host does not carry (B.39).
+  /// [m/s] per point (B.13), from gravity, from the load that the host does not carry, and from the load of
+  /// the sub-steps before (B.39).
   void predict(const std::vector<float>& theta, const std::vector<float>& depth, const Workers& workers);
   /// The velocities from a change of theta: m M⁻¹ Σ θ_k g_k.
   void respond(const std::vector<float>& theta, const Workers& workers);
@@ -46,8 +47,7 @@ class WallBodies {
   struct Body {
     Vec3 inverse_mass;
     Eigen::Matrix3d inverse_inertia;
-    Vec3 gravity;  // velocity that the host will add in an interval [m/s]
-    Wrench carried;
+    Wrench before;                         // velocity without the pressures of this interval
     std::vector<std::uint32_t> couplings;  // in the order of the points
 
     Wrench velocity_from(const Wrench& impulse) const {
@@ -61,7 +61,7 @@ class WallBodies {
     Wrench depth_gamma;  // Σ_T d_T γ_T and its moment
   };
 
-  void add_bodies(Span<SurfaceMotion* const> surfaces, const LoadMemory& memory, double dt);
+  void add_bodies(Span<SurfaceMotion* const> surfaces, const LoadMemory& memory, double passed, double dt);
   void couple(const WallGeometry& geometry, Span<SurfaceMotion* const> surfaces);
   Wrench sum_over(const Body& body, const std::vector<float>& theta, const std::vector<float>* depth,
                   const Workers& workers) const;

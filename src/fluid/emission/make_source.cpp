@@ -1,6 +1,8 @@
 #include "fluid/emission/make_source.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/refuse.h"
 #include "fluid/emission/emission.h"
@@ -121,13 +123,22 @@ Status make_source(const DiscEmitter& e, const SourceMaterial& material, Source&
   return {};
 }
 
+/// By how much single precision may round a side of the box, in spacings: four units in the last place of a
+/// coordinate. A side of n spacings has n layers wherever the box is.
+static double rounding_of(const Box& box, double spacing) {
+  const double farthest = box.min.cwiseAbs().cwiseMax(box.max.cwiseAbs()).maxCoeff();
+  const double unit = static_cast<double>(std::numeric_limits<float>::epsilon());
+  return std::min(1e-6 + 4 * unit * farthest / spacing, 0.02);
+}
+
 Status make_source(const BoxEmitter& e, const SourceMaterial& material, Source& source) {
   Status s = first_of({check_vector("box emitter: box.min", e.box.min),
                        check_vector("box emitter: box.max", e.box.max),
                        check_vector("box emitter: velocity", e.velocity)});
   if (!s.ok()) return s;
   if (!std::isfinite(e.start)) return refuse_value("box emitter: start", e.start, "a finite time");
-  const Eigen::Array3d cells = ((e.box.max - e.box.min).array() / material.spacing + 1e-6).floor();
+  const Eigen::Array3d cells =
+      ((e.box.max - e.box.min).array() / material.spacing + rounding_of(e.box, material.spacing)).floor();
   if (!(e.box.min.array() <= e.box.max.array()).all())
     return refuse_value("box emitter: box.max", e.box.max.transpose(), "at least box.min on every axis");
   if (!(cells >= 1).all()) {

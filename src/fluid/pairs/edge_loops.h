@@ -124,7 +124,9 @@ struct EdgeLoops {
   /// halved twice, so that the series converges by 0.17 a term.
   static D4 angle_of(const D4& x, const D4& y) {
     const D4 length = root(x * x + y * y), size = choose(D4(0.0) > x, D4(0.0) - x, x);
-    const D4 half = y / (length + size);  // tangent of half the angle from ±x, 0 … 1
+    const D4 sum = length + size;
+    // Tangent of half the angle from ±x, 0 … 1. Without a direction 0, not 0/0, which a host may trap.
+    const D4 half = y / choose(sum > D4(0.0), sum, D4(1.0));
     const D4 t = half / (D4(1.0) + root(D4(1.0) + half * half)), t2 = t * t;
     D4 series(0.0);
     for (int k = 21; k >= 1; k -= 2) series = D4(1.0 / k) - t2 * series;
