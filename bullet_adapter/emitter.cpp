@@ -215,6 +215,7 @@ btFluidRainEmitter::btFluidRainEmitter(btScalar halfX, btScalar halfZ, btScalar 
 
 Status btFluidRainEmitter::addTo(World& world, const EmitterPose& pose, EmitterId* id) const {
   const double x = static_cast<double>(m_halfX), z = static_cast<double>(m_halfZ);
+  if (!(x >= 0 && z >= 0)) return Status::refused("rain emitter: halfX and halfZ must be at least 0 m");
   RainEmitter rain;
   rain.corner = Vec3(-x, 0, -z);
   rain.edge_u = Vec3(2 * x, 0, 0);

@@ -131,7 +131,7 @@ namespace world {
 
 namespace {
 
-constexpr FrameKind saved_world = {{'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'}, 13, "saved world"};
+constexpr FrameKind saved_world = {{'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'}, 14, "saved world"};
 
 }  // namespace
 

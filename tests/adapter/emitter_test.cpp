@@ -199,6 +199,8 @@ TEST(Emitter, what_makes_no_sense_is_refused_in_words) {
   refused(water.addEmitter(&hollow), "no triangles");
   btFluidRainEmitter rain(1, 1, 100);
   refused(rain.setDropsPerSecond(0), "drops per second");
+  btFluidRainEmitter turned(-1, 1, 100);
+  refused(water.addEmitter(&turned), "halfX");
 }
 
 }  // namespace
