@@ -53,6 +53,24 @@ TEST(RigidBodyScene, water_stands_as_high_in_a_free_bucket_as_in_a_fixed_one) {
   }
 }
 
+/// It weighs 5 % of its water.
+TEST(RigidBodyScene, a_light_bucket_on_a_rope_hangs_still) {
+  WetWorld w(down);
+  btRigidBody* bucket = add_bucket(w, 0.05 * 0.096);
+  ASSERT_TRUE(w.solver.addRigidBody(bucket, bt(0.002)).ok());
+  btPoint2PointConstraint rope(*bucket, {0, bt(0.4), 0});
+  w.bullet.world.addConstraint(&rope);
+  w.fill({bt(-0.02), 0, bt(-0.02)}, {bt(0.02), bt(0.06), bt(0.02)}, [](const Vec3&) { return true; });
+  w.run(1, 1.0 / 60);
+  ASSERT_EQ(w.water.getNumParticles(), 96);
+  EXPECT_LT(bucket->getWorldTransform().getOrigin().length(), bt(0.001));
+  for (const Vec3& x : w.water.getWorld().positions()) {
+    EXPECT_LT(x.cwiseAbs().maxCoeff(), 0.065);
+    EXPECT_GT(x.y(), 0);
+  }
+  w.bullet.world.removeConstraint(&rope);
+}
+
 /// Hosts trap such operations to find their own errors.
 TEST(RigidBodyScene, nothing_invalid_is_computed) {
   WetWorld w(down);

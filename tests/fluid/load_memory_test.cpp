@@ -131,6 +131,19 @@ TEST(LoadMemory, what_holds_a_body_holds_its_weight) {
   EXPECT_LT((sliding.expected() - Vec3(0, 2, 0)).norm(), 1e-9) << "nothing holds it across";
 }
 
+TEST(LoadMemory, hosts_that_let_nothing_move_are_firm) {
+  Body stands, floats, swings;
+  for (int k = 0; k < 1000; ++k) {
+    const Vec3 changes(0, -20 + 10 * (k % 3), 0);
+    stands.step(changes, -changes - stands.weight);
+    floats.step(changes, Vec3::Zero());
+    swings.step(changes, -Vec3(0, -10, 0) - swings.weight);  // the mean alone
+  }
+  EXPECT_NEAR(stands.memory.carried_of_body(stands.motion, dt, dt).firmness, 1, 1e-9);
+  EXPECT_EQ(floats.memory.carried_of_body(floats.motion, dt, dt).firmness, 0);
+  EXPECT_EQ(swings.memory.carried_of_body(swings.motion, dt, dt).firmness, 0);
+}
+
 TEST(LoadMemory, a_host_carries_no_more_than_load_and_weight) {
   Body thrown, pulled;
   for (int k = 0; k < 1000; ++k) {

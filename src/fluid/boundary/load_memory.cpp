@@ -14,6 +14,9 @@ namespace {
 /// one follows a load that is gone, and the water is compressed more.
 constexpr double memory_time = 0.1;
 
+/// A host that lets a fifth of loads move the body, as a soft spring does, takes up none at once (B.45).
+constexpr double doubt = 5;
+
 double weight_of_new_value(double dt) {
   return -std::expm1(-dt / memory_time);
 }
@@ -68,8 +71,11 @@ void LoadMemory::record_host_response(double dt, const Vec3& gravity, Span<Surfa
       const Vec3 mass = mass_of(*s->body);
       NodeMemory &center = (*nodes)[0], &rotation = (*nodes)[1];
       if (!(center.weight > 0)) continue;
-      center.respond(center.fresh_of_body(fresh),
-                     mass.cwiseProduct((s->body->velocity - center.velocity_left) / dt - s->body->gravity));
+      const double f = center.fresh_of_body(fresh);
+      const Vec3 response =
+          mass.cwiseProduct((s->body->velocity - center.velocity_left) / dt - s->body->gravity);
+      center.respond(f, response);
+      center.respond_to_push(f, response.dot(s->body->gravity.stableNormalized()));
       rotation.respond(rotation.fresh_of_body(fresh),
                        inertia_of(*s->body) * (s->body->angular_velocity - rotation.velocity_left) / dt);
       continue;
@@ -100,6 +106,8 @@ void LoadMemory::record_load(double dt, Span<SurfaceMotion* const> surfaces,
         moment += (s.x_t0[i] - s.body->center_t0).cross(others[i]);
       }
       (*nodes)[0].record_body(fresh, s.body->velocity, s.body->impulse / dt, impulse / dt);
+      const Vec3 all = s.body->impulse / dt + mass_of(*s.body).cwiseProduct(s.body->gravity);
+      (*nodes)[0].pushed = all.dot(s.body->gravity.stableNormalized());
       (*nodes)[1].record_body(fresh, s.body->angular_velocity, s.body->angular_impulse / dt, moment / dt);
       continue;
     }
@@ -131,7 +139,11 @@ LoadMemory::OfBody LoadMemory::carried_of_body(const SurfaceMotion& surface, dou
   const std::vector<NodeMemory>& m = of_surface_.at(surface.id);
   const Vec3 weight = mass_of(*surface.body).cwiseProduct(surface.body->gravity);
   return {m[0].without_others(m[0].carried_with_weight(passed, weight), dt),
-          m[1].without_others(m[1].carried(passed), dt)};
+          m[1].without_others(m[1].carried(passed), dt), m[0].firmness()};
+}
+
+double LoadMemory::NodeMemory::firmness() const {
+  return pushed2 > 0 ? std::max(0.0, 1 - doubt * std::sqrt(moved2 / pushed2)) : 0;
 }
 
 Vec3 LoadMemory::NodeMemory::without_others(Vec3 carried, double dt) const {
@@ -167,7 +179,8 @@ void LoadMemory::visit(Archive& archive) {
   archive.value(ids);
   for (std::uint64_t id : ids)
     archive.list(of_surface_[id], sizeof(NodeMemory), [&](NodeMemory& m) {
-      archive.values(m.velocity_left, m.load, m.of_others, m.response, m.weight);
+      archive.values(m.velocity_left, m.load, m.of_others, m.response, m.weight, m.pushed, m.pushed2,
+                     m.moved2);
     });
 }
 

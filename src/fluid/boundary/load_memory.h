@@ -33,6 +33,7 @@ class LoadMemory {
   /// At the centre of mass [N s], and about it [N m s].
   struct OfBody {
     Vec3 impulse, moment;
+    double firmness;  ///< share of changes of the load along gravity that the host takes up at once (B.45)
   };
   /// The same of a body (B.44): what the host carries within the time that has `passed` since the step began,
   /// with the interval of dt that ends then, and other fluids within dt.
@@ -54,6 +55,9 @@ class LoadMemory {
     Vec3 of_others = Vec3::Zero();      // the part of it by other fluids [N]
     Vec3 response = Vec3::Zero();       // of the host, without gravity [N]
     double weight = 0;                  // of the steps that a body's mean is of; 1 = of very many
+    // Of a body, along gravity: load and weight in the last step [N]; mean squares of that, and of what was
+    // left of it to move the body [N²].
+    double pushed = 0, pushed2 = 0, moved2 = 0;
 
     /// What the host carries of the load within dt [N s], with χ_c (B.27), beside a force that is constant.
     Vec3 carried(double dt, const Vec3& constant = Vec3::Zero()) const;
@@ -64,6 +68,13 @@ class LoadMemory {
     void respond(double fresh, const Vec3& force) { response += fresh * (force - response); }
     /// That of a body is known from the first step on: what stands does not fall before it is known to stand.
     double fresh_of_body(double fresh) const { return fresh / weight; }
+    /// `along` gravity: of the response to the last step [N].
+    void respond_to_push(double fresh, double along) {
+      const double moved = pushed + along;
+      pushed2 += fresh * (pushed * pushed - pushed2);
+      moved2 += fresh * (moved * moved - moved2);
+    }
+    double firmness() const;
     void record_body(double fresh, const Vec3& velocity, const Vec3& force, const Vec3& force_of_others) {
       weight += fresh * (1 - weight);
       record(fresh_of_body(fresh), velocity, force, force_of_others);

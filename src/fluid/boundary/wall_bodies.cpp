@@ -34,10 +34,13 @@ void WallBodies::add_bodies(Span<SurfaceMotion* const> surfaces, const LoadMemor
     if (!surfaces[s]->body) continue;
     of_surface_[s] = static_cast<std::uint32_t>(bodies_.size());
     const BodyMotion& b = *surfaces[s]->body;
-    Body body{b.inverse_mass, b.inverse_inertia, {}, {}};
+    Body body{b.inverse_mass, b.inverse_inertia, {}, Vec3::Zero(), 1, {}};
     const LoadMemory::OfBody carried = memory.carried_of_body(*surfaces[s], passed, dt);
     body.before = body.velocity_from({b.impulse - carried.impulse, b.angular_impulse - carried.moment});
     body.before.linear += (b.inverse_mass.array() > 0).select(passed * b.gravity, Vec3::Zero());
+    body.down = b.gravity.stableNormalized();
+    body.yields = std::sqrt(1 - carried.firmness);
+    body.before.linear = body.yielding(body.yielding(body.before.linear));
     bodies_.push_back(std::move(body));
   }
 }

@@ -48,11 +48,15 @@ class WallBodies {
     Vec3 inverse_mass;
     Eigen::Matrix3d inverse_inertia;
     Wrench before;                         // velocity without the pressures of this interval
+    Vec3 down;                             // along gravity
+    double yields;                         // there, the root of what is not firm (B.45)
     std::vector<std::uint32_t> couplings;  // in the order of the points
 
     Wrench velocity_from(const Wrench& impulse) const {
-      return {inverse_mass.cwiseProduct(impulse.linear), inverse_inertia * impulse.angular};
+      return {yielding(inverse_mass.cwiseProduct(yielding(impulse.linear))),
+              inverse_inertia * impulse.angular};
     }
+    Vec3 yielding(const Vec3& v) const { return v - (1 - yields) * v.dot(down) * down; }
   };
   /// Of a point and a body whose walls it sees.
   struct Coupling {
