@@ -289,14 +289,12 @@ Status btFluidCoupling::addCollisionObject(btCollisionObject* object, const Surf
   if (object->getInternalType() == btCollisionObject::CO_SOFT_BODY)
     return Status::refused("a soft body is a cloth: use addCloth()");
   const bool is_sensor = Sensor::is_sensor(*object);
-  if (object->getInternalType() == btCollisionObject::CO_FEATHERSTONE_LINK && !is_sensor &&
-      !object->isStaticOrKinematicObject())
-    return Status::refused(
-        "a link of a btMultiBody cannot be moved by the water: attach a kinematic btCollisionObject with its "
-        "shape and let that follow the link");
   if (!object->isStaticOrKinematicObject() && !is_sensor)
     return Status::refused(
-        btRigidBody::upcast(object)
+        object->getInternalType() == btCollisionObject::CO_FEATHERSTONE_LINK
+            ? "a link of a btMultiBody cannot be moved by the water: attach a kinematic btCollisionObject "
+              "with its shape and let that follow the link"
+        : btRigidBody::upcast(object)
             ? "this rigid body is dynamic: use addRigidBody(), or give it mass 0, or set "
               "btCollisionObject::CF_KINEMATIC_OBJECT and move it yourself"
             : "this object is neither static nor kinematic: set "

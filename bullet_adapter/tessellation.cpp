@@ -79,26 +79,40 @@ double inradius(const PointMesh& sphere) {
   return smallest;
 }
 
-/// [m³]
-double volume(const PointMesh& mesh) {
+/// Of a closed mesh [m³]; rounding is the less, the nearer `reference` is.
+double volume(const PointMesh& mesh, const Vec3& reference) {
   double six_volumes = 0;
-  for (const Triangle& t : mesh.triangles)
-    six_volumes += mesh.points[t[0]].dot(mesh.points[t[1]].cross(mesh.points[t[2]]));
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 a = mesh.points[t[0]] - reference, b = mesh.points[t[1]] - reference,
+               c = mesh.points[t[2]] - reference;
+    six_volumes += a.dot(b.cross(c));
+  }
   return six_volumes / 6;
 }
 
-/// What the points of a mesh of unit size must be multiplied by for the volume of the unit ball.
-double scale_to_ball(const PointMesh& sphere) {
-  return std::cbrt(4 * std::acos(-1.0) / 3 / volume(sphere));
-}
+/// Of radius 1.
+struct UnitSphere {
+  PointMesh mesh;
+  double inradius;
+  double scale_to_ball;  ///< what its points must be multiplied by for the volume of the unit ball
 
-/// The coarsest division that `is_near` accepts, else the finest.
+  explicit UnitSphere(std::uint32_t parts)
+      : mesh(divided_icosahedron(parts)),
+        inradius(bullet::inradius(mesh)),
+        scale_to_ball(std::cbrt(4 * std::acos(-1.0) / 3 / volume(mesh, Vec3::Zero()))) {}
+};
+
+/// The coarsest division that `is_near` accepts, else the finest. All are made once: shapes are read in
+/// queries, and in each step in which they change.
 template <class F>
-PointMesh coarsest_sphere(const F& is_near) {
-  PointMesh mesh = divided_icosahedron(fewest_parts);
-  for (std::uint32_t parts = fewest_parts + 1; parts <= most_parts && !is_near(mesh); ++parts)
-    mesh = divided_icosahedron(parts);
-  return mesh;
+const UnitSphere& coarsest_sphere(const F& is_near) {
+  static const std::vector<UnitSphere> all = [] {
+    std::vector<UnitSphere> made;
+    for (std::uint32_t parts = fewest_parts; parts <= most_parts; ++parts) made.emplace_back(parts);
+    return made;
+  }();
+  const auto found = std::find_if(all.begin(), all.end(), is_near);
+  return found != all.end() ? *found : all.back();
 }
 
 /// Removes the points that no triangle uses.
@@ -118,12 +132,7 @@ bool is_flat(const PointMesh& mesh) {
   Box box;
   for (const Vec3& p : mesh.points) box.add(p);
   const double size = (box.max - box.min).norm();
-  double six_volumes = 0;
-  for (const Triangle& t : mesh.triangles)
-    six_volumes += (mesh.points[t[1]] - mesh.points[t[0]])
-                       .cross(mesh.points[t[2]] - mesh.points[t[0]])
-                       .dot(mesh.points[0] - mesh.points[t[0]]);
-  return std::abs(six_volumes) <= 1e-9 * size * size * size;
+  return 6 * std::abs(volume(mesh, mesh.points[0])) <= 1e-9 * size * size * size;
 }
 
 /// Keeps the part of a convex polygon with sign · x[axis] ≤ sign · bound.
@@ -144,15 +153,17 @@ std::vector<Vec3> clip(const std::vector<Vec3>& polygon, int axis, double sign, 
 
 }  // namespace
 
-std::vector<Vec3> even_directions(double radius, double tolerance) {
-  return coarsest_sphere([&](const PointMesh& mesh) { return radius * (1 - inradius(mesh)) <= tolerance; })
-      .points;
+const std::vector<Vec3>& even_directions(double radius, double tolerance) {
+  return coarsest_sphere(
+             [&](const UnitSphere& sphere) { return radius * (1 - sphere.inradius) <= tolerance; })
+      .mesh.points;
 }
 
 PointMesh sphere_of_equal_volume(double radius, double tolerance) {
-  PointMesh mesh = coarsest_sphere(
-      [&](const PointMesh& sphere) { return radius * (scale_to_ball(sphere) - 1) <= tolerance; });
-  const double scale = radius * scale_to_ball(mesh);
+  const UnitSphere& sphere =
+      coarsest_sphere([&](const UnitSphere& one) { return radius * (one.scale_to_ball - 1) <= tolerance; });
+  PointMesh mesh = sphere.mesh;
+  const double scale = radius * sphere.scale_to_ball;
   for (Vec3& p : mesh.points) p *= scale;
   return mesh;
 }

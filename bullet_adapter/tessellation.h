@@ -16,7 +16,7 @@ struct PointMesh {
 /// Evenly distributed unit directions: the points of an icosahedron whose edges are divided into n = 2 to 8
 /// parts, 10 n² + 2 of them. n is the least with which triangles between points of a sphere of the radius
 /// are nowhere farther than `tolerance` from it; 8 (0.5 % of the radius) where none are so near.
-std::vector<Vec3> even_directions(double radius, double tolerance);
+const std::vector<Vec3>& even_directions(double radius, double tolerance);
 
 /// The 20 n² triangles between such directions, with the volume of the ball: what it displaces has its
 /// weight. n is the least with which points lie outside the ball by `tolerance` at most; triangles lie inside

@@ -105,7 +105,7 @@ Status ContactSettings::validate() const {
 }
 
 Status WorldSettings::validate() const {
-  if (!(gravity.cwiseAbs().maxCoeff() <= 1e6) || !gravity.allFinite())
+  if (!(gravity.array().abs() <= 1e6).all())
     return refuse_value("gravity", gravity.transpose(), "finite, and no component beyond 1e6 m/s²");
   if (!kill_box.min.allFinite() || !kill_box.max.allFinite() ||
       !(kill_box.min.array() < kill_box.max.array()).all())

@@ -81,9 +81,8 @@ class EnergyBalance {
   void begin(const fluid::Particles& particles, double dt, const Workers& workers);
   /// An emitter starts a particle in an interval of length dt.
   void enter(const Vec3& x, const Vec3& velocity, double dt);
-  /// Impulses and motion of the surfaces in an interval of length dt.
-  /// Impulses on surfaces in an interval of dt. `before`: the surfaces as a step of dt_before left them;
-  /// empty where the step has had an interval, in which they moved with the same speed.
+  /// Impulses and motion of the surfaces in an interval of length dt. `before`: the surfaces as a step of
+  /// dt_before left them; empty where the step has had an interval, in which they moved with the same speed.
   void touch(Span<SurfaceMotion* const> surfaces, double dt, Span<const SurfaceMotion* const> before,
              double dt_before);
 
