@@ -11,6 +11,9 @@ namespace oilskin::contact {
 namespace {
 
 constexpr std::size_t chunk = 512;  // a multiple of the size of groups
+/// A surface of fewer triangles, or one with fewer particles in groups that are near, is not worth loops of
+/// its own on several threads: such surfaces are the tasks of one loop.
+constexpr std::size_t few_triangles = 1024, few_particles = 4096;
 
 Box swept_box(const ParticleMotion& particles, std::uint32_t p) {
   Box box;
@@ -24,6 +27,12 @@ Box swept_box(const ParticleMotion& particles, std::uint32_t p) {
 // Covers what pressure and impulses usually add to the predicted displacement.
 double CandidateSet::prediction_margin(const Liquid& liquid) {
   return 0.2 * liquid.spacing;
+}
+
+/// Empty if the particle does not collide with the surface.
+Box CandidateSet::Surface::box_of_query(const Context& context, std::uint32_t particle) const {
+  const double r = reach[context.liquid_of(particle)];
+  return r < 0 ? Box() : swept_box(*context.particles, particle).inflated(r);
 }
 
 void CandidateSet::measure_groups(const Context& context) {
@@ -62,27 +71,59 @@ double largest(const std::vector<double>& reach) {
 
 }  // namespace
 
+/// Calls f(surface, workers) for each: those that `is_small`, on several threads at once.
+template <class IsSmall, class F>
+void CandidateSet::for_surfaces(const Workers& workers, const IsSmall& is_small, const F& f) const {
+  static const Workers caller(1);
+  std::vector<std::uint32_t> small;
+  for (std::uint32_t s = 0; s < surfaces_.size(); ++s)
+    if (is_small(s)) small.push_back(s);
+  workers.for_each(small.size(), 4, [&](std::size_t k) { f(small[k], caller); });
+  for (std::uint32_t s = 0, k = 0; s < surfaces_.size(); ++s)
+    if (k < small.size() && small[k] == s)
+      ++k;
+    else
+      f(s, workers);
+}
+
+/// First `prepare`, then `query` of those that have near groups.
+template <class Prepare, class Query>
+void CandidateSet::for_near_surfaces(const Context& context, const Prepare& prepare, const Query& query) {
+  for_surfaces(
+      *context.workers,
+      [&](std::uint32_t s) { return context.surfaces[s]->triangles.size() < few_triangles; }, prepare);
+  for_surfaces(
+      *context.workers, [&](std::uint32_t s) { return surfaces_[s].box.size() < few_particles; },
+      [&](std::uint32_t s, const Workers& workers) {
+        if (!surfaces_[s].box.empty()) query(s, workers);
+      });
+}
+
 void CandidateSet::collect(Context& context) {
   OILSKIN_ASSERT(context.geometry.size() == context.surfaces.size());
   measure_groups(context);
   surfaces_.resize(context.surfaces.size());
-  for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
+  const auto prepare = [&](std::uint32_t s, const Workers& workers) {
     Surface& set = surfaces_[s];
     set.reach = query_reach(context, s);
     set.forget_clear();
-    set.slot.assign(swept_.size(), none);
+    set.slot.clear();
     set.box.clear();
     set.begin.clear();
     set.count.clear();
     set.pool.clear();
-    context.geometry[s]->use(context.settings->hierarchy);
-    context.geometry[s]->fit(*context.surfaces[s], *context.workers);
     set.triangle_stamp.clear();
     set.read_epoch = set.tree_epoch = context.epoch;
     set.drift = 0;
-    if (find_near_groups(context, s, 0)) query(context, s, find_stale(context, set, true, {}, 0));
-    set.pool_of_all = set.pool.size();
-  }
+    context.geometry[s]->use(context.settings->hierarchy);
+    context.geometry[s]->fit(*context.surfaces[s], workers);
+    find_near_groups(context, s, 0, workers);
+  };
+  for_near_surfaces(context, prepare, [&](std::uint32_t s, const Workers& workers) {
+    surfaces_[s].moved.clear();
+    query(context, s, find_stale(context, s, true, 0, workers), workers);
+    surfaces_[s].pool_of_all = surfaces_[s].pool.size();
+  });
   list_near_surfaces();
 }
 
@@ -101,16 +142,21 @@ bool CandidateSet::is_clear_of_all(const Context& context, std::uint32_t surface
 }
 
 /// Finds groups that were far and no longer are. True if there are any.
-bool CandidateSet::find_near_groups(const Context& context, std::uint32_t surface, double reach) {
+bool CandidateSet::find_near_groups(const Context& context, std::uint32_t surface, double reach,
+                                    const Workers& workers) {
   Surface& set = surfaces_[surface];
   if (is_clear_of_all(context, surface, reach)) return false;
   set.clear_of_group.resize(swept_.size());
+  set.slot.resize(swept_.size(), none);
   std::vector<std::uint8_t> is_near(swept_.size(), 0);
-  context.workers->for_each(swept_.size(), chunk / group_size, [&](std::size_t g) {
+  const proximity::SurfaceTree& tree = context.geometry[surface]->tree;
+  const Box bounds = tree.bounds();
+  const double widest = largest(set.reach);
+  workers.for_each(swept_.size(), chunk / group_size, [&](std::size_t g) {
     Box& clear = set.clear_of_group[g];
     if (set.slot[g] != none || clear.contains(swept_[g].inflated(reach))) return;
-    clear = swept_[g].inflated(largest(set.reach));
-    is_near[g] = context.geometry[surface]->tree.overlaps(clear);
+    clear = swept_[g].inflated(widest);
+    is_near[g] = clear.overlaps(bounds) && tree.overlaps(clear);
   });
   std::size_t groups = set.box.size() / group_size;
   const std::size_t before = groups;
@@ -123,31 +169,34 @@ bool CandidateSet::find_near_groups(const Context& context, std::uint32_t surfac
 }
 
 void CandidateSet::list_near_surfaces() {
+  std::vector<std::uint32_t> near;
+  for (std::uint32_t s = 0; s < surfaces_.size(); ++s)
+    if (!surfaces_[s].box.empty()) near.push_back(s);
   near_begin_.assign(1, 0);
   near_surface_.clear();
   for (std::size_t g = 0; g < swept_.size(); ++g) {
-    for (std::uint32_t s = 0; s < surfaces_.size(); ++s)
+    for (const std::uint32_t s : near)
       if (surfaces_[s].slot[g] != none) near_surface_.push_back(s);
     near_begin_.push_back(static_cast<std::uint32_t>(near_surface_.size()));
   }
 }
 
-void CandidateSet::query(Context& context, std::uint32_t surface,
-                         const std::vector<std::uint32_t>& particles) {
+void CandidateSet::query(const Context& context, std::uint32_t surface,
+                         const std::vector<std::uint32_t>& particles, const Workers& workers) {
+  if (particles.empty()) return;
   Surface& set = surfaces_[surface];
   const SurfaceMotion& motion = *context.surfaces[surface];
-  boxes_.resize(particles.size());
-  context.workers->for_each(particles.size(), chunk, [&](std::size_t k) {
+  std::vector<Box> boxes(particles.size());
+  workers.for_each(particles.size(), chunk, [&](std::size_t k) {
     const std::uint32_t p = particles[k];
     OILSKIN_ASSERT(!context.out_of_play[p]);
-    const double r = set.reach[context.liquid_of(p)];
-    boxes_[k] = set.box[set.place(p)] = r < 0 ? Box{} : swept_box(*context.particles, p).inflated(r);
+    boxes[k] = set.box[set.place(p)] = set.box_of_query(context, p);
   });
-  context.geometry[surface]->tree.query(boxes_, *context.workers, set.scratch);
+  context.geometry[surface]->tree.query(boxes, workers, set.scratch);
   OILSKIN_ASSERT(set.pool.size() + set.scratch.triangle.size() <= std::numeric_limits<std::uint32_t>::max());
   const auto base = static_cast<std::uint32_t>(set.pool.size());
   set.pool.resize(base + set.scratch.triangle.size());
-  context.workers->for_each(particles.size(), chunk, [&](std::size_t k) {
+  workers.for_each(particles.size(), chunk, [&](std::size_t k) {
     const Span<const std::uint32_t> found = set.scratch.of(k);
     std::uint32_t at = base + set.scratch.begin[k];
     const std::size_t place = set.place(particles[k]);
@@ -212,34 +261,68 @@ bool CandidateSet::read_node_stamps(const Context& context, std::uint32_t surfac
   return has_left;
 }
 
+/// Fits the tree again where triangles have left their boxes, and lists the boxes of those that have moved.
+/// True where a query of all particles takes less time, or memory, than one of those near them.
+bool CandidateSet::follow_triangles(const Context& context, std::uint32_t surface, const Workers& workers) {
+  Surface& set = surfaces_[surface];
+  const SurfaceMotion& motion = *context.surfaces[surface];
+  set.moved.clear();
+  const std::uint32_t stamp = context.surface_stamp[surface];
+  if (stamp < set.read_epoch || stamp == 0 || !read_node_stamps(context, surface)) return false;
+  OILSKIN_ASSERT(motion.still == 0);
+  context.geometry[surface]->fit(motion, workers);
+  set.moved = boxes_of_moved(context.geometry[surface]->tree, set.triangle_stamp, set.tree_epoch);
+  set.tree_epoch = context.epoch + 1;
+  set.drift = 0;
+  set.forget_clear();
+  const bool query_all =
+      set.moved.size() > motion.triangles.size() / 8 || set.pool.size() > 4 * set.pool_of_all;
+  if (query_all) {
+    set.pool.clear();
+    set.moved.clear();
+  }
+  return query_all;
+}
+
 /// The particles in play of groups that are near whose swept box, inflated by `reach`, is not within that of
-/// their last query, whose last query one of the boxes `moved` overlaps, or all of them. Those out of play
-/// have no candidates from now on.
-std::vector<std::uint32_t> CandidateSet::find_stale(const Context& context, Surface& set, bool all,
-                                                    const std::vector<Box>& moved, double reach) {
+/// their last query, whose last query a box of triangles that have moved overlaps, or all of them. Those out
+/// of play have no candidates from now on. Those that had none and are off the bounds of the surface have
+/// none without a query: in groups beside many small surfaces they are the most.
+std::vector<std::uint32_t> CandidateSet::find_stale(const Context& context, std::uint32_t surface, bool all,
+                                                    double reach, const Workers& workers) {
+  Surface& set = surfaces_[surface];
+  const Box bounds = context.geometry[surface]->tree.bounds();
   const std::size_t n = context.particle_count();
   std::vector<std::vector<std::uint32_t>> part((n + chunk - 1) / chunk);
-  context.workers->for_chunks(n, chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
+  workers.for_chunks(n, chunk, [&](std::size_t begin, std::size_t end, std::size_t c) {
     std::vector<Box> near;
     for (std::size_t first = begin; first < end; first += group_size) {
       if (set.slot[first / group_size] == none) continue;
       const auto stop = static_cast<std::uint32_t>(std::min(end, first + group_size));
-      if (!moved.empty()) {
+      if (!set.moved.empty()) {
         Box queried;
         for (auto p = static_cast<std::uint32_t>(first); p < stop; ++p) queried.add(set.box[set.place(p)]);
-        select_overlapping(moved, queried, near);
+        select_overlapping(set.moved, queried, near);
       }
       for (auto p = static_cast<std::uint32_t>(first); p < stop; ++p) {
+        const std::size_t place = set.place(p);
         if (context.out_of_play[p]) {
-          set.count[set.place(p)] = 0;
+          set.count[place] = 0;
           continue;
         }
-        const Box& box = set.box[set.place(p)];
-        if (all ||
-            (context.particle_stamp[p] > 0 &&
-             !box.contains(swept_box(*context.particles, p).inflated(reach))) ||
-            overlaps_any(near, box))
+        Box& box = set.box[place];
+        const bool is_stale = all ||
+                              (context.particle_stamp[p] > 0 &&
+                               !box.contains(swept_box(*context.particles, p).inflated(reach))) ||
+                              overlaps_any(near, box);
+        if (!is_stale) continue;
+        const Box next = set.box_of_query(context, p);
+        if (set.count[place] == 0 && !next.overlaps(bounds)) {
+          box = next;
+          set.begin[place] = 0;  // the pool may have been cleared
+        } else {
           part[c].push_back(p);
+        }
       }
     }
   });
@@ -251,38 +334,27 @@ std::vector<std::uint32_t> CandidateSet::find_stale(const Context& context, Surf
 std::vector<std::uint32_t> CandidateSet::refresh(Context& context, double margin) {
   OILSKIN_ASSERT(surfaces_.size() == context.surfaces.size() && margin >= 0);
   measure_groups(context);
-  std::vector<std::uint32_t> queried;
-  bool has_near_groups = false;
-  for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
-    Surface& set = surfaces_[s];
+  std::vector<std::uint8_t> query_all(surfaces_.size(), 0), has_near_groups(surfaces_.size(), 0);
+  // Pairs farther apart than δ are no violations: for detection a swept box inflated by 2 δ is enough.
+  const auto reach = [&](std::uint32_t s) {
     const SurfaceMotion& motion = *context.surfaces[s];
-    const bool nodes_moved = context.surface_stamp[s] >= set.read_epoch && context.surface_stamp[s] > 0;
-    bool query_all = false;
-    std::vector<Box> moved;
-    if (nodes_moved && read_node_stamps(context, s)) {
-      OILSKIN_ASSERT(motion.still == 0);
-      context.geometry[s]->fit(motion, *context.workers);
-      moved = boxes_of_moved(context.geometry[s]->tree, set.triangle_stamp, set.tree_epoch);
-      set.tree_epoch = context.epoch + 1;
-      set.drift = 0;
-      set.forget_clear();
-      // Then a query of all particles takes less time, or memory.
-      query_all = moved.size() > motion.triangles.size() / 8 || set.pool.size() > 4 * set.pool_of_all;
-      if (query_all) {
-        set.pool.clear();
-        moved.clear();
-      }
-    }
-    // Pairs farther apart than δ are no violations: for detection a swept box inflated by 2 δ is enough.
-    const double reach = std::max(2 * motion.delta, margin * motion.thickness) + set.drift;
-    has_near_groups |= find_near_groups(context, s, reach);
-    if (set.box.empty()) continue;
-    const std::vector<std::uint32_t> stale = find_stale(context, set, query_all, moved, reach);
-    if (!stale.empty()) query(context, s, stale);
-    if (query_all) set.pool_of_all = set.pool.size();
-    queried.insert(queried.end(), stale.begin(), stale.end());
-  }
-  if (has_near_groups) list_near_surfaces();
+    return std::max(2 * motion.delta, margin * motion.thickness) + surfaces_[s].drift;
+  };
+  const auto prepare = [&](std::uint32_t s, const Workers& workers) {
+    query_all[s] = follow_triangles(context, s, workers);
+    has_near_groups[s] = find_near_groups(context, s, reach(s), workers);
+  };
+  std::vector<std::vector<std::uint32_t>> stale(surfaces_.size());
+  for_near_surfaces(context, prepare, [&](std::uint32_t s, const Workers& workers) {
+    stale[s] = find_stale(context, s, query_all[s] != 0, reach(s), workers);
+    query(context, s, stale[s], workers);
+    if (query_all[s]) surfaces_[s].pool_of_all = surfaces_[s].pool.size();
+  });
+  if (std::find(has_near_groups.begin(), has_near_groups.end(), 1) != has_near_groups.end())
+    list_near_surfaces();
+  std::vector<std::uint32_t> queried;
+  for (const std::vector<std::uint32_t>& of_one : stale)
+    queried.insert(queried.end(), of_one.begin(), of_one.end());
   OILSKIN_ASSERT(std::all_of(queried.begin(), queried.end(),
                              [&](std::uint32_t p) { return context.out_of_play[p] == 0; }));
   std::sort(queried.begin(), queried.end());

@@ -64,13 +64,14 @@ class CandidateSet {
  private:
   /// Consecutive particles, which lie in a few cells. A surface far from a group has nothing to do with its
   /// particles: in a level with many bodies each is near a few groups.
-  static constexpr std::size_t group_size = 64;
+  static constexpr std::size_t group_size = 32;
   static constexpr std::uint32_t none = UINT32_MAX;
 
   struct Surface {
     std::vector<double> reach;        // of the queries, of each liquid [m]; negative: it does not collide
     Box clear;                        // that no triangle overlaps; empty unless all groups are far
-    std::vector<std::uint32_t> slot;  // per group: where it is in `box`, in groups; none = it is far
+    std::vector<std::uint32_t> slot;  // per group: where it is in `box`, in groups; none = it is far;
+                                      // nothing until one has come near
     std::vector<Box> clear_of_group;  // per group that is far: the same; nothing while `clear` is known
     // Per particle of groups that are near
     std::vector<Box> box;  // of the last query
@@ -81,7 +82,8 @@ class CandidateSet {
     // too.
     std::vector<std::uint32_t> triangle_stamp;  // the youngest of its nodes; empty while no node has one
     std::uint32_t read_epoch = 0, tree_epoch = 0;
-    double drift = 0;  // triangles lie within their boxes in the tree, inflated by this [m]
+    double drift = 0;        // triangles lie within their boxes in the tree, inflated by this [m]
+    std::vector<Box> moved;  // of triangles that have moved since the last query, in the tree
     proximity::Candidates scratch;
 
     /// The tree has changed, or the boxes of groups are out of date.
@@ -89,25 +91,31 @@ class CandidateSet {
       clear = Box();
       clear_of_group.clear();
     }
+    Box box_of_query(const Context& context, std::uint32_t particle) const;
     std::size_t place(std::uint32_t particle) const {
       OILSKIN_ASSERT(slot[particle / group_size] != none);
       return slot[particle / group_size] * group_size + particle % group_size;
     }
   };
   void measure_groups(const Context& context);
-  bool find_near_groups(const Context& context, std::uint32_t surface, double reach);
+  template <class IsSmall, class F>
+  void for_surfaces(const Workers& workers, const IsSmall& is_small, const F& f) const;
+  template <class Prepare, class Query>
+  void for_near_surfaces(const Context& context, const Prepare& prepare, const Query& query);
+  bool find_near_groups(const Context& context, std::uint32_t surface, double reach, const Workers& workers);
   bool is_clear_of_all(const Context& context, std::uint32_t surface, double reach);
   bool read_node_stamps(const Context& context, std::uint32_t surface);
-  static std::vector<std::uint32_t> find_stale(const Context& context, Surface& set, bool all,
-                                               const std::vector<Box>& moved, double reach);
-  void query(Context& context, std::uint32_t surface, const std::vector<std::uint32_t>& particles);
+  bool follow_triangles(const Context& context, std::uint32_t surface, const Workers& workers);
+  std::vector<std::uint32_t> find_stale(const Context& context, std::uint32_t surface, bool all, double reach,
+                                        const Workers& workers);
+  void query(const Context& context, std::uint32_t surface, const std::vector<std::uint32_t>& particles,
+             const Workers& workers);
   void list_near_surfaces();
 
   std::vector<Surface> surfaces_;
   std::vector<Box> swept_;  // per group: of its particles in play
   Box swept_by_all_;
   std::vector<std::uint32_t> near_begin_, near_surface_;
-  std::vector<Box> boxes_;
 };
 
 }  // namespace oilskin::contact

@@ -1,6 +1,7 @@
 #include "contact/near_triangle_lists.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace oilskin::contact {
 
@@ -16,7 +17,13 @@ Span<const std::vector<std::uint32_t>> NearTriangleLists::find(Span<SurfaceGeome
     list.clear();
     const std::size_t triangles = surfaces[s]->topology.triangle_count();
     is_listed_.assign(std::max(is_listed_.size(), triangles), 0);
-    surfaces[s]->tree.query(inflated_, workers, found_);
+    // Most surfaces of a level of many are far from most of the boxes.
+    const Box bounds = surfaces[s]->tree.bounds();
+    overlapping_.clear();
+    std::copy_if(inflated_.begin(), inflated_.end(), std::back_inserter(overlapping_),
+                 [&](const Box& box) { return box.overlaps(bounds); });
+    if (overlapping_.empty()) continue;
+    surfaces[s]->tree.query(overlapping_, workers, found_);
     for (const std::uint32_t t : found_.triangle) {
       if (is_listed_[t]) continue;
       is_listed_[t] = 1;

@@ -15,7 +15,7 @@ class NearTriangleLists {
  private:
   std::vector<std::vector<std::uint32_t>> lists_;
   std::vector<std::uint8_t> is_listed_;  // per triangle
-  std::vector<Box> inflated_;
+  std::vector<Box> inflated_, overlapping_;
   proximity::Candidates found_;
 };
 

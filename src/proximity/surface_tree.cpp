@@ -181,13 +181,13 @@ bool SurfaceTree::Impl::collect_from_model(const Box& box, std::size_t limit, Sc
 
 /// How many of `next`, at least one, share a traversal: together they may overlap few triangles.
 std::size_t SurfaceTree::Impl::size_of_block(Span<const Box> next) const {
-  const double side = flat.size_of_leaves() / (3 * static_cast<double>(boxes.size()));
+  const double per_side = 3 * static_cast<double>(boxes.size()) / flat.size_of_leaves();
   Box all;
   for (std::size_t k = 0; k < next.size(); ++k) {
     if (is_empty(next[k])) continue;
     all.add(next[k]);
     // A surface passes through a box along the two longest of its sides.
-    const Vec3 leaves = (all.max - all.min) / side + Vec3::Ones();
+    const Vec3 leaves = (all.max - all.min) * per_side + Vec3::Ones();
     if (k > 0 && leaves.prod() > leaves_of_block * leaves.minCoeff()) return k;
   }
   return next.size();

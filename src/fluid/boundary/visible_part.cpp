@@ -32,9 +32,12 @@ std::uint64_t direction_cell(const Eigen::Vector3f& direction) {
 }  // namespace
 
 void VisibleParts::add(const std::array<Eigen::Vector3f, 3>& x) {
-  Occluder o{WallPlane(x), x, {}, Eigen::Vector3f::Zero(), -1, 0};
+  Occluder o{WallPlane(x), x, {}, {}, Eigen::Vector3f::Zero(), -1, 0};
   const float inwards = o.plane.offset < 0 ? -1.0f : 1.0f;
   for (std::size_t k = 0; k < 3; ++k) o.side[k] = inwards * x[k].cross(x[(k + 1) % 3]).normalized();
+  const float away = o.plane.offset > 0 ? 1.0f : -1.0f;
+  const Eigen::Vector3f up = away * o.plane.normal, &a = o.side[0], &b = o.side[1], &c = o.side[2];
+  o.faces = {{up.x(), a.x(), b.x(), c.x()}, {up.y(), a.y(), b.y(), c.y()}, {up.z(), a.z(), b.z(), c.z()}};
   o.axis = (x[0] + x[1] + x[2]).stableNormalized();
   o.cosine = 1;
   for (const Eigen::Vector3f& corner : x) {
@@ -156,33 +159,29 @@ VisibleParts::Piece VisibleParts::split(Piece piece, const Eigen::Vector3f& norm
   return {begin, above};
 }
 
-/// Is all of a piece on one side of the occluder's plane, or of a face of its pyramid, where it is seen? To
-/// cut such pieces by the other faces would leave thousands of pieces in crumpled cloth.
-bool VisibleParts::misses(const Occluder& occluder, const Piece& piece) const {
-  const float away = occluder.plane.offset > 0 ? 1.0f : -1.0f;
-  const auto all = [&](const Eigen::Vector3f& normal, float offset) {
-    for (std::size_t k = piece.begin; k < piece.end; ++k)
-      if (normal.dot(points_[k]) > offset) return false;
-    return true;
-  };
-  return all(away * occluder.plane.normal, away * occluder.plane.offset - in_plane) ||
-         std::any_of(occluder.side.begin(), occluder.side.end(),
-                     [&](const Eigen::Vector3f& side) { return all(side, in_plane); });
-}
-
+/// A piece with all points on one side of the occluder's plane, or of a face of its pyramid, where it is
+/// seen, is left as it is: to cut such pieces by the other faces would leave thousands of pieces in crumpled
+/// cloth. Faces that have all of the piece on the other side cut nothing.
 void VisibleParts::subtract(const Occluder& occluder) {
-  const float away = occluder.plane.offset > 0 ? 1.0f : -1.0f;
+  const float beyond = std::abs(occluder.plane.offset) - in_plane;
+  const Eigen::Array4f seen(beyond, in_plane, in_plane, in_plane), cut(beyond, 0, 0, 0);
   remaining_.clear();
   tests_ += pieces_.size();
   for (const Piece& piece : pieces_) {
-    if (misses(occluder, piece)) {
+    Eigen::Array4f low = occluder.faces.heights(points_[piece.begin]), high = low;
+    for (std::size_t k = piece.begin + 1; k < piece.end; ++k) {
+      const Eigen::Array4f height = occluder.faces.heights(points_[k]);
+      low = low.min(height);
+      high = high.max(height);
+    }
+    if ((high <= seen).any()) {
       remaining_.push_back(piece);
       continue;
     }
     const std::size_t kept = remaining_.size();
-    Piece hidden = split(piece, away * occluder.plane.normal, away * occluder.plane.offset - in_plane);
-    for (const Eigen::Vector3f& side : occluder.side)
-      if (hidden.end - hidden.begin > 2) hidden = split(hidden, side, 0);
+    Piece hidden = piece;
+    for (Eigen::Index face = 0; face < 4 && hidden.end - hidden.begin > 2; ++face)
+      if (low[face] <= cut[face]) hidden = split(hidden, occluder.faces.normal(face), cut[face]);
     if (hidden.end - hidden.begin > 2) continue;
     // Nothing is hidden: one piece costs less than its parts.
     remaining_.resize(kept);

@@ -63,12 +63,20 @@ class VisibleParts {
         views_[k] = view_with_shadow(triangles_[k].plane, masses[k]);
   }
 
+  /// The triangle's plane, normal away from the particle, and the faces of its pyramid, inwards: four
+  /// normals.
+  struct Faces {
+    Eigen::Array4f x, y, z;
+    Eigen::Array4f heights(const Eigen::Vector3f& p) const { return x * p.x() + (y * p.y() + z * p.z()); }
+    Eigen::Vector3f normal(Eigen::Index k) const { return {x[k], y[k], z[k]}; }
+  };
   struct Occluder {
     WallPlane plane;
     std::array<Eigen::Vector3f, 3> corners;
     std::array<Eigen::Vector3f, 3> side;  ///< unit normals of the pyramid's faces, inwards
-    Eigen::Vector3f axis;                 ///< of a cone around the pyramid, a unit vector
-    float cosine, sine;                   ///< of the cone's half angle; cosine < 0: the cone is all of space
+    Faces faces;
+    Eigen::Vector3f axis;  ///< of a cone around the pyramid, a unit vector
+    float cosine, sine;    ///< of the cone's half angle; cosine < 0: the cone is all of space
   };
   struct Piece {
     std::size_t begin, end;  ///< in points_
@@ -83,7 +91,6 @@ class VisibleParts {
   bool cut_triangle(std::size_t k, std::size_t most_tests);
   bool cast_shadows(std::size_t k, std::size_t most_tests);
   void find_views();
-  bool misses(const Occluder& occluder, const Piece& piece) const;
   void subtract(const Occluder& occluder);
   Piece split(Piece piece, const Eigen::Vector3f& normal, float offset);
 
