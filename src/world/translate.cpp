@@ -70,7 +70,11 @@ Status Attachments::translate(const Vec3& offset, const Box& kill_box) {
       m.body->center_t0 += offset;
       m.body->center_t1 = moved[k].body ? moved[k].body->center_t1 : Vec3(m.body->center_t1 + offset);
     }
-    a.geometry = {};
+    // The mesh is the same, and its tree is refitted.
+    if (is_new[k])
+      a.geometry = {};
+    else
+      a.geometry.fitted_still = 0;
     a.teleported = a.teleported || is_new[k];
     a.is_new = true;  // rounding may have brought particles closer than δ
   }
