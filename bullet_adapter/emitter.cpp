@@ -48,13 +48,15 @@ EmitterPose btFluidEmitter::pose(const btTransform& transform) const {
 
 Status btFluidEmitter::place(const btTransform& transform, double duration, bool jumps) {
   Status status = check_rigid(transform, "the transform of the emitter");
+  if (status.ok()) status = check_duration(duration);
   if (!status.ok()) return status;
-  if (!world())
-    status = check_duration(duration);
-  else
-    status = jumps ? world()->place_emitter(m_id, pose(transform))
-                   : world()->move_emitter(m_id, pose(transform), duration);
-  if (status.ok()) m_transform = transform;
+  const bool is_first = world() && !m_isPlaced && world()->time() == m_addedAt;
+  if (world())
+    status = jumps || is_first ? world()->place_emitter(m_id, pose(transform))
+                               : world()->move_emitter(m_id, pose(transform), duration);
+  if (!status.ok()) return status;
+  m_transform = transform;
+  m_isPlaced = true;
   return status;
 }
 
@@ -114,6 +116,7 @@ Status btFluidEmitter::attach(btFluid* fluid) {
   }
   m_fluid = fluid;
   m_id = id;
+  m_addedAt = world.time();
   return status;
 }
 

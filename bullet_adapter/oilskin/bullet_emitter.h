@@ -18,7 +18,8 @@ class btFluidEmitter {
   btFluidEmitter& operator=(const btFluidEmitter&) = delete;
 
   /// The emitter moves there within `duration` [s], on a straight line and by the shortest turn; 0: within
-  /// the next coupled step. Give the length of the frame where stepSimulation() makes several sub-steps.
+  /// the next coupled step. Give the length of the frame where stepSimulation() makes several sub-steps. The
+  /// first place that it is given is no motion, before addEmitter() or between that and the next step.
   /// Refuses a transform that is not finite or not a rigid motion.
   Status setWorldTransform(const btTransform& transform, btScalar duration = 0);
   /// The emitter is there at once: nothing starts on the way.
@@ -74,6 +75,8 @@ class btFluidEmitter {
   btFluid* m_fluid = nullptr;
   EmitterId m_id;
   double m_volumeBefore = 0;
+  bool m_isPlaced = false;
+  double m_addedAt = 0;  // [s]
 };
 
 /// A round nozzle, a hose or a tap, with the flow π r² × speed.

@@ -110,13 +110,14 @@ CommandLine::CommandLine() {
       ->check(CLI::Range(0.0, 1e6));
   run->add_flag("--render,!--no-render", render, "draw pictures (default: if the program can)");
   run->add_flag("--view", options.view, "show a window");
-  run->add_option("--trace", options.trace, "motion trace to FILE; - = standard output");
-  run->add_option("--trace-steps", trace_steps, "A:B, only these steps, both included, counted from 0");
+  CLI::Option* trace = run->add_option("--trace", options.trace, "motion trace to FILE; - = standard output");
+  run->add_option("--trace-steps", trace_steps, "A:B, only these steps, both included, counted from 0")
+      ->needs(trace);
   run->add_option("--set", options.set, "KEY=VALUE, one key of the scene by its dotted path; may be repeated")
       ->expected(1)
       ->take_all();
   run->add_flag("--quiet", options.quiet, "print nothing but errors");
-  run->add_option("--seed", options.seed, "of everything random");
+  run->add_option("--seed", options.seed, "of everything random")->check(CLI::NonNegativeNumber);
   add_view();
   add_mesh();
   add_effects();
@@ -132,7 +133,7 @@ void CommandLine::add_view() {
       ->expected(1)
       ->take_all();
   view->add_option("--dt", v.run.dt, "step of fluid and contact [s]");
-  view->add_option("--seed", v.run.seed, "of everything random");
+  view->add_option("--seed", v.run.seed, "of everything random")->check(CLI::NonNegativeNumber);
   view->add_option("--threads", v.run.threads, "0 = all hardware threads")->check(CLI::Range(0, 1024));
   view->add_option("--width", v.width, "of the window [pixels] (default 1280)")->check(CLI::Range(64, 16384));
   view->add_option("--height", v.height, "of the window [pixels] (default 800)")

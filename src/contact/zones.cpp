@@ -1,6 +1,7 @@
 #include "contact/zones.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 
 #include "contact/contacts.h"
@@ -70,7 +71,8 @@ class Zones {
   void apply_zone(const std::vector<std::uint32_t>& members, Level level,
                   const std::vector<Violation>& violations, std::vector<std::uint8_t>& is_infeasible);
   void translate_free(const std::vector<std::uint32_t>& members);
-  void translate_with_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement);
+  std::optional<BodyPath> rigid_motion(const std::vector<std::uint32_t>& members);
+  void move_with_prescribed(const std::vector<std::uint32_t>& members, const BodyPath& path);
   void move_with_body(const std::vector<std::uint32_t>& members, std::uint32_t surface,
                       const std::vector<std::uint32_t>& bodies);
   void carry_body(SurfaceMotion& carrier, std::uint32_t surface, const BodyPath& path,
@@ -93,6 +95,7 @@ class Zones {
   std::vector<Vec3> initial_displacement_;  // when the zones began [m]
   std::vector<std::uint8_t> was_held_;
   std::vector<std::uint8_t> body_united_;  // per surface: its nodes are in one zone, as they move together
+  std::map<std::uint32_t, std::optional<BodyPath>> rigid_motions_;  // of surfaces that have been asked for
   // Per particle
   std::vector<Vec3> separation_;  // sum of (C.24) [m]
   std::vector<std::uint8_t> separation_count_;
@@ -272,10 +275,32 @@ void Zones::translate_free(const std::vector<std::uint32_t>& members) {
   }
 }
 
-// (C.26).
-void Zones::translate_with_prescribed(const std::vector<std::uint32_t>& members, const Vec3& displacement) {
-  OILSKIN_ASSERT(displacement.allFinite() && context_.dt > 0);
-  const Vec3 v = displacement / context_.dt;
+/// The surface whose prescribed nodes are all that is prescribed in the zone, if they all have one rigid
+/// motion: (C.45). Stored numbers of a motion without rotation differ by rounding, too.
+std::optional<BodyPath> Zones::rigid_motion(const std::vector<std::uint32_t>& members) {
+  std::uint32_t surface = UINT32_MAX;
+  for (const std::uint32_t m : members) {
+    if (inverse_mass(m) > 0) continue;
+    if (is_particle(m)) return {};
+    const std::uint32_t s = surface_of(m);
+    if (surface != UINT32_MAX && s != surface) return {};
+    surface = s;
+  }
+  if (surface == UINT32_MAX) return {};
+  const auto [known, is_new] = rigid_motions_.emplace(surface, std::nullopt);
+  if (is_new && all_prescribed(*context_.surfaces[surface])) {
+    const SurfaceMotion& s = *context_.surfaces[surface];
+    std::vector<Vec3> proposed;
+    for (std::size_t i = 0; i < s.x_t0.size(); ++i)
+      proposed.push_back(s.x_t0[i] + initial_displacement_[offset_[surface] + i]);
+    known->second = rigid_motion_between(s.x_t0, proposed, rounding_of(s));
+  }
+  return known->second;
+}
+
+// (C.26), (C.45).
+void Zones::move_with_prescribed(const std::vector<std::uint32_t>& members, const BodyPath& path) {
+  OILSKIN_ASSERT(path.rotation.allFinite() && context_.dt > 0);
   Vec3 reaction = Vec3::Zero();
   std::vector<std::uint32_t> supports;
   for (std::uint32_t m : members) {
@@ -283,7 +308,8 @@ void Zones::translate_with_prescribed(const std::vector<std::uint32_t>& members,
       if (!is_particle(m)) supports.push_back(m);
       continue;
     }
-    set_end(m, start(m) + displacement + (is_particle(m) ? separation_[m] : Vec3::Zero()));
+    const Vec3 end = path.end_of(start(m)), v = (end - start(m)) / context_.dt;
+    set_end(m, end + (is_particle(m) ? separation_[m] : Vec3::Zero()));
     reaction -= (v - velocity(m)) / inverse_mass(m);
     set_velocity(m, v);
   }
@@ -414,8 +440,14 @@ void Zones::apply_zone(const std::vector<std::uint32_t>& members, Level level,
     return;
   }
   if (level == Level::translate && equal) {
-    translate_with_prescribed(members, displacement);
+    move_with_prescribed(members, {Vec3::Zero(), displacement, Eigen::Matrix3d::Identity()});
     return;
+  }
+  if (level == Level::translate) {
+    if (const std::optional<BodyPath> path = rigid_motion(members)) {
+      move_with_prescribed(members, *path);
+      return;
+    }
   }
   hold(members, may_hold);
   if (!any_prescribed || may_hold) return;

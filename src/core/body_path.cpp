@@ -2,6 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "core/assert.h"
 
 namespace oilskin {
 
@@ -24,7 +28,7 @@ Eigen::Matrix3d rotation_between(std::size_t n, const Before& before, const Afte
   return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
-Vec3 mean_of(const std::vector<Vec3>& x) {
+Vec3 mean_of(Span<const Vec3> x) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3& p : x) sum += p;
   return sum / static_cast<double>(x.size());
@@ -43,6 +47,43 @@ BodyPath path_of_body(const SurfaceMotion& s) {
   std::vector<Vec3> displacement;
   for (std::size_t i = 0; i < s.x_t1.size(); ++i) displacement.push_back(s.x_t1[i] - s.x_t0[i]);
   return path_of_body(s, displacement.data());
+}
+
+std::optional<BodyPath> rigid_motion_between(Span<const Vec3> from, Span<const Vec3> to, double tolerance) {
+  OILSKIN_ASSERT(from.size() == to.size());
+  if (from.empty()) return {};
+  const Vec3 mean_from = mean_of(from), mean_to = mean_of(to);
+  const auto before = [&](std::size_t i) -> Vec3 { return from[i] - mean_from; };
+  const auto after = [&](std::size_t i) -> Vec3 { return to[i] - mean_to; };
+  const BodyPath path = {mean_from, mean_to, rotation_between(from.size(), before, after)};
+  for (std::size_t i = 0; i < from.size(); ++i)
+    if (!((path.end_of(from[i]) - to[i]).cwiseAbs().maxCoeff() <= tolerance)) return {};
+  return path;
+}
+
+double rounding_of(const SurfaceMotion& m) {
+  double largest = 0;
+  for (const std::vector<Vec3>* nodes : {&m.x_t0, &m.x_t1})
+    for (const Vec3& x : *nodes) largest = std::max(largest, x.cwiseAbs().maxCoeff());
+  return 16 * epsilon_of(m.storage) * largest;
+}
+
+std::optional<BodyPath> turn_between(Span<const Vec3> from, Span<const Vec3> to, double tolerance) {
+  constexpr double least_angle = 1e-3;  // [rad]; chords are off by an eighth of its square
+  std::optional<BodyPath> path = rigid_motion_between(from, to, tolerance);
+  if (!path) return {};
+  const Eigen::AngleAxisd turn(path->rotation);
+  if (!(turn.angle() >= least_angle)) return {};
+  const Vec3 shift = path->center_t1 - path->center_t0;
+  const Vec3 along = turn.axis().dot(shift) * turn.axis(), across = shift - along;
+  path->center_t0 += 0.5 * (across + turn.axis().cross(across) / std::tan(0.5 * turn.angle()));
+  path->center_t1 = path->center_t0 + along;
+  return path;
+}
+
+bool all_prescribed(const SurfaceMotion& m) {
+  return !m.body &&
+         std::all_of(m.inverse_mass.begin(), m.inverse_mass.end(), [](double u) { return u == 0; });
 }
 
 Vec3 center_at_start(const SurfaceMotion& s) {

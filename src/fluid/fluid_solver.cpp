@@ -6,6 +6,7 @@
 #include "core/assert.h"
 #include "core/body_motion.h"
 #include "core/stage_timer.h"
+#include "core/unit_vector.h"
 #include "fluid/occlusion.h"
 #include "fluid/pressure/pressure_model.h"
 
@@ -118,7 +119,7 @@ void FluidSolver::apply_surfaces(double passed, double dt, const Vec3& gravity, 
   }
   if (mirrored) {
     const StageTimer timer(seconds.boundary);
-    state.boundary.find({passed, dt, particle_mass(), support_radius(), gravity.stableNormalized(), positions,
+    state.boundary.find({passed, dt, particle_mass(), support_radius(), unit_or_zero(gravity), positions,
                          surfaces, topologies, impl_->cells},
                         *impl_->workers);
   }
@@ -137,7 +138,7 @@ const WallGeometry& FluidSolver::find_visible_walls(double reach, double dt, con
   if (!impl_->cells.is_found())
     impl_->cells.find(positions, surfaces, topologies, near, support_radius(), state.neighbours,
                       *impl_->workers);
-  impl_->visible_walls.find({dt, dt, particle_mass(), support_radius(), gravity.stableNormalized(), positions,
+  impl_->visible_walls.find({dt, dt, particle_mass(), support_radius(), unit_or_zero(gravity), positions,
                              surfaces, topologies, impl_->cells},
                             *impl_->workers);
   return impl_->visible_walls;

@@ -23,7 +23,8 @@ inline double metre(double g) {
 
 /// t_r of (F.18) [s]: in which water that is compressed may expand.
 inline double recovery_time(double spacing, double g) {
-  return std::min(0.9 * std::sqrt(spacing / g), 4 * spacing / metre(g));
+  const double longest = 4 * spacing / metre(g);
+  return g > 0 ? std::min(0.9 * std::sqrt(spacing / g), longest) : longest;
 }
 
 inline double support_radius(const FluidSettings& s) {

@@ -169,6 +169,9 @@ std::vector<std::string> flag_texts(std::uint32_t flags) {
        "budget_limited: step_budget left out fluid sub-steps or iterations of the pressure solver; raise it, "
        "or "
        "use fewer particles"},
+      {flag_load_limited,
+       "load_limited: the intervals are too long for the weight of the water, which is compressed; raise "
+       "fluid.max_substeps, or lower dt"},
   };
   std::vector<std::string> texts;
   for (const auto& [bit, text] : all)

@@ -75,6 +75,10 @@ enum StepFlag : std::uint32_t {
   /// The step left out fluid sub-steps, or its pressure solver stopped before it converged, because of
   /// WorldSettings::step_budget: raise it, or use fewer particles.
   flag_budget_limited = 1u << 14,
+  /// The pressure of the water asks for shorter intervals than max_substeps gives: with boundary terms it is
+  /// compressed by its weight, and boils. Raise max_substeps, or lower dt. StepReport::messages has the
+  /// numbers.
+  flag_load_limited = 1u << 15,
 };
 
 /// EnergyReport::risen over its scale above which flag_energy_made is set. Scenes that are
@@ -230,8 +234,9 @@ struct StepReport {
   double dt = 0;
   /// The number of certified intervals.
   int substeps = 0;
-  /// The number that viscosity, sound and effects ask for: above `substeps` a flag says which limit is
-  /// violated. Speeds and pressure may ask for more, up to FluidSettings::max_substeps.
+  /// The number that viscosity, sound and effects ask for, with flag_load_limited that for the weight of the
+  /// water: above `substeps` a flag says which limit is violated. Speeds and pressure may ask for more, up to
+  /// FluidSettings::max_substeps.
   double substeps_needed = 1;
   /// WorldSettings::step_budget: the sub-steps that it left out.
   int substeps_left_out = 0;

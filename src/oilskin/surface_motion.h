@@ -101,6 +101,9 @@ struct SurfaceMotion {
   /// The sum of the impulses given to each node [N s]; at prescribed nodes the reaction. What impact zones
   /// give to a body acts at its centre of mass and is in BodyMotion::impulse alone.
   std::vector<Vec3> impulse;
+  /// The sum of the moments of `impulse` about the origin [N m s], with the nodes where they were at the
+  /// starts of the sub-steps in which they got them.
+  Vec3 angular_impulse = Vec3::Zero();
   /// 1 = contact changed x_t1 of the node.
   std::vector<std::uint8_t> moved;
   /// Ascending: the nodes with an impulse or with `moved`, at least. All others have neither.

@@ -21,7 +21,7 @@ namespace oilskin {
 struct SurfaceLoad {
   /// The sum of the impulses on the nodes [N s].
   Vec3 impulse = Vec3::Zero();
-  /// Their moment about the origin [N m s], nodes at the end of the step.
+  /// Their moment about the origin [N m s], with the nodes where they got them.
   Vec3 angular_impulse = Vec3::Zero();
 };
 

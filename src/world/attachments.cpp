@@ -334,8 +334,8 @@ namespace {
 void copy_changes(const SurfaceMotion& from, SurfaceMotion& to) {
   // Names every member: a new one that is forgotten here does not compile.
   const auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, solid, x_t0,
-               x_t1, velocity, velocity_t0, inverse_mass, holdable, added_mass, body, impulse, moved, touched,
-               revision, still, carried_mass, absorbed_mass] = from;
+               x_t1, velocity, velocity_t0, inverse_mass, holdable, added_mass, body, impulse,
+               angular_impulse, moved, touched, revision, still, carried_mass, absorbed_mass] = from;
   OILSKIN_ASSERT(!body && still != 0 && to.still == still && to.id == id && to.x_t1.size() == x_t1.size());
   OILSKIN_ASSERT(to.storage == storage && to.triangles.size() == triangles.size());
   OILSKIN_ASSERT(to.velocity.size() == velocity.size() && to.inverse_mass.size() == inverse_mass.size());
@@ -363,6 +363,7 @@ void copy_changes(const SurfaceMotion& from, SurfaceMotion& to) {
       to.moved[node] = moved[node];
     }
   }
+  to.angular_impulse = angular_impulse;
   to.touched = touched;
 }
 

@@ -1,5 +1,6 @@
 /// The starts of emitters in a step.
 #include <algorithm>
+#include <map>
 
 #include "core/assert.h"
 #include "world/free_starts.h"
@@ -27,6 +28,24 @@ void note_starts_outside(const std::vector<fluid::Start>& starts, const std::vec
                 &report.messages);
 }
 
+/// A volume without a free start gives no water at all, as does a nozzle in a wall: a mistake of the scene.
+void note_starts_without_room(const std::vector<fluid::Start>& starts,
+                              const std::vector<fluid::Outcome>& outcomes, bool has_emitted,
+                              StepReport& report) {
+  std::map<std::uint32_t, std::pair<std::size_t, std::size_t>> due_and_blocked;  // by volume; 0 = nozzles
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    auto& [due, blocked] = due_and_blocked[starts[k].volume];
+    ++due;
+    blocked += outcomes[k] == fluid::Outcome::blocked;
+  }
+  for (const auto& [volume, count] : due_and_blocked)
+    if (count.second == count.first && (volume != 0 || !has_emitted))
+      add_message("none of the " + std::to_string(count.first) + " starts of " +
+                      (volume != 0 ? "a volume" : "the nozzles") +
+                      " is free: they lie in or at a surface, or in water that is there",
+                  &report.messages);
+}
+
 }  // namespace
 
 void World::Impl::emit(IntervalContext& interval) {
@@ -43,6 +62,7 @@ void World::Impl::emit(IntervalContext& interval) {
   std::vector<fluid::Outcome> outcomes =
       world::judge_starts(starts, fluid_settings, settings.kill_box, step.surfaces, particles, *workers);
   note_starts_outside(starts, outcomes, settings.kill_box, step.report);
+  note_starts_without_room(starts, outcomes, state.next_particle_id > 1, step.report);
   const std::uint64_t limit = world::particle_limit(settings);
   for (std::size_t k = 0; k < starts.size(); ++k) {
     const fluid::Start& start = starts[k];

@@ -47,14 +47,15 @@ void EnergyBalance::begin(const fluid::Particles& particles, double dt, const Wo
   state_.withdrawn = Energy();
   struct Begin {
     Energy start, entered;
-    double max_specific;
+    double max_specific, lowest;
     void operator+=(const Begin& o) {
       start += o.start;
       entered += o.entered;
       max_specific = std::max(max_specific, o.max_specific);
+      lowest = std::min(lowest, o.lowest);
     }
   };
-  const Begin none = {{}, {}, state_.max_specific};
+  const Begin none = {{}, {}, state_.max_specific, lowest_};
   const Begin all =
       workers.ordered_sum(particles.size(), chunk_size, none, [&](std::size_t first, std::size_t end) {
         Begin sums = none;
@@ -62,6 +63,7 @@ void EnergyBalance::begin(const fluid::Particles& particles, double dt, const Wo
           const Vec3 &x = particles.position[i], &u = particles.motion[i];
           const bool is_new = particles.id[i] >= state_.first_new_id;
           (is_new ? sums.entered : sums.start).add(mass_of(particles, i), u, middle(particles, i, x, dt));
+          sums.lowest = std::min(sums.lowest, -gravity_.dot(x));
           if (is_new || turned)
             sums.max_specific = std::max(sums.max_specific, 0.5 * u.squaredNorm() - gravity_.dot(x));
         }
@@ -70,29 +72,55 @@ void EnergyBalance::begin(const fluid::Particles& particles, double dt, const Wo
   start_ += all.start;
   entered_ += all.entered;
   state_.max_specific = all.max_specific;
+  lowest_ = all.lowest;
 }
 
 void EnergyBalance::enter(const Vec3& x, const Vec3& velocity, double dt) {
   entered_.add(mass_, velocity, x - 0.5 * dt * velocity);
   state_.max_specific = std::max(state_.max_specific, 0.5 * velocity.squaredNorm() - gravity_.dot(x));
+  lowest_ = std::min(lowest_, -gravity_.dot(x));
+}
+
+namespace {
+
+/// Of a body in an interval of dt, but for impulses.
+Vec3 velocity_of(const BodyMotion& body, double dt) {
+  return dt > 0 ? Vec3((body.center_t1 - body.center_t0) / dt) : body.velocity;
+}
+
+/// With which its host turns it in a step, before the impulses of the step [rad/s].
+Vec3 spin_of(const BodyMotion& body) {
+  return body.angular_velocity - body.inverse_inertia * body.angular_impulse;
+}
+
+}  // namespace
+
+/// Of its impulses in the interval that ends. On the chords of its nodes centripetal forces would do work.
+double EnergyBalance::transfer_to_body(const BodyMotion& body, double dt, BodyLoad& so_far) const {
+  const BodyLoad load = {body.impulse - so_far.impulse, body.angular_impulse - so_far.moment};
+  so_far = {body.impulse, body.angular_impulse};
+  return load.impulse.dot(velocity_of(body, dt)) + load.moment.dot(spin_of(body));
 }
 
 /// (F.59). Nodes that are not prescribed get the impulse after their motion: (F.60).
 void EnergyBalance::touch(Span<SurfaceMotion* const> surfaces, double dt,
                           Span<const SurfaceMotion* const> before, double dt_before) {
-  OILSKIN_ASSERT(dt > 0 && (before.empty() || before.size() == surfaces.size()));
+  OILSKIN_ASSERT(dt > 0 && before.size() == surfaces.size());
+  body_loads_.resize(surfaces.size());
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
     const SurfaceMotion* s = surfaces[k];
     const bool goes_on =
-        !before.empty() && before[k]->id == s->id && before[k]->x_t1.size() == s->x_t1.size();
+        before[k] != nullptr && before[k]->id == s->id && before[k]->x_t1.size() == s->x_t1.size();
+    if (s->body) transfer_ += transfer_to_body(*s->body, dt, body_loads_[k]);
     for (std::uint32_t j : s->touched) {
       if (s->impulse[j].isZero(0)) continue;
       const Vec3 u = speed(*s, j, dt);
       state_.max_node_speed = std::max(state_.max_node_speed, u.norm());
-      const bool is_prescribed = s->inverse_mass[j] == 0 && !s->body;
-      (is_prescribed ? on_prescribed_ : transfer_) += s->impulse[j].dot(u);
-      if (is_prescribed && goes_on)
-        on_prescribed_ += std::min(0.0, 0.5 * s->impulse[j].dot(speed(*before[k], j, dt_before) - u));
+      if (s->body) continue;
+      if (s->inverse_mass[j] == 0)
+        on_prescribed_ += s->impulse[j].dot(goes_on ? Vec3(0.5 * (speed(*before[k], j, dt_before) + u)) : u);
+      else
+        transfer_ += s->impulse[j].dot(u);
     }
   }
 }
@@ -128,8 +156,9 @@ void EnergyBalance::absorb(const fluid::Particles& particles, std::size_t i, dou
 
 bool EnergyBalance::is_too_fast(const fluid::Particles& particles, std::size_t i) const {
   const double walls = 0.5 * state_.max_node_speed * state_.max_node_speed;
-  const double available = state_.max_specific + gravity_.dot(particles.position[i]) + walls;
-  return 0.5 * particles.motion[i].squaredNorm() > focus * std::max(available, 0.0);
+  const double height = -gravity_.dot(particles.position[i]) - lowest_;  // in J/kg
+  const double available = state_.max_specific - lowest_ + walls;
+  return 0.5 * particles.motion[i].squaredNorm() + height > focus * std::max(available, 0.0);
 }
 
 void EnergyBalance::end_interval(const Sums& sums, std::uint64_t next_id, double dt) {
@@ -148,15 +177,14 @@ Energy energy_of_body(const SurfaceMotion& m, double dt) {
   Energy energy;
   if (!m.body) return energy;
   const BodyMotion& body = *m.body;
-  const Vec3 u = dt > 0 ? Vec3((body.center_t1 - body.center_t0) / dt) : body.velocity;
+  const Vec3 u = velocity_of(body, dt);
   const Vec3 middle = body.center_t1 - 0.5 * dt * u;
   for (int k = 0; k < 3; ++k) {
     if (!(body.inverse_mass[k] > 0)) continue;
     energy.kinetic += 0.5 * u[k] * u[k] / body.inverse_mass[k];
     energy.moment[k] = middle[k] / body.inverse_mass[k];
   }
-  // The velocity with which the host turned it, before the impulses of this step.
-  const Vec3 spin = body.angular_velocity - body.inverse_inertia * body.angular_impulse;
+  const Vec3 spin = spin_of(body);
   energy.kinetic += 0.5 * spin.dot(inertia_of(body) * spin);
   return energy;
 }
@@ -169,6 +197,10 @@ void EnergyBalance::end_surface(const SurfaceMotion& now, double dt, const Surfa
   const bool is_same = before.id == now.id && before.x_t1.size() == now.x_t1.size();
   nodes_before_ += energy_of_body(before, dt_before);
   nodes_ += energy_of_body(now, dt);
+  if (is_same && before.body && now.body)
+    late_ +=
+        0.5 * before.body->impulse.dot(velocity_of(*now.body, dt) - velocity_of(*before.body, dt_before)) +
+        0.5 * before.body->angular_impulse.dot(spin_of(*now.body) - spin_of(*before.body));
   struct Before {
     Energy nodes;
     double late = 0;
@@ -180,9 +212,9 @@ void EnergyBalance::end_surface(const SurfaceMotion& now, double dt, const Surfa
   const auto sums_before = [&](std::size_t begin, std::size_t end) {
     Before sums;
     for (std::size_t j = begin; j < end; ++j) {
-      if (before.inverse_mass[j] == 0 && !before.body) continue;
+      if (before.inverse_mass[j] == 0) continue;  // of bodies, too
       const Vec3 u = speed(before, j, dt_before);
-      if (!before.body) sums.nodes.add(own_mass(before, j), u, before.x_t1[j] - 0.5 * dt_before * u);
+      sums.nodes.add(own_mass(before, j), u, before.x_t1[j] - 0.5 * dt_before * u);
       if (before.impulse.size() != before.x_t1.size()) continue;
       if (is_same) sums.late += 0.5 * before.impulse[j].dot(speed(now, j, dt) - u);
     }

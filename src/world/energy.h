@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "core/archive.h"
 #include "core/parallel.h"
@@ -81,8 +82,8 @@ class EnergyBalance {
   void begin(const fluid::Particles& particles, double dt, const Workers& workers);
   /// An emitter starts a particle in an interval of length dt.
   void enter(const Vec3& x, const Vec3& velocity, double dt);
-  /// Impulses and motion of the surfaces in an interval of length dt. `before`: the surfaces as a step of
-  /// dt_before left them; empty where the step has had an interval, in which they moved with the same speed.
+  /// Impulses and motion of the surfaces in an interval of length dt. `before`: each as the interval or step
+  /// before, of length dt_before, left it; null = it moved with the same speed.
   void touch(Span<SurfaceMotion* const> surfaces, double dt, Span<const SurfaceMotion* const> before,
              double dt_before);
 
@@ -123,11 +124,17 @@ class EnergyBalance {
   const EnergyReport& finish(double relative_mass, double mass_of_others, double dt, double spacing);
 
  private:
+  /// Impulse [N s], and moment about the centre of mass [N m s].
+  struct BodyLoad {
+    Vec3 impulse = Vec3::Zero(), moment = Vec3::Zero();
+  };
+
   double mass_of(const fluid::Particles& particles, std::size_t i) const {
     return particles.relative_mass(i) * mass_;
   }
   Vec3 middle(const fluid::Particles& particles, std::size_t i, const Vec3& x, double dt) const;
   const EnergyReport& finish_water(double mass);
+  double transfer_to_body(const BodyMotion& body, double dt, BodyLoad& so_far) const;
   void update_scale(double least);
   void update_window(double dt);
 
@@ -137,11 +144,13 @@ class EnergyBalance {
 
   // Of the step
   const Energy water_before_;
+  double lowest_ = std::numeric_limits<double>::infinity();  // potential of a particle [J/kg]
   Energy start_, entered_, left_, nodes_before_, nodes_;
   // Work of the fluid [J]: on prescribed nodes; on free ones at the speeds of the step; what the latter was
   // off by in the step before.
   double on_prescribed_ = 0, transfer_ = 0, late_ = 0;
-  double by_effects_ = 0;  // work of effects on particles and surfaces [J]
+  std::vector<BodyLoad> body_loads_;  // so far in the step, of each surface of touch()
+  double by_effects_ = 0;             // work of effects on particles and surfaces [J]
   std::vector<const EnergyBalance*> others_;
   bool is_included_ = false;  // in that of another world
 };

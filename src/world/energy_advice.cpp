@@ -1,5 +1,6 @@
 /// What avoids energy that a step made, with numbers.
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 #include "core/inverse_mass.h"
@@ -80,6 +81,14 @@ std::string about_water(double distance, double dt, int substeps) {
   return s.str();
 }
 
+std::string about_thickness(std::size_t surface, double thickness, double spacing) {
+  std::ostringstream s;
+  s << "surface " << surface + 1 << " is " << rounded(1e3 * thickness)
+    << " mm thick; with boundary terms half a spacing, " << rounded(500 * spacing)
+    << " mm, is the most that keeps water at rest on it calm, at any dt";
+  return s.str();
+}
+
 }  // namespace
 
 /// The load of a step must not give cloth more than the speed of a fall through one spacing: water that
@@ -89,7 +98,12 @@ void World::Impl::advise_on_energy(world::StepContext& step) const {
   const double g = settings.gravity.norm(), spacing = fluid_settings.spacing;
   const double max_kick = g > 0 ? std::sqrt(g * spacing) : fluid_settings.cfl * spacing / step.dt;
   Load largest;
+  std::optional<std::string> thick;
   for (std::size_t k = 0; k < step.surfaces.size(); ++k) {
+    const SurfaceMotion& surface = *step.surfaces.motion[k];
+    if (!thick && fluid_settings.boundary == BoundaryModel::mirrored && !surface.touched.empty() &&
+        surface.thickness > 0.5 * spacing * (1 + 1e-6))
+      thick = about_thickness(k, surface.thickness, spacing);
     Load load = load_on(*step.surfaces.motion[k]);
     load.surface = k;
     if (load.kick() > largest.kick()) largest = load;
@@ -97,9 +111,12 @@ void World::Impl::advise_on_energy(world::StepContext& step) const {
   const double interval = step.dt / step.report.substeps;
   const double distance = energy.max_speed * interval / (fluid_settings.cfl * spacing);
   step.report.flags |= flag_energy_made;
-  step.report.messages.push_back(
-      "energy made: " + (largest.kick() > max_kick ? about_cloth(largest, step.dt, g, max_kick)
-                                                   : about_water(distance, step.dt, step.report.substeps)));
+  std::string cause = about_water(distance, step.dt, step.report.substeps);
+  if (largest.kick() > max_kick)
+    cause = about_cloth(largest, step.dt, g, max_kick);
+  else if (thick)
+    cause = *thick;
+  step.report.messages.push_back("energy made: " + cause);
 }
 
 }  // namespace oilskin

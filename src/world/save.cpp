@@ -73,8 +73,8 @@ void visit(Archive& archive, std::optional<BodyMotion>& body) {
 
 void visit(Archive& archive, SurfaceMotion& motion) {
   auto& [id, triangles, storage, thickness, delta, slip, slip_back, smooth, nodes_movable, solid, x_t0, x_t1,
-         velocity, velocity_t0, inverse_mass, holdable, added_mass, body, impulse, moved, touched, revision,
-         still, carried_mass, absorbed_mass] = motion;
+         velocity, velocity_t0, inverse_mass, holdable, added_mass, body, impulse, angular_impulse, moved,
+         touched, revision, still, carried_mass, absorbed_mass] = motion;
   if (archive.reading()) {  // gather() fills them
     velocity_t0.clear();
     revision = still = 0;
@@ -83,7 +83,7 @@ void visit(Archive& archive, SurfaceMotion& motion) {
   visit(archive, slip);
   visit(archive, slip_back);
   archive.values(smooth, nodes_movable, solid, x_t0, x_t1, velocity, inverse_mass, holdable, added_mass,
-                 impulse, moved, carried_mass, absorbed_mass);
+                 impulse, angular_impulse, moved, carried_mass, absorbed_mass);
   visit(archive, body);
   if (!archive.reading()) return;
   touched.clear();
@@ -131,7 +131,7 @@ namespace world {
 
 namespace {
 
-constexpr FrameKind saved_world = {{'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'}, 14, "saved world"};
+constexpr FrameKind saved_world = {{'O', 'I', 'L', 'S', 'A', 'V', 'E', '\n'}, 15, "saved world"};
 
 }  // namespace
 

@@ -99,6 +99,7 @@ void copy_end(const SurfaceMotion& original, SurfaceMotion& copy) {
     for (std::uint32_t node : copy.touched) copy.moved[node] = 0;
     for (std::uint32_t node : original.touched) copy.moved[node] = original.moved[node];
   }
+  copy.angular_impulse = original.angular_impulse;
   copy.touched = original.touched;
   if (original.still != 0) return;
   copy.x_t1 = original.x_t1;

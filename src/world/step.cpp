@@ -73,7 +73,8 @@ void World::Impl::begin_step(StepContext& step) {
 /// What is certified at once: a step, or one of its sub-steps.
 void World::Impl::run_interval(IntervalContext& interval) {
   StepContext& step = interval.step;
-  step.paths.next();         // surfaces: the next part of their motion
+  step.paths.next();  // surfaces: the next part of their motion
+  step.count_before(step.paths, interval.is_first, state.last_dt);
   begin_interval(interval);  // x_t1 without pressure, to find contacts
   ParticleMotion motion = motion_of(interval);
   contact::ContactPass pass(interval.dt, contact_settings, *workers, motion, step.surfaces.motion,
@@ -313,9 +314,8 @@ void World::Impl::commit(IntervalContext& interval) {
   OILSKIN_ASSERT(all_finite(interval.x_t1) && all_finite(interval.velocity));
   std::vector<std::uint8_t> keep(particles.size(), 1);
   if (state.sinks.act()) interval.taken_by.assign(particles.size(), world::Sinks::none);
-  const Span<const SurfaceMotion* const> before = step.counted_before;
-  step.energy.touch(step.counted, interval.dt, interval.is_first ? before : decltype(before)(),
-                    state.last_dt);
+  step.energy.touch(step.counted, interval.dt, step.counted_before,
+                    interval.is_first ? state.last_dt : interval.dt);
   const world::EndSums all = workers->ordered_sum(particles.size(), chunk_size, world::EndSums(),
                                                   [&](std::size_t begin, std::size_t end) {
                                                     world::EndSums sums;

@@ -22,13 +22,21 @@ struct StepContext {
     for (const Attachment* a : active.attachment) counted_before.push_back(&Attachments::before(*a));
   }
 
+  /// Before each interval; the last step had dt_before. `in_use` has the surfaces that count in front of
+  /// others.
+  void count_before(SurfacePaths& in_use, bool is_first, double dt_before) {
+    for (std::size_t k = 0; k < counted.size(); ++k)
+      counted_before[k] =
+          is_first ? in_use.step_before(k, *counted_before[k], dt_before) : in_use.part_before(k);
+  }
+
   // Input
   double dt;  // [s]
 
   // State
   ActiveSurfaces surfaces;
   std::vector<SurfaceMotion*> counted;               // of which the report has impulses and energies
-  std::vector<const SurfaceMotion*> counted_before;  // as the last step left them
+  std::vector<const SurfaceMotion*> counted_before;  // as the last interval left them; null = as fast as now
   const ContactSettings* contact = nullptr;          // in force
   double mass_of_others = 0;  // of the water in other worlds that counts in `energy` [kg]
   SurfacePaths paths;

@@ -186,6 +186,7 @@ void World::JointStep::choose_substeps() {
 void World::JointStep::run_interval(int k) {
   const double part = dt_ / substeps_;
   paths_.next();
+  members_[0]->step.count_before(paths_, k == 0, members_[0]->impl.state.last_dt);
   for (const auto& m : members_) {
     Impl& w = m->impl;
     m->interval.emplace(m->step, w.state.time + k * part, part, k);

@@ -149,15 +149,16 @@ void SurfacePaths::begin(Span<SurfaceMotion* const> surfaces, int parts, double 
   paths_.clear();
   parts_ = left_ = parts;
   length_ = length;
-  if (parts == 1) return;
   for (SurfaceMotion* s : surfaces) {
     paths_.emplace_back();
     paths_.back().motion = s;
-    if (s->still != 0) continue;
+    if (parts == 1 || s->still != 0) continue;
     Path& path = paths_.back();
     path.start = s->x_t0;
     path.target = s->x_t1;
     path.velocity = s->velocity;
+    if (path.start != path.target && all_prescribed(*s))
+      path.turn = turn_between(path.start, path.target, rounding_of(*s));
     if (!s->body) continue;
     path.center = s->body->center_t0;
     path.center_target = s->body->center_t1;
@@ -166,11 +167,19 @@ void SurfacePaths::begin(Span<SurfaceMotion* const> surfaces, int parts, double 
 
 void SurfacePaths::next() {
   OILSKIN_ASSERT(left_ > 0);
+  if (parts_ == 1) {
+    left_ = 0;
+    return;
+  }
   for (Path& path : paths_) {
     if (left_ < parts_) continue_from_certified(path);
     SurfaceMotion& m = *path.motion;
     if (m.body && left_ > 1) {
       move_body(path);
+      continue;
+    }
+    if (path.turn) {
+      turn(path);
       continue;
     }
     for (std::size_t i = 0; i < path.target.size(); ++i)
@@ -194,8 +203,60 @@ void SurfacePaths::move_body(const Path& path) const {
   m.body->center_t1 = part.center_t1;
 }
 
+/// On straight lines a drum would be smaller in between. Its velocities turn with it: that of the part
+/// replaces that of the step in what the host gave.
+void SurfacePaths::turn(Path& path) const {
+  SurfaceMotion& m = *path.motion;
+  const double parts = parts_, done = parts_ - left_ + 1;
+  const BodyPath part = path.turn->part(done / parts);
+  for (std::size_t i = 0; i < path.target.size(); ++i) {
+    m.x_t1[i] = left_ == 1 ? path.target[i] : stored(part.end_of(path.start[i]), m.storage);
+    m.velocity[i] =
+        path.velocity[i] + (m.x_t1[i] - m.x_t0[i] - (path.target[i] - path.start[i]) / parts) / length_;
+  }
+}
+
+/// Contact holds a node: the others go on straight to where the host wants them, as it catches up.
+void SurfacePaths::stop_turning(Path& path) {
+  path.turn.reset();
+  path.motion->velocity = path.velocity;
+  path.before = SurfaceMotion();
+}
+
+const SurfaceMotion* SurfacePaths::part_before(std::size_t k) const {
+  OILSKIN_ASSERT(k < paths_.size());
+  return paths_[k].before.x_t1.empty() ? nullptr : &paths_[k].before;
+}
+
+/// Over a step the speed is that of its middle: it turns on by half a step less half a part.
+const SurfaceMotion* SurfacePaths::step_before(std::size_t k, const SurfaceMotion& before, double dt) {
+  OILSKIN_ASSERT(k < paths_.size());
+  Path& path = paths_[k];
+  if (!path.turn || !(dt > 0) || before.x_t1.size() != path.start.size()) return &before;
+  const Eigen::Matrix3d onwards = path.turn->part(0.5 - 0.5 / parts_).rotation;
+  path.before.id = before.id;
+  path.before.x_t0.clear();
+  for (std::size_t i = 0; i < path.start.size(); ++i)
+    path.before.x_t0.push_back(path.start[i] - onwards * (before.x_t1[i] - before.x_t0[i]));
+  path.before.x_t1 = path.start;
+  return &path.before;
+}
+
+namespace {
+
+/// Of the impulses of the interval.
+Vec3 moment_of(const SurfaceMotion& m) {
+  Vec3 moment = Vec3::Zero();
+  for (const std::uint32_t node : m.touched) moment += m.x_t0[node].cross(m.impulse[node]);
+  return moment;
+}
+
+}  // namespace
+
 /// impulses += those of the interval, which come first in each sum.
-void SurfacePaths::sum_impulses(Path& path) {
+void SurfacePaths::sum_impulses(Path& path) const {
+  path.moment += moment_of(*path.motion);
+  if (parts_ == 1) return;
   const SurfaceMotion& m = *path.motion;
   std::vector<std::pair<std::uint32_t, Vec3>> sums;
   sums.reserve(path.impulses.size() + m.touched.size());
@@ -216,6 +277,13 @@ void SurfacePaths::continue_from_certified(Path& path) const {
   sum_impulses(path);
   if (m.still != 0) return;
   OILSKIN_ASSERT(path.target.size() == m.x_t1.size());
+  if (path.turn) {
+    path.before.id = m.id;
+    path.before.x_t0 = m.x_t0;
+    path.before.x_t1 = m.x_t1;
+    if (std::any_of(m.touched.begin(), m.touched.end(), [&](std::uint32_t i) { return m.moved[i] != 0; }))
+      stop_turning(path);
+  }
   m.x_t0 = m.x_t1;
   if (m.smooth) m.velocity_t0 = m.velocity;
   if (m.body) {
@@ -233,9 +301,11 @@ void SurfacePaths::end() {
   for (Path& path : paths_) end(path);
 }
 
-void SurfacePaths::end(Path& path) {
+void SurfacePaths::end(Path& path) const {
   SurfaceMotion& m = *path.motion;
   sum_impulses(path);
+  m.angular_impulse = path.moment;
+  if (parts_ == 1) return;
   m.touched.clear();
   for (const auto& [node, impulse] : path.impulses) {
     m.impulse[node] = impulse;

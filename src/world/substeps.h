@@ -1,6 +1,9 @@
 /// Sub-steps: their number, and the positions of surfaces between them.
 #pragma once
 
+#include <optional>
+
+#include "core/body_path.h"
 #include "core/parallel.h"
 #include "oilskin/surface_motion.h"
 
@@ -43,14 +46,20 @@ double fastest_node(Span<SurfaceMotion* const> surfaces, const Box& water, doubl
 
 /// Moves the surfaces through the parts of a step. In each part a node moves on the straight line from its
 /// certified position to the host's proposal for the end of the step; the last part ends exactly there. So a
-/// node that contact moved or held in one part catches up in the next ones. The nodes of a rigid body move
-/// and turn with it from part to part.
+/// node that contact moved or held in one part catches up in the next ones. The nodes of a rigid body, and of
+/// a prescribed surface that turns as a whole, turn with it from part to part.
 class SurfacePaths {
  public:
   /// A step of `parts` parts of `length` [s] each. With one part all calls do nothing.
   void begin(Span<SurfaceMotion* const> surfaces, int parts, double length);
   /// Sets the motion of each surface to that of the next part.
   void next();
+  /// The motion of the k-th surface in the part before: nodes and id alone. Null in the first part, and where
+  /// it is as fast as now.
+  const SurfaceMotion* part_before(std::size_t k) const;
+  /// In the first part: `before`, as the step before, of length dt, left it; of a surface that turns now,
+  /// with the speeds of the last part of that step.
+  const SurfaceMotion* step_before(std::size_t k, const SurfaceMotion& before, double dt);
   /// Sets it to that of the whole step: start and end, the sum of the impulses, and `moved` where the end
   /// differs from the host's proposal.
   void end();
@@ -62,13 +71,18 @@ class SurfacePaths {
     std::vector<Vec3> start, target;                       ///< of the step, stored [m]
     std::vector<Vec3> velocity;                            ///< the host's [m/s]
     std::vector<std::pair<std::uint32_t, Vec3>> impulses;  ///< of the completed parts, by node [N s]
+    Vec3 moment = Vec3::Zero();                            ///< of the completed parts [N m s]
     Vec3 center = Vec3::Zero(),
          center_target = Vec3::Zero();  ///< of the body: at the start, and proposed [m]
+    std::optional<BodyPath> turn;       ///< of a prescribed surface that turns as a whole
+    SurfaceMotion before;               ///< its last part: nodes and id
   };
-  static void sum_impulses(Path& path);
-  static void end(Path& path);
+  void sum_impulses(Path& path) const;
+  void end(Path& path) const;
   void move_body(const Path& path) const;
+  void turn(Path& path) const;
   void continue_from_certified(Path& path) const;
+  static void stop_turning(Path& path);
 
   std::vector<Path> paths_;
   int parts_ = 0, left_ = 0;  ///< left_: parts that have not begun

@@ -115,6 +115,17 @@ void World::Impl::report_instability(StepContext& step, const world::Speeds& fou
                " m²/s was applied");
 }
 
+/// Before the first step the height of the water stands for its pressure, even where it falls. Up to 1.2
+/// times `loaded` water at rest keeps its depth.
+void World::Impl::report_load(StepContext& step, double loaded) const {
+  constexpr double most = 1.2;
+  const int maximum = fluid_settings.max_substeps;
+  if (state.step_count == 0 || step.report.substeps < maximum || step.dt / maximum <= most * loaded) return;
+  step.report.flags |= flag_load_limited;
+  step.report.substeps_needed = std::max(step.report.substeps_needed, world::parts_needed(step.dt, loaded));
+  report_limit(step, "the weight of the water", loaded, maximum, "it is compressed");
+}
+
 /// What the time limit leaves of `count` sub-steps, and of the iterations. With fewer sub-steps than `least`
 /// water would be compressed to a multiple of its density.
 int World::Impl::within_budget(StepContext& step, int least, int count) {
@@ -145,6 +156,7 @@ void World::Impl::choose_substeps(StepContext& step) {
   count = std::max(world::substep_count(found, dt, distance, maximum), stable(loaded));
   count = within_budget(step, stable(std::max(loaded, usual)), count);
   if (needed > count) report_instability(step, found);
+  if (found.has_water && step.report.substeps_left_out == 0) report_load(step, loaded);
   OILSKIN_ASSERT(count >= 1 && count <= maximum);
 }
 

@@ -19,14 +19,11 @@ namespace oilskin {
 SurfaceLoad load_of(const SurfaceMotion& surface) {
   SurfaceLoad load;
   if (surface.impulse.size() != surface.x_t1.size()) return load;
-  const auto add = [&](std::size_t j) {
-    load.impulse += surface.impulse[j];
-    load.angular_impulse += surface.x_t1[j].cross(surface.impulse[j]);
-  };
   if (surface.still != 0)
-    for (std::uint32_t j : surface.touched) add(j);
+    for (const std::uint32_t j : surface.touched) load.impulse += surface.impulse[j];
   else
-    for (std::size_t j = 0; j < surface.impulse.size(); ++j) add(j);
+    for (const Vec3& impulse : surface.impulse) load.impulse += impulse;
+  load.angular_impulse = surface.angular_impulse;
   return load;
 }
 

@@ -150,6 +150,7 @@ struct World::Impl {
   world::Speeds speeds(Span<SurfaceMotion* const> moved, double moved_for, double dt) const;
   double stable_parts(const world::Speeds& found, double dt) const;
   void report_instability(world::StepContext& step, const world::Speeds& found) const;
+  void report_load(world::StepContext& step, double loaded) const;
   double loaded_interval(const world::Speeds& found) const;  ///< in which the water carries itself [s]
   double longest_dt(double largest) const;
 };

@@ -47,6 +47,31 @@ TEST(Emitter, a_box_of_whole_spacings_is_full_wherever_single_precision_puts_it)
     }
 }
 
+/// The order of the manual: a new emitter is put to its place after it was added.
+TEST(Emitter, its_first_place_is_no_motion) {
+  for (const bool is_added_first : {true, false}) {
+    Water water;
+    btFluidDiscEmitter hose(bt(0.03), bt(1));
+    if (!is_added_first) {
+      ASSERT_TRUE(hose.setWorldTransform(at(0, 0.4, 0)).ok());
+    }
+    ASSERT_TRUE(water.addEmitter(&hose).ok());
+    if (is_added_first) {
+      ASSERT_TRUE(hose.setWorldTransform(at(0, 0.4, 0)).ok());
+    }
+    water.run(10);
+    ASSERT_GT(water.getNumParticles(), 0);
+    for (int i = 0; i < water.getNumParticles(); ++i) EXPECT_GT(water.getPosition(i).y(), 0.3);
+    ASSERT_TRUE(hose.setWorldTransform(at(0, -0.4, 0)).ok());
+    water.run(1, 0.1);
+    double lowest = 1;
+    for (int i = 0; i < water.getNumParticles(); ++i)
+      lowest = std::min(lowest, double(water.getPosition(i).y()));
+    EXPECT_LT(lowest, 0.3) << "the next one is";
+    water.removeEmitter(&hose);
+  }
+}
+
 TEST(Emitter, a_hose_that_is_steered_in_each_frame_gives_what_is_asked) {
   Water water;
   btFluidDiscEmitter hose(bt(0.05), 2);

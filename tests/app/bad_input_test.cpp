@@ -186,6 +186,8 @@ TEST(BadInput, the_command_line_is_checked) {
   EXPECT_EQ(oilskin({"run", "jet", "--threads", "-1"}).exit_code, 2);
   EXPECT_EQ(oilskin({"run", "jet", "--frames-per-second", "-3"}).exit_code, 2);
   EXPECT_EQ(oilskin({"run", "jet", "--trace", "x", "--trace-steps", "7:3"}).exit_code, 2);
+  EXPECT_EQ(oilskin({"run", "jet", "--trace-steps", "3:7"}).exit_code, 2) << "no trace";
+  EXPECT_EQ(oilskin({"run", "jet", "--seed", "-1"}).exit_code, 2);
   EXPECT_EQ(oilskin({"run", "jet", "--set", "nonsense"}).exit_code, 2);
   EXPECT_EQ(oilskin({"--help"}).exit_code, 0);
 }

@@ -192,6 +192,8 @@ TEST(SceneReader, every_key_is_documented) {
 TEST(SceneReader, messages_name_the_path) {
   EXPECT_EQ(message_of(R"({"cloth": [{}, {"slip": {"modle": "free"}}]})"),
             "cloth.1.slip.modle: this key is not known; the nearest is \"model\"");
+  EXPECT_EQ(message_of(R"({"cloth": [{"slip": {"friction": 0.9}}]})"),
+            "cloth.0.slip.friction: has no effect without \"model\", which is \"free\"");
   EXPECT_EQ(message_of(R"({"fluid": {"spacing": -1}})"), "fluid.spacing: is -1, must be > 0");
   EXPECT_NE(message_of(R"({"cloth": [{"normal": [1, 0, 0], "u_axis": [1, 0, 0]}]})").find("parallel"),
             std::string::npos);

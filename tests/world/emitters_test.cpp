@@ -1,10 +1,12 @@
 // Emitters that are changed while a world runs: ledgers, failed steps, saved worlds.
 #include <gtest/gtest.h>
 
+#include <cfenv>
 #include <cmath>
 #include <stdexcept>
 
 #include "support/random.h"
+#include "support/static_mesh.h"
 #include "support/thrower.h"
 #include "support/world_helpers.h"
 #include "world/saved_bytes.h"
@@ -177,6 +179,42 @@ TEST(Emitters, what_makes_no_sense_is_refused) {
   outside.position = Vec3(20, 0, 0);
   EXPECT_NE(w.add_emitter(nozzle(), nullptr, &outside).message.find("kill box"), std::string::npos);
   EXPECT_EQ(save(w), before);
+}
+
+/// A box of water within a crate, and a nozzle in its wall.
+TEST(Emitters, without_a_free_start_are_named) {
+  for (const bool is_nozzle : {false, true}) {
+    World w(weightless(), of_spacing(0.01));
+    StaticMesh crate;
+    crate.add_box({Vec3::Constant(-0.2), Vec3(0.2, 0.2, 0)}, 1);
+    crate.solid = true;
+    ASSERT_TRUE(w.attach(crate, sheet_settings(), nullptr).ok());
+    BoxEmitter box;
+    box.box = {Vec3(-0.05, -0.05, -0.15), Vec3(0.05, 0.05, -0.05)};
+    DiscEmitter in_wall = nozzle();  // above the middle of the crate's top
+    in_wall.direction = Vec3(0, 0, 1);
+    ASSERT_TRUE((is_nozzle ? w.add_emitter(in_wall) : w.add_emitter(box)).ok());
+    std::vector<std::string> messages;
+    for (int k = 0; k < 5; ++k)
+      for (const std::string& m : w.step(0.01).messages) messages.push_back(m);
+    EXPECT_EQ(w.particle_count(), 0u);
+    ASSERT_GT(messages.size(), 0u);
+    const char* expected = is_nozzle ? " starts of the nozzles is free: they lie in or at a surface"
+                                     : "none of the 1000 starts of a volume is free";
+    EXPECT_NE(messages[0].find(expected), std::string::npos) << messages[0];
+  }
+}
+
+/// A program may trap FE_INVALID: a box of water at rest has no direction.
+TEST(Emitters, of_water_at_rest_divide_nothing_by_zero) {
+  World w(weightless(), of_spacing(0.01));
+  BoxEmitter box;
+  box.box = {Vec3::Constant(-0.05), Vec3::Constant(0.05)};
+  std::feclearexcept(FE_ALL_EXCEPT);
+  ASSERT_TRUE(w.add_emitter(box).ok());
+  for (int k = 0; k < 3; ++k) w.step(0.01);
+  EXPECT_EQ(w.particle_count(), 1000u);
+  EXPECT_EQ(std::fetestexcept(FE_INVALID | FE_DIVBYZERO), 0);
 }
 
 }  // namespace

@@ -187,6 +187,40 @@ TEST(Energy, what_a_force_field_does_explains_the_speed_of_what_leaves) {
   EXPECT_EQ(w.report().removed_too_fast, 0u);
 }
 
+/// Splashes rise above where the water came from: a few particles have the energy of many.
+TEST(Energy, a_splash_that_leaves_is_not_too_fast) {
+  for (const auto& [speed, is_too_fast] : {std::pair<double, bool>{5, false}, {12, true}}) {
+    WorldSettings settings = under_gravity();
+    settings.kill_box = {Vec3::Constant(-0.5), Vec3::Constant(0.5)};
+    World w(settings);
+    ASSERT_TRUE(w.add_particles(std::vector<Vec3>{Vec3(0, 0.4, 0), Vec3(0.2, -0.45, 0)},
+                                std::vector<Vec3>(2, Vec3::Zero()))
+                    .ok());
+    w.step(1e-3);
+    std::vector<Vec3> push(2, Vec3::Zero());
+    push[w.positions()[0].y() > 0 ? 0 : 1].y() = speed;
+    ASSERT_TRUE(w.add_velocities(push).ok());
+    std::uint64_t too_fast = 0;
+    for (int k = 0; k < 30; ++k) too_fast += w.step(1e-3).removed_too_fast;
+    EXPECT_EQ(w.particle_count(), 1u);
+    EXPECT_EQ(too_fast, is_too_fast ? 1u : 0u) << speed;
+  }
+}
+
+TEST(Energy, made_by_a_thick_surface_is_not_blamed_on_the_step) {
+  World w(box(1, Vec3(0, -9.81, 0)), of_spacing(0.01));
+  StaticMesh tank;
+  tank.add_box({Vec3(-0.04, 0, -0.04), Vec3(0.04, 0.2, 0.04)}, 1);
+  ASSERT_TRUE(w.attach(tank, sheet_settings(0.009), nullptr).ok());
+  add_block(w, 6, Vec3(-0.025, 0.01, -0.025), Vec3::Zero());
+  std::string message;
+  for (int k = 0; k < 500 && message.empty(); ++k)
+    for (const std::string& m : w.step(2e-3).messages)
+      if (m.find("energy made") != std::string::npos) message = m;
+  EXPECT_NE(message.find("9 mm thick"), std::string::npos) << message;
+  EXPECT_NE(message.find("5 mm"), std::string::npos) << message;
+}
+
 /// A body brings its energy when it is attached, wherever the origin is.
 TEST(Energy, of_a_body_that_is_attached_enters) {
   for (const double height : {-1.0, 0.0, 3.0}) {

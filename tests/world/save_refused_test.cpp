@@ -88,7 +88,7 @@ TEST(Save, damaged_bytes_are_refused_and_say_why) {
   };
   EXPECT_EQ(refusal(here.world, Bytes{}), "the bytes are not a saved world");
   EXPECT_EQ(changed(0, 'o'), "the bytes are not a saved world");
-  EXPECT_EQ(changed(12, 11), "the saved world has version 11; this library reads version 14");
+  EXPECT_EQ(changed(12, 11), "the saved world has version 11; this library reads version 15");
   EXPECT_NE(changed(saved.bytes.size() - 1, 77).find("check sum"), std::string::npos);
   Bytes swapped = saved.bytes;
   std::reverse(swapped.begin() + 8, swapped.begin() + 12);

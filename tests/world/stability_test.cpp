@@ -1,10 +1,12 @@
 // What is integrated explicitly stays stable: the step is cut, or the viscosity limited, and a flag says so.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/random.h"
 #include "support/record.h"
+#include "support/static_mesh.h"
 #include "support/world_helpers.h"
 #include "world/driven_sheet.h"
 
@@ -167,6 +169,35 @@ TEST(StateEquation, flags_sound_that_is_too_fast) {
   EXPECT_EQ(step_of(gas, 0.41e-3).substeps, 2);
   EXPECT_EQ(step_of(gas, 0.41e-3).flags, 0u);
   EXPECT_EQ(step_of(gas, 2e-3).flags, static_cast<std::uint32_t>(flag_sound_too_fast));
+}
+
+/// At rest on a floor, deep for the step.
+TEST(LoadedWater, that_needs_more_substeps_than_allowed_is_flagged_with_their_number) {
+  FluidSettings fluid = of_spacing(0.002);
+  WorldSettings settings = box(1, Vec3(0, -9.81, 0));
+  for (const auto& [dt, is_limited] : {std::pair<double, bool>{1.0 / 30, true}, {1.0 / 120, false}}) {
+    World w(settings, fluid);
+    StaticMesh tank;
+    tank.add_box({Vec3(-0.006, 0, -0.006), Vec3(0.006, 0.08, 0.006)}, 1);
+    ASSERT_TRUE(w.attach(tank, sheet_settings(0.0004), nullptr).ok());
+    std::vector<Vec3> x;
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 30; ++j)
+        for (int k = 0; k < 6; ++k) x.push_back(0.002 * Vec3(i - 2.5, j + 0.5, k - 2.5));
+    ASSERT_TRUE(w.add_particles(x, std::vector<Vec3>(x.size(), Vec3::Zero())).ok());
+    bool flagged = false;
+    for (int k = 0; k < 5; ++k) {
+      const StepReport r = w.step(dt);
+      if ((r.flags & flag_load_limited) == 0) continue;
+      flagged = true;
+      EXPECT_EQ(r.substeps, 8);
+      EXPECT_GT(r.substeps_needed, 1.2 * 8);
+      EXPECT_TRUE(std::any_of(r.messages.begin(), r.messages.end(), [](const std::string& m) {
+        return m.find("the weight of the water") != std::string::npos;
+      }));
+    }
+    EXPECT_EQ(flagged, is_limited) << dt;
+  }
 }
 
 }  // namespace

@@ -93,6 +93,105 @@ TEST(SurfacePaths, one_part_changes_nothing) {
   EXPECT_TRUE(m.moved[0]);
 }
 
+/// A prescribed paddle that its host turns by 1 rad about an axle 0.4 m beside it, and shifts along the axle.
+struct TurningPaddle {
+  SurfaceMotion m;
+  Vec3 axle{-0.4, 0, 0};
+  Eigen::AngleAxisd turn{1, Vec3::UnitZ()};
+
+  Vec3 after(double part, const Vec3& x) const {
+    return axle + Eigen::AngleAxisd(part * turn.angle(), turn.axis()) * (x - axle) + Vec3(0, 0, 0.1 * part);
+  }
+  TurningPaddle() {
+    m.id = 7;
+    m.x_t0 = {Vec3(0, 0, 0), Vec3(0.2, 0, 0), Vec3(0, 0, 0.3)};
+    for (const Vec3& x : m.x_t0) m.x_t1.push_back(after(1, x));
+    m.inverse_mass.assign(3, 0);
+    m.velocity.assign(3, Vec3(5, 0, 0));  // a belt
+    clear();
+  }
+  void clear() {
+    m.impulse.assign(3, Vec3::Zero());
+    m.moved.assign(3, 0);
+    m.touched.clear();
+  }
+};
+
+TEST(SurfacePaths, what_turns_as_a_whole_turns_about_its_axle_in_every_part) {
+  TurningPaddle paddle;
+  const std::vector<Vec3> start = paddle.m.x_t0, end = paddle.m.x_t1;
+  SurfaceMotion* const surfaces[] = {&paddle.m};
+  SurfacePaths paths;
+  paths.begin(surfaces, 4, 0.5);
+  EXPECT_EQ(paths.part_before(0), nullptr);
+  Vec3 impulse_moment = Vec3::Zero();
+  for (int part = 0; part < 4; ++part) {
+    paths.next();
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_TRUE(paddle.m.x_t0[i].isApprox(paddle.after(part / 4.0, start[i]), 1e-13)) << part;
+      EXPECT_TRUE(paddle.m.x_t1[i].isApprox(paddle.after((part + 1) / 4.0, start[i]), 1e-13)) << part;
+      const Vec3 of_part = (paddle.m.x_t1[i] - paddle.m.x_t0[i]) / 0.5, of_step = (end[i] - start[i]) / 2;
+      EXPECT_TRUE(paddle.m.velocity[i].isApprox(Vec3(5, 0, 0) + of_part - of_step, 1e-12));
+    }
+    if (part > 0) {
+      ASSERT_NE(paths.part_before(0), nullptr);
+      EXPECT_EQ(paths.part_before(0)->x_t1, paddle.m.x_t0);
+      EXPECT_TRUE(paths.part_before(0)->x_t0[1].isApprox(paddle.after((part - 1) / 4.0, start[1]), 1e-13));
+    }
+    paddle.clear();
+    paddle.m.impulse[1] = Vec3(0, 1, part);
+    paddle.m.touched = {1};
+    impulse_moment += paddle.m.x_t0[1].cross(paddle.m.impulse[1]);
+  }
+  EXPECT_EQ(paddle.m.x_t1, end);
+  paths.end();
+  EXPECT_EQ(paddle.m.x_t0, start);
+  EXPECT_EQ(paddle.m.velocity[0], Vec3(5, 0, 0));
+  EXPECT_EQ(paddle.m.impulse[1], Vec3(0, 4, 6));
+  EXPECT_TRUE(paddle.m.angular_impulse.isApprox(impulse_moment, 1e-14));
+}
+
+TEST(SurfacePaths, what_turns_and_is_held_goes_on_straight) {
+  TurningPaddle paddle;
+  const std::vector<Vec3> end = paddle.m.x_t1;
+  SurfaceMotion* const surfaces[] = {&paddle.m};
+  SurfacePaths paths;
+  paths.begin(surfaces, 3, 1);
+  paths.next();
+  paddle.m.x_t1 = paddle.m.x_t0;
+  paddle.m.moved.assign(3, 1);
+  paddle.m.touched = {0, 1, 2};
+  paths.next();
+  EXPECT_EQ(paths.part_before(0), nullptr);
+  EXPECT_TRUE(paddle.m.x_t1[1].isApprox(0.5 * (paddle.m.x_t0[1] + end[1]), 1e-14));
+  paddle.clear();
+  paths.next();
+  EXPECT_EQ(paddle.m.x_t1, end);
+  paths.end();
+}
+
+/// Over the step before, the speed was that of its middle.
+TEST(SurfacePaths, the_speed_before_a_turn_is_that_of_the_last_part) {
+  TurningPaddle paddle;
+  SurfaceMotion before;
+  before.id = 7;
+  for (const Vec3& x : paddle.m.x_t0) {
+    before.x_t0.push_back(paddle.after(-1, x));
+    before.x_t1.push_back(x);
+  }
+  SurfaceMotion* const surfaces[] = {&paddle.m};
+  SurfacePaths paths;
+  paths.begin(surfaces, 4, 0.25);
+  paths.next();
+  const SurfaceMotion& last = *paths.step_before(0, before, 1);
+  Vec3 speed = last.x_t1[1] - last.x_t0[1],
+       expected = 4 * (paddle.m.x_t0[1] - paddle.after(-0.25, paddle.m.x_t0[1]));
+  EXPECT_NEAR(speed.z(), expected.z(), 1e-14);
+  speed.z() = expected.z() = 0;
+  EXPECT_LT(speed.cross(expected).norm(), 1e-12) << "the same direction";
+  EXPECT_NEAR(speed.norm(), expected.norm(), 0.05 * expected.norm()) << "the chord of a whole step";
+}
+
 /// Two edges of a body, at right angles, that the host turns by 2 rad and moves.
 struct TurningBody {
   SurfaceMotion m;

@@ -116,7 +116,8 @@ class Run {
     const bool can = pictures_available(&why);
     if ((options_.view || options_.render.value_or(false)) && !can)
       throw SceneError(std::string(options_.view ? "--view" : "--render") + ": " + why);
-    if (wanted && !can) progress_.line("No pictures: " + why + ".");
+    if (wanted && !can)
+      progress_.line("No pictures, and no particles_*.vtp, cloth_*.ply and body_*.ply: " + why + ".");
     FrameOptions frames;
     frames.directory = directory_;
     frames.files = scene_.pictures.frames_per_second > 0;

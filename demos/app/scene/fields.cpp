@@ -303,8 +303,11 @@ void Fields::finish() const {
   for (const auto& item : in_->items()) {
     if (std::find(known_.begin(), known_.end(), item.key()) != known_.end()) continue;
     const std::string nearest = suggestion(item.key(), known_);
+    std::vector<std::string> each_once;
+    for (const std::string& key : known_)
+      if (std::find(each_once.begin(), each_once.end(), key) == each_once.end()) each_once.push_back(key);
     throw SceneError(path_of(item.key()) + ": this key is not known" +
-                     (nearest.empty() ? "; known are " + joined(known_) : nearest));
+                     (nearest.empty() ? "; known are " + joined(each_once) : nearest));
   }
 }
 

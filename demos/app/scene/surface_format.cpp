@@ -12,6 +12,9 @@ void describe(Fields& f, SlipSettings& s) {
             {"no_slip", SlipModel::viscous_wall}});  // the last name of a value is the one that is written
   f.number("friction", s.friction, not_negative());
   f.number("slip_length", s.slip_length, not_negative());
+  if (f.has("model")) return;
+  for (const char* key : {"friction", "slip_length"})
+    if (f.has(key)) f.fail(key, "has no effect without \"model\", which is \"free\"");
 }
 
 }  // namespace

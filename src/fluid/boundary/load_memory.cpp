@@ -5,6 +5,7 @@
 
 #include "core/assert.h"
 #include "core/body_motion.h"
+#include "core/unit_vector.h"
 
 namespace oilskin::fluid {
 
@@ -75,7 +76,7 @@ void LoadMemory::record_host_response(double dt, const Vec3& gravity, Span<Surfa
       const Vec3 response =
           mass.cwiseProduct((s->body->velocity - center.velocity_left) / dt - s->body->gravity);
       center.respond(f, response);
-      center.respond_to_push(f, response.dot(s->body->gravity.stableNormalized()));
+      center.respond_to_push(f, response.dot(unit_or_zero(s->body->gravity)));
       rotation.respond(rotation.fresh_of_body(fresh),
                        inertia_of(*s->body) * (s->body->angular_velocity - rotation.velocity_left) / dt);
       continue;
@@ -107,7 +108,7 @@ void LoadMemory::record_load(double dt, Span<SurfaceMotion* const> surfaces,
       }
       (*nodes)[0].record_body(fresh, s.body->velocity, s.body->impulse / dt, impulse / dt);
       const Vec3 all = s.body->impulse / dt + mass_of(*s.body).cwiseProduct(s.body->gravity);
-      (*nodes)[0].pushed = all.dot(s.body->gravity.stableNormalized());
+      (*nodes)[0].pushed = all.dot(unit_or_zero(s.body->gravity));
       (*nodes)[1].record_body(fresh, s.body->angular_velocity, s.body->angular_impulse / dt, moment / dt);
       continue;
     }

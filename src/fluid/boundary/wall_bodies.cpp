@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/assert.h"
+#include "core/unit_vector.h"
 
 namespace oilskin::fluid {
 
@@ -38,7 +39,7 @@ void WallBodies::add_bodies(Span<SurfaceMotion* const> surfaces, const LoadMemor
     const LoadMemory::OfBody carried = memory.carried_of_body(*surfaces[s], passed, dt);
     body.before = body.velocity_from({b.impulse - carried.impulse, b.angular_impulse - carried.moment});
     body.before.linear += (b.inverse_mass.array() > 0).select(passed * b.gravity, Vec3::Zero());
-    body.down = b.gravity.stableNormalized();
+    body.down = unit_or_zero(b.gravity);
     body.yields = std::sqrt(1 - carried.firmness);
     body.before.linear = body.yielding(body.yielding(body.before.linear));
     bodies_.push_back(std::move(body));

@@ -6,6 +6,7 @@
 
 #include "core/assert.h"
 #include "core/refuse.h"
+#include "core/unit_vector.h"
 #include "fluid/random.h"
 
 namespace oilskin::fluid {
@@ -105,7 +106,7 @@ Vec3 Source::place_of(std::size_t site) const {
 void Source::set_velocity(const Vec3& v) {
   velocity = v;
   fastest = v.norm();
-  direction = v.stableNormalized();
+  direction = unit_or_zero(v);
 }
 
 void Source::set_speed(double speed, double time) {

@@ -36,11 +36,12 @@ Matrix3d correction_of(const Matrix3d& m) {
                zz = m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1), xy = m(0, 2) * m(1, 2) - m(0, 1) * m(2, 2),
                xz = m(0, 1) * m(1, 2) - m(0, 2) * m(1, 1), yz = m(0, 1) * m(0, 2) - m(0, 0) * m(1, 2);
   const double determinant = m(0, 0) * xx + m(0, 1) * xy + m(0, 2) * xz;
+  if (!(determinant > 0)) return Matrix3d::Zero();
   Matrix3d b;
   b << xx, xy, xz, xy, yy, yz, xz, yz, zz;
   b = m.trace() / 3 / determinant * b - Matrix3d::Identity();
   const double norm = b.norm();
-  if (!(determinant > 0) || !std::isfinite(norm)) return Matrix3d::Zero();
+  if (!std::isfinite(norm)) return Matrix3d::Zero();
   return norm > largest_correction ? Matrix3d(largest_correction / norm * b) : b;
 }
 
