@@ -287,7 +287,7 @@ bool CandidateSet::follow_triangles(const Context& context, std::uint32_t surfac
 /// The particles in play of groups that are near whose swept box, inflated by `reach`, is not within that of
 /// their last query, whose last query a box of triangles that have moved overlaps, or all of them. Those out
 /// of play have no candidates from now on. Those that had none and are off the bounds of the surface have
-/// none without a query: in groups beside many small surfaces they are the most.
+/// none without a query: in groups beside many small surfaces those are most of the particles.
 std::vector<std::uint32_t> CandidateSet::find_stale(const Context& context, std::uint32_t surface, bool all,
                                                     double reach, const Workers& workers) {
   Surface& set = surfaces_[surface];

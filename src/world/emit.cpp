@@ -30,13 +30,13 @@ void note_starts_outside(const std::vector<fluid::Start>& starts, const std::vec
 
 /// A volume without a free start gives no water at all, as does a nozzle in a wall: a mistake of the scene.
 void note_starts_without_room(const std::vector<fluid::Start>& starts,
-                              const std::vector<fluid::Outcome>& outcomes, bool has_emitted,
-                              StepReport& report) {
+                              const std::vector<fluid::Outcome>& outcomes, const Box& kill_box,
+                              bool has_emitted, StepReport& report) {
   std::map<std::uint32_t, std::pair<std::size_t, std::size_t>> due_and_blocked;  // by volume; 0 = nozzles
   for (std::size_t k = 0; k < starts.size(); ++k) {
     auto& [due, blocked] = due_and_blocked[starts[k].volume];
     ++due;
-    blocked += outcomes[k] == fluid::Outcome::blocked;
+    blocked += outcomes[k] == fluid::Outcome::blocked && kill_box.contains(starts[k].position);
   }
   for (const auto& [volume, count] : due_and_blocked)
     if (count.second == count.first && (volume != 0 || !has_emitted))
@@ -62,7 +62,7 @@ void World::Impl::emit(IntervalContext& interval) {
   std::vector<fluid::Outcome> outcomes =
       world::judge_starts(starts, fluid_settings, settings.kill_box, step.surfaces, particles, *workers);
   note_starts_outside(starts, outcomes, settings.kill_box, step.report);
-  note_starts_without_room(starts, outcomes, state.next_particle_id > 1, step.report);
+  note_starts_without_room(starts, outcomes, settings.kill_box, state.next_particle_id > 1, step.report);
   const std::uint64_t limit = world::particle_limit(settings);
   for (std::size_t k = 0; k < starts.size(); ++k) {
     const fluid::Start& start = starts[k];

@@ -66,6 +66,7 @@ Status Attachments::translate(const Vec3& offset, const Box& kill_box) {
     m.x_t1.swap(moved[k].x_t1);
     m.delta = moved[k].delta;
     m.still = m.revision = 0;
+    m.angular_impulse += offset.cross(load_of(m).impulse);
     if (m.body) {
       m.body->center_t0 += offset;
       m.body->center_t1 = moved[k].body ? moved[k].body->center_t1 : Vec3(m.body->center_t1 + offset);

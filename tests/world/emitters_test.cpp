@@ -205,6 +205,17 @@ TEST(Emitters, without_a_free_start_are_named) {
   }
 }
 
+TEST(Emitters, outside_of_the_kill_box_have_one_message) {
+  World w(weightless(), of_spacing(0.01));
+  EmitterId id;
+  ASSERT_TRUE(w.add_emitter(nozzle(), &id).ok());
+  ASSERT_TRUE(w.place_emitter(id, Vec3(5, 0, 0), Vec3::UnitX()).ok());
+  StepReport r;
+  for (int k = 0; k < 5 && r.messages.empty(); ++k) r = w.step(0.01);
+  ASSERT_EQ(r.messages.size(), 1u);
+  EXPECT_NE(r.messages[0].find("outside of the kill box"), std::string::npos) << r.messages[0];
+}
+
 /// A program may trap FE_INVALID: a box of water at rest has no direction.
 TEST(Emitters, of_water_at_rest_divide_nothing_by_zero) {
   World w(weightless(), of_spacing(0.01));

@@ -93,6 +93,13 @@ TEST(SurfacePaths, one_part_changes_nothing) {
   EXPECT_TRUE(m.moved[0]);
 }
 
+/// As contact does that finds nothing.
+void find_nothing(SurfaceMotion& m) {
+  m.impulse.assign(m.x_t0.size(), Vec3::Zero());
+  m.moved.assign(m.x_t0.size(), 0);
+  m.touched.clear();
+}
+
 /// A prescribed paddle that its host turns by 1 rad about an axle 0.4 m beside it, and shifts along the axle.
 struct TurningPaddle {
   SurfaceMotion m;
@@ -108,12 +115,7 @@ struct TurningPaddle {
     for (const Vec3& x : m.x_t0) m.x_t1.push_back(after(1, x));
     m.inverse_mass.assign(3, 0);
     m.velocity.assign(3, Vec3(5, 0, 0));  // a belt
-    clear();
-  }
-  void clear() {
-    m.impulse.assign(3, Vec3::Zero());
-    m.moved.assign(3, 0);
-    m.touched.clear();
+    find_nothing(m);
   }
 };
 
@@ -138,7 +140,7 @@ TEST(SurfacePaths, what_turns_as_a_whole_turns_about_its_axle_in_every_part) {
       EXPECT_EQ(paths.part_before(0)->x_t1, paddle.m.x_t0);
       EXPECT_TRUE(paths.part_before(0)->x_t0[1].isApprox(paddle.after((part - 1) / 4.0, start[1]), 1e-13));
     }
-    paddle.clear();
+    find_nothing(paddle.m);
     paddle.m.impulse[1] = Vec3(0, 1, part);
     paddle.m.touched = {1};
     impulse_moment += paddle.m.x_t0[1].cross(paddle.m.impulse[1]);
@@ -164,7 +166,7 @@ TEST(SurfacePaths, what_turns_and_is_held_goes_on_straight) {
   paths.next();
   EXPECT_EQ(paths.part_before(0), nullptr);
   EXPECT_TRUE(paddle.m.x_t1[1].isApprox(0.5 * (paddle.m.x_t0[1] + end[1]), 1e-14));
-  paddle.clear();
+  find_nothing(paddle.m);
   paths.next();
   EXPECT_EQ(paddle.m.x_t1, end);
   paths.end();
@@ -206,13 +208,7 @@ struct TurningBody {
     m.body.emplace();
     m.body->center_t0 = center;
     m.body->center_t1 = center_t1;
-    clear();
-  }
-  /// As contact does that finds nothing.
-  void clear() {
-    m.impulse.assign(3, Vec3::Zero());
-    m.moved.assign(3, 0);
-    m.touched.clear();
+    find_nothing(m);
   }
   void hold() {
     m.x_t1 = m.x_t0;
@@ -243,7 +239,7 @@ TEST(SurfacePaths, a_body_that_turns_keeps_its_shape_in_every_part) {
     const Vec3 arm = body.m.x_t0[2] - body.m.body->center_t0;
     const Vec3 turned = Eigen::AngleAxisd(0.5, Vec3(1, 2, 2) / 3) * arm;
     EXPECT_TRUE((body.m.x_t1[2] - body.m.body->center_t1).isApprox(turned, 1e-14)) << "part " << part;
-    body.clear();
+    find_nothing(body.m);
   }
   EXPECT_EQ(body.m.x_t1, end);
   EXPECT_TRUE(body.m.body->center_t1.isApprox(body.center_t1, 1e-15));
@@ -260,7 +256,7 @@ TEST(SurfacePaths, a_body_that_is_held_in_the_last_part_keeps_its_shape) {
   paths.next();
   body.hold();
   paths.next();
-  body.clear();
+  find_nothing(body.m);
   const Eigen::AngleAxisd half(1, Vec3(1, 2, 2) / 3);  // it caught up in the second part
   const Vec3 center = 0.5 * (body.center + body.center_t1);
   for (int i = 0; i < 3; ++i)

@@ -119,6 +119,20 @@ TYPED_TEST(Translate, goes_on_as_it_would_have_here) {
               f.water_potential + f.node_potential - e.water_potential - e.node_potential, 0.02 * e.scale);
 }
 
+/// About the origin, which is elsewhere.
+TYPED_TEST(Translate, moves_the_moment_of_the_load) {
+  Scene<TypeParam> scene;
+  const auto load = [&] { return load_of(*scene.world.surface(scene.id)); };
+  for (int k = 0; k < 300 && load().impulse.isZero(0); ++k) scene.run(1);
+  const SurfaceLoad before = load();
+  ASSERT_GT(before.impulse.norm(), 0);
+  const Vec3 offset(32, 64, -128);
+  scene.move_host(offset);
+  ASSERT_TRUE(scene.world.translate(offset).ok());
+  EXPECT_EQ(load().impulse, before.impulse);
+  EXPECT_TRUE(load().angular_impulse.isApprox(before.angular_impulse + offset.cross(before.impulse), 1e-12));
+}
+
 /// A sink that has moved takes what falls into it there, and nothing at its old place.
 TYPED_TEST(Translate, sinks_and_the_kill_box_move_too) {
   Scene<TypeParam> scene;

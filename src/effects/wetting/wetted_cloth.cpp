@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "core/assert.h"
-#include "core/unit_vector.h"
 
 namespace oilskin {
 
@@ -158,7 +157,7 @@ void WettedCloth::drip(double dt, double rate, std::size_t surface, Span<double>
   const SurfaceMotion& motion = *e.surfaces[surface];
   if (e.gravity.isZero(0)) return;  // a film that nothing pulls off
   if (!gather_drops(dt, rate, motion, e.particle_mass, gathered)) return;
-  const Vec3 down = unit_or_zero(e.gravity);
+  const Vec3 down = e.gravity.stableNormalized();
   std::vector<std::uint32_t> sites;
   for (std::uint32_t i = 0; i < gathered.size(); ++i)
     if (gathered[i] > 0) sites.push_back(i);
