@@ -145,6 +145,9 @@ TEST(Output, a_trace_to_standard_output_holds_nothing_else) {
   const std::string first = folder.read("trace");
   EXPECT_GT(first.size(), 8u);
   EXPECT_EQ(all.out.compare(0, first.size(), first), 0) << "one step is not the beginning of the whole trace";
+  const Outcome none = oilskin({"run", scene, "--out", folder.path("out"), "--trace", folder.path("trace"),
+                                "--trace-steps", "9999:9999", "--frames-per-second", "0"});
+  EXPECT_NE(none.out.find("the trace is empty"), std::string::npos) << none.out;
 }
 
 TEST(Output, a_full_disk_ends_with_three) {

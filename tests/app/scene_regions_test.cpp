@@ -67,6 +67,7 @@ TEST(SceneEmitters, motions_and_ages_are_checked) {
             "emitters.0.motion.spin_axis: is too short, must be longer than 1e-9");
   EXPECT_EQ(disc(R"("motion": {"start": -1})"), "emitters.0.motion.start: is -1, must be >= 0");
   EXPECT_EQ(disc(R"("motion": {"start": 2, "stop": 1})"), "emitters.0.motion.stop: is before \"start\"");
+  EXPECT_EQ(disc(R"("start": 2, "stop": 1)"), "emitters.0.stop: is before \"start\"");
   EXPECT_EQ(disc(R"("motion": {"speed": 1})").substr(0, 50),
             "emitters.0.motion.speed: this key is not known; kn");
   EXPECT_EQ(disc(R"("motion": [1, 0, 0])").substr(0, 18), "emitters.0.motion:");

@@ -20,7 +20,9 @@ TraceOutput::TraceOutput(const std::string& file, const StepRange& steps) : name
 }
 
 void TraceOutput::on_interval(const Interval& interval) {
-  if (step_ >= steps_.first && step_ <= steps_.last) writer_->on_interval(interval);
+  if (step_ < steps_.first || step_ > steps_.last) return;
+  writer_->on_interval(interval);
+  is_empty_ = false;
 }
 
 void TraceOutput::check() {

@@ -17,6 +17,8 @@ class TraceOutput : public IntervalObserver {
   /// The step that comes, counted from 0.
   void begin_step(std::uint64_t step) { step_ = step; }
   void on_interval(const Interval& interval) override;
+  /// No interval was written.
+  bool is_empty() const { return is_empty_; }
   /// Throws OutputError when something could not be written.
   void check();
 
@@ -27,6 +29,7 @@ class TraceOutput : public IntervalObserver {
   std::ostream* stream_ = nullptr;
   StepRange steps_;
   std::uint64_t step_ = 0;
+  bool is_empty_ = true;
 };
 
 }  // namespace oilskin::demo

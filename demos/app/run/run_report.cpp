@@ -219,7 +219,8 @@ Json make_report(const RunSummary& s) {
                                      {"at_end", s.memory.at_end()}};
   report["acceptance"] = acceptance(s);
   report["flags"] = flag_texts(t.flags);
-  report["messages"] = t.messages;
+  report["messages"] = s.scene.notes;
+  for (const std::string& message : t.messages) report["messages"].push_back(message);
   if (!t.energy_message.empty()) report["messages"].push_back(t.energy_message);
   if (s.signal != 0) report["stopped_by_signal"] = s.signal;
   return report;

@@ -217,6 +217,7 @@ class Run {
                   scene_.name.c_str(), static_cast<unsigned long long>(totals_.steps), totals_.simulated,
                   wall, static_cast<unsigned long long>(totals_.emitted));
     progress_.line(text);
+    for (const std::string& note : scene_.notes) progress_.line("  note: " + note);
     for (const std::string& message : totals_.messages) progress_.line("  note: " + message);
     if (!totals_.energy_message.empty()) progress_.line("  note: " + totals_.energy_message);
     for (const std::string& flag : flag_texts(totals_.flags)) progress_.line("  flag: " + flag);
@@ -226,6 +227,9 @@ class Run {
       progress_.line(text);
     }
     explain_failed(checks);
+    if (trace_ && trace_->is_empty())
+      progress_.line("  note: the trace is empty: no step of --trace-steps is among the " +
+                     std::to_string(totals_.steps) + " of the run");
     progress_.line("  " + directory_ + "/report.json");
   }
 

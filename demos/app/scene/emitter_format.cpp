@@ -21,8 +21,7 @@ void describe(Fields& f, DiscEmitter& e) {
   f.direction("direction", e.direction);
   f.number("radius", e.radius, positive());
   f.number("speed", e.speed, positive());
-  f.number("start", e.start, not_negative());
-  f.number("stop", e.stop, not_negative());
+  describe_times(f, e);
   f.number("shake", e.shake, between(0, 0.25));
 }
 
@@ -101,8 +100,7 @@ void describe(Fields& f, RainEmitter& e) {
   f.number("drops_per_second", e.drops_per_second, positive());
   f.number("drop_radius", e.drop_radius, not_negative());
   f.vec3("velocity", e.velocity);
-  f.number("start", e.start, not_negative());
-  f.number("stop", e.stop, not_negative());
+  describe_times(f, e);
 }
 
 enum class EmitterShape { disc, box, mesh, rain };

@@ -258,6 +258,7 @@ struct Scene {
   std::optional<WaterMeshSettings> water_mesh;  ///< scene key "surface"
   Json acceptance = Json::object();  ///< the checks of a run, as the file has them (checks/acceptance.h)
   Pictures pictures;
+  std::vector<std::string> notes;  ///< on keys that have no effect; not part of the file
 };
 
 }  // namespace oilskin::demo

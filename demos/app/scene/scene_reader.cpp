@@ -10,6 +10,7 @@
 
 #include "scene/obj_reader.h"
 #include "scene/scene_format.h"
+#include "scene/unused_keys.h"
 
 namespace oilskin::demo {
 namespace {
@@ -183,6 +184,7 @@ Scene read_scene(const Json& json, const std::string& directory) {
   check_substeps(scene);
   check_pins(scene);
   check_library_settings(scene);
+  scene.notes = unused_keys(json, scene);
   return scene;
 }
 

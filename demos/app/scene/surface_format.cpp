@@ -34,9 +34,7 @@ void describe(Fields& f, Motion& m) {
   f.vec3("spin_center", m.spin_center);
   f.direction("spin_axis", m.spin_axis);
   f.number("spin_rate", m.spin_rate, any_number());
-  f.number("start", m.start, not_negative());
-  f.number("stop", m.stop, not_negative());
-  if (f.reading() && m.stop < m.start) f.fail("stop", "is before \"start\"");
+  describe_times(f, m);
 }
 
 }  // namespace oilskin::demo
