@@ -1,5 +1,7 @@
 #include "collision_object_host.h"
 
+#include <utility>
+
 #include "convert.h"
 #include "tessellation.h"
 
@@ -24,9 +26,10 @@ bool is_finite(const btTransform& t) {
 CollisionObjectHost::CollisionObjectHost(const btCollisionObject* object, const Box& kill_box)
     : object_(object), kill_box_(shrunk_by_rounding(kill_box)), transform_(btTransform::getIdentity()) {}
 
-void CollisionObjectHost::set_kill_box(const Box& kill_box) {
-  kill_box_ = shrunk_by_rounding(kill_box);
+bool CollisionObjectHost::set_kill_box(const Box& kill_box) {
+  const Box before = std::exchange(kill_box_, shrunk_by_rounding(kill_box));
   world_.clear();
+  return !mesh_.planes.empty() && (before.min != kill_box_.min || before.max != kill_box_.max);
 }
 
 void CollisionObjectHost::set_tolerance(double tolerance) {

@@ -21,7 +21,8 @@ class CollisionObjectHost : public SurfaceHost {
   /// Does not change the object; sets x_t1 to its positions.
   void scatter(SurfaceMotion& motion) override;
 
-  void set_kill_box(const Box& kill_box);
+  /// Whether that changes the polygon of a plane.
+  bool set_kill_box(const Box& kill_box);
   /// How far the triangles of round shapes may be from them [m]; 0 = as near as they get (read_shape()). A
   /// larger one than the present one is ignored: water that lies on a shape would be inside a coarser one.
   void set_tolerance(double tolerance);

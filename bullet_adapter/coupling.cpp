@@ -91,7 +91,12 @@ Status btFluidCoupling::Impl::attach(Attachment& a) {
   if (a.rigid) a.rigid->set_kill_box(kill_box());
   refine(a);
   Status status;
-  for (std::size_t k = 0; k < fluids.size() && status.ok(); ++k) status = attach(a, k);
+  try {
+    for (std::size_t k = 0; k < fluids.size() && status.ok(); ++k) status = attach(a, k);
+  } catch (...) {
+    detach(a);
+    throw;
+  }
   if (!status.ok()) detach(a);
   return status;
 }
@@ -99,7 +104,7 @@ Status btFluidCoupling::Impl::attach(Attachment& a) {
 void btFluidCoupling::Impl::detach(Attachment& a, std::size_t fluid) {
   if (a.ids[fluid]) fluids[fluid]->getWorld().detach(a.ids[fluid]);
   a.ids.erase(a.ids.begin() + static_cast<std::ptrdiff_t>(fluid));
-  if (a.sensor) a.sensor->forget_fluid(fluid);
+  if (a.sensor) a.sensor->forget_fluid(fluid, fluids.size() == 1);
 }
 
 void btFluidCoupling::Impl::detach(Attachment& a) {
@@ -123,10 +128,18 @@ Status btFluidCoupling::Impl::add(Attachment a) {
   SurfaceMotion trial;
   if (status.ok()) status = a.host().gather(0, trial).status;
   if (status.ok()) status = check_size(trial, a.settings);
-  if (status.ok() && !fluids.empty()) status = attach(a);
   if (!status.ok()) return status;
+  // What may throw comes before the fluids know the host.
+  attachments.reserve(attachments.size() + 1);
   a.mark = std::make_unique<ObjectMark>();
-  a.mark->put_on(*a.object);
+  if (!fluids.empty()) status = attach(a);
+  if (!status.ok()) return status;
+  try {
+    a.mark->put_on(*a.object);
+  } catch (...) {
+    detach(a);
+    throw;
+  }
   a.number = next_number++;
   attachments.push_back(std::move(a));
   return status;
@@ -149,6 +162,13 @@ void btFluidCoupling::Impl::forget_motion(const btCollisionObject* object) {
   if (a->sensor) a->sensor->forget_motion();
   for (std::size_t k = 0; k < a->ids.size(); ++k)
     if (a->ids[k]) fluids[k]->getWorld().reset_motion(a->ids[k]);
+}
+
+/// Planes end at the kill box: where it is another one, their corners do not move there.
+void btFluidCoupling::Impl::follow_kill_box() {
+  const Box box = kill_box();
+  for (const Attachment& a : attachments)
+    if (a.rigid && a.rigid->set_kill_box(box)) forget_motion(a.object);
 }
 
 const SurfaceMotion* btFluidCoupling::Impl::surface(const btCollisionObject* object) {
@@ -223,7 +243,7 @@ Status btFluidCoupling::addFluid(btFluid* fluid) {
     a.ids.emplace_back();
     c.refine(a);
   }
-  c.set_planes(c.kill_box());
+  c.follow_kill_box();
   for (std::size_t i = 0; i < c.attachments.size() && status.ok(); ++i)
     status = c.attach(c.attachments[i], c.fluids.size() - 1);
   if (!status.ok()) removeFluid(fluid);
@@ -237,7 +257,7 @@ void btFluidCoupling::removeFluid(btFluid* fluid) {
   for (Attachment& a : c.attachments) c.detach(a, *k);
   c.fluids.erase(c.fluids.begin() + static_cast<std::ptrdiff_t>(*k));
   fluid->m_coupling = nullptr;
-  if (!c.fluids.empty()) c.set_planes(c.kill_box());
+  if (!c.fluids.empty()) c.follow_kill_box();
 }
 
 btFluid* btFluidCoupling::getFluid() const {

@@ -84,6 +84,7 @@ struct btFluidCoupling::Impl {
   const SurfaceMotion* surface(const btCollisionObject* object);
   Status follow_gravity();
   std::optional<Vec3> gravity_of_cloth() const;
+  void follow_kill_box();
   const StepReport& refuse(std::string why);
 
   /// Refuses to save and restore where that is not possible.

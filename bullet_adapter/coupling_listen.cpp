@@ -52,10 +52,16 @@ Status btFluidListener::setSplashThreshold(btScalar impulse) {
   return Status::accepted();
 }
 
+/// Null for one that is not attached any more, or that a listener took out of its world and deleted.
 const btCollisionObject* btFluidCoupling::Impl::object_of(std::uint64_t number) const {
   const auto it = std::find_if(attachments.begin(), attachments.end(),
                                [number](const Attachment& a) { return a.number == number; });
-  return it == attachments.end() ? nullptr : it->object;
+  if (it == attachments.end()) return nullptr;
+  if (!collision_world) return it->object;
+  const btCollisionObjectArray& present = collision_world->getCollisionObjectArray();
+  for (int i = 0; i < present.size(); ++i)
+    if (present[i] == it->object) return it->mark->is_on(*it->object) ? it->object : nullptr;
+  return nullptr;
 }
 
 /// What the fluids did to each surface. They agree on the motion of one that several of them touch.

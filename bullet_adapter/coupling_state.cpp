@@ -13,7 +13,7 @@ namespace oilskin::bullet {
 
 namespace {
 
-constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 4, "saved state"};
+constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 5, "saved state"};
 
 /// Of one attached object.
 struct AttachmentState {

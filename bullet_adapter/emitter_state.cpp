@@ -24,12 +24,14 @@ void EmitterMemory::capture(const btFluidEmitter& emitter) {
   inherited_velocity = emitter.m_inheritedVelocity;
   id = emitter.m_id.value;
   volume_before = emitter.m_volumeBefore;
+  is_placed = emitter.m_isPlaced;
+  added_at = emitter.m_addedAt;
   if (const auto* rain = dynamic_cast<const btFluidRainEmitter*>(&emitter))
     drops_per_second = rain->m_dropsPerSecond;
 }
 
 void EmitterMemory::visit(Archive& archive) {
-  archive.values(kind, enabled, id, volume_before);
+  archive.values(kind, enabled, id, volume_before, is_placed, added_at);
   bullet::visit(archive, transform);
   for (btScalar* x : {&speed, &drops_per_second}) bullet::visit(archive, *x);
   bullet::visit(archive, inherited_velocity);
@@ -47,6 +49,8 @@ void EmitterMemory::apply(btFluidEmitter& emitter) const {
   emitter.m_inheritedVelocity = inherited_velocity;
   emitter.m_id.value = id;
   emitter.m_volumeBefore = volume_before;
+  emitter.m_isPlaced = is_placed;
+  emitter.m_addedAt = added_at;
   if (auto* rain = dynamic_cast<btFluidRainEmitter*>(&emitter)) rain->m_dropsPerSecond = drops_per_second;
 }
 

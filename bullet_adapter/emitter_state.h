@@ -17,6 +17,8 @@ struct EmitterMemory {
   btVector3 inherited_velocity;
   std::uint64_t id = 0;
   double volume_before = 0;
+  bool is_placed = false;
+  double added_at = 0;  // [s]
 
   void capture(const btFluidEmitter& emitter);
   void visit(Archive& archive);

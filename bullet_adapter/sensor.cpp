@@ -82,9 +82,9 @@ void Sensor::begin(Span<World* const> worlds) {
   }
 }
 
-void Sensor::forget_fluid(std::size_t k) {
+void Sensor::forget_fluid(std::size_t k, bool is_last) {
   if (k >= inside_.size()) return;
-  if (inside_.size() == 1) {
+  if (is_last) {
     *this = Sensor(object_);
     return;
   }

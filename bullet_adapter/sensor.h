@@ -33,7 +33,7 @@ class Sensor {
   /// After the step; the flow within it. `starts`: per fluid, ParticlesBefore::positions_of().
   btFluidFlow end(Span<World* const> worlds, const std::vector<std::vector<const Vec3*>>& starts);
   /// What is inside of the k-th fluid vanishes; with the last fluid all measurements do.
-  void forget_fluid(std::size_t k);
+  void forget_fluid(std::size_t k, bool is_last);
   /// The motion up to the next step is a teleport.
   void forget_motion() { teleported_ = true; }
 

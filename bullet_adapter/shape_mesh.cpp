@@ -155,6 +155,17 @@ void add_signature(const btCollisionShape& shape, int depth, std::vector<double>
   add(shape.getLocalScaling());
   if (shape.getShapeType() == CONVEX_HULL_SHAPE_PROXYTYPE)
     values->push_back(static_cast<const btConvexHullShape&>(shape).getNumPoints());
+  // Another shape of the same kind may be at the address of one that was deleted.
+  if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE) {
+    const auto& plane = static_cast<const btStaticPlaneShape&>(shape);
+    add(plane.getPlaneNormal());
+    values->push_back(static_cast<double>(plane.getPlaneConstant()));
+  } else {
+    btVector3 low, high;
+    shape.getAabb(btTransform::getIdentity(), low, high);
+    add(low);
+    add(high);
+  }
   if (shape.getShapeType() != COMPOUND_SHAPE_PROXYTYPE || depth >= max_compound_depth) return;
   const auto& compound = static_cast<const btCompoundShape&>(shape);
   for (int i = 0; i < compound.getNumChildShapes(); ++i) {

@@ -82,7 +82,7 @@ class btFluidEmitter {
 /// A round nozzle, a hose or a tap, with the flow π r² × speed.
 class btFluidDiscEmitter : public btFluidEmitter {
  public:
-  /// Radius [m], half a spacing to 10⁴ spacings of the fluid; speed [m/s].
+  /// Radius [m], half a spacing to 1000 spacings of the fluid; speed [m/s].
   explicit btFluidDiscEmitter(btScalar radius, btScalar speed = 1)
       : btFluidEmitter(speed), m_radius(radius) {}
   ~btFluidDiscEmitter() override = default;

@@ -204,6 +204,10 @@ Span<const WallImpulse> FluidSolver::wall_impulses() const {
   return impl_->state.boundary.wall_impulses();
 }
 
+Span<const WallImpulse> FluidSolver::body_impulses() const {
+  return impl_->state.boundary.body_impulses();
+}
+
 void FluidSolver::checkpoint() {
   impl_->saved_previous_dt = impl_->state.previous_dt;
   impl_->saved_model = impl_->model->memory();

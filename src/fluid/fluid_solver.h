@@ -86,6 +86,8 @@ class FluidSolver {
 
   /// What boundary terms gave to particles at walls with friction in the last propose(), ordered by particle.
   Span<const WallImpulse> wall_impulses() const;
+  /// The same of those at solid bodies.
+  Span<const WallImpulse> body_impulses() const;
 
   /// For a step that may fail: checkpoint() copies what is kept from step to step, roll_back() restores it.
   void checkpoint();

@@ -255,6 +255,10 @@ Status Attachments::take_motion(Attachment& a, bool new_surface, std::size_t nod
   if (is_new)
     if (Status s = check_mesh(m); !s.ok()) return s;
   if (Status s = check_state(m); !s.ok()) return s;
+  // Hosts take a teleport for a motion if only the world knows of it.
+  if (a.teleported && !m.body)
+    for (std::size_t i = 0; i < m.velocity.size(); ++i)
+      if (m.inverse_mass[i] == 0) m.velocity[i].setZero();
   if (is_new) {
     if (Status s = set_delta(m, a.settings, max_coordinate(kill_box), a.sharing); !s.ok()) return s;
     m.id = next_id_++;

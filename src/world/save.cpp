@@ -273,7 +273,7 @@ Status World::Impl::restore(Span<const std::uint8_t> saved) {
   if (!archive.ok()) return refuse(archive.status());
   world_settings.threads = settings.threads;
 
-  Impl restored(world_settings, of_fluid, of_contact);
+  Impl restored(world_settings, of_fluid, of_contact, workers);
   if (!restored.status.ok()) return refuse(restored.status);
   restored.effects.take_effects(effects);
   restored.state.particles.values.resize(state.particles.values.size());

@@ -8,6 +8,7 @@
 #include "core/body_motion.h"
 #include "world/absorption.h"
 #include "world/carried_mass.h"
+#include "world/gap_pressure.h"
 #include "world/numeric_range.h"
 #include "world/relocation.h"
 #include "world/roll_back.h"
@@ -237,6 +238,7 @@ void World::Impl::propose_motion(IntervalContext& interval) {
   fluid->propose(interval.dt, settings.gravity, state.particles, interval.prediction, interval.acceleration,
                  interval.velocity, found, step.report.seconds);
   step.report.fluid = interval.is_first ? found : worst_of(step.report.fluid, found);
+  press_gaps(interval);
   StageTimer timer(step.report.seconds.other_fluid);
   struct Proposed {
     double change = 0;  // the largest, squared
@@ -262,6 +264,22 @@ void World::Impl::propose_motion(IntervalContext& interval) {
   step.report.removed_invalid += all.removed;
   OILSKIN_ASSERT(all_finite(interval.x_t1) && all_finite(interval.velocity));
   state.max_acceleration = std::sqrt(all.change) / interval.dt;
+}
+
+/// With contact alone, water has no pressure at walls.
+void World::Impl::press_gaps(IntervalContext& interval) {
+  if (fluid_settings.boundary != BoundaryModel::mirrored) return;
+  StepContext& step = interval.step;
+  StageTimer timer(step.report.seconds.boundary);
+  world::GapWater water;
+  water.position = {state.particles.position.data(), interval.live};
+  water.pressure = {state.particles.pressure.data(), interval.live};
+  water.given = fluid->body_impulses();
+  water.spacing = fluid_settings.spacing;
+  water.rest_density = fluid_settings.rest_density;
+  water.gravity = settings.gravity;
+  step.energy.drive(
+      world::press_gaps(water, step.surfaces.motion, step.surfaces.geometry, interval.dt, *workers));
 }
 
 /// Whether its numbers are in range; otherwise the particle stays and is removed.

@@ -74,7 +74,6 @@ struct World::JointStep::Member {
 
 World::JointStep::JointStep(Span<World* const> worlds, double dt) : dt_(dt) {
   for (World* w : worlds) members_.push_back(std::make_unique<Member>(*w->impl_, dt));
-  for (const auto& m : members_) link(*m);
 }
 
 World::JointStep::~JointStep() {
@@ -117,6 +116,7 @@ Status World::JointStep::check(Span<World* const> worlds) {
 }
 
 void World::JointStep::run() {
+  for (const auto& m : members_) link(*m);  // the destructor takes it back, whatever throws
   for (const auto& m : members_) {
     m->roll_back_on_exception.emplace(m->impl);
     m->step.contact = &members_[0]->impl.contact_settings;

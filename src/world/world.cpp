@@ -28,13 +28,13 @@ SurfaceLoad load_of(const SurfaceMotion& surface) {
 }
 
 World::Impl::Impl(const WorldSettings& world, const FluidSettings& fluid_in,
-                  const ContactSettings& contact_in)
+                  const ContactSettings& contact_in, std::shared_ptr<Workers> given)
     : settings(world), fluid_settings(fluid_in), contact_settings(contact_in) {
   for (const Status& s : {settings.validate(), fluid_settings.validate(), contact_settings.validate()})
     if (status.ok() && !s.ok()) status = s;
   if (!status.ok()) return;
   set_smoothing(fluid_settings, settings.gravity.norm());
-  workers = std::make_shared<Workers>(settings.threads);
+  workers = given ? std::move(given) : std::make_shared<Workers>(settings.threads);
   fluid = std::make_unique<fluid::FluidSolver>(fluid_settings, workers);
   emission = std::make_unique<fluid::Emission>(fluid_settings.spacing, fluid_settings.rest_density,
                                                fluid->particle_mass());
@@ -145,8 +145,12 @@ Status World::set_slip(SurfaceId id, const SlipSettings& front, const SlipSettin
   return s;
 }
 
-Status World::add_particles(Span<const Vec3> positions, Span<const Vec3> velocities, std::uint64_t* blocked) {
+Status World::add_particles(Span<const Vec3> given_positions, Span<const Vec3> given_velocities,
+                            std::uint64_t* blocked) {
   if (!impl_->status.ok()) return impl_->status;
+  // They may be spans of this world, whose arrays are about to grow.
+  const std::vector<Vec3> positions(given_positions.begin(), given_positions.end()),
+      velocities(given_velocities.begin(), given_velocities.end());
   if (positions.size() != velocities.size())
     return Status::refused("there are " + std::to_string(positions.size()) + " positions and " +
                            std::to_string(velocities.size()) + " velocities; they must be as many");
@@ -207,8 +211,9 @@ Status World::add_velocities(Span<const Vec3> dv) {
     return Status::refused("there are " + std::to_string(dv.size()) + " values for " +
                            std::to_string(impl_->state.particles.size()) + " particles");
   for (std::size_t i = 0; i < dv.size(); ++i) {
-    impl_->state.particles.velocity[i] += dv[i];
-    impl_->state.particles.motion[i] += dv[i];
+    const Vec3 changed = impl_->state.particles.velocity[i] + dv[i];
+    impl_->state.particles.motion[i] += dv[i];  // `dv` may be these, or the velocities of this world
+    impl_->state.particles.velocity[i] = changed;
   }
   return {};
 }

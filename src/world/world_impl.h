@@ -84,7 +84,9 @@ struct World::Impl {
   template <class Emitter>
   Status add(const Emitter& emitter, EmitterId* id, const EmitterPose* pose);  // emitters.cpp
 
-  Impl(const WorldSettings& world, const FluidSettings& fluid, const ContactSettings& contact);
+  /// `workers`: of another one; null = new ones.
+  Impl(const WorldSettings& world, const FluidSettings& fluid, const ContactSettings& contact,
+       std::shared_ptr<Workers> workers = nullptr);
 
   /// A report with nothing done yet.
   void start_report(StepReport& of_step, double dt) const;
@@ -107,6 +109,7 @@ struct World::Impl {
   void act(world::IntervalContext& interval);
   void predict_contacts(world::IntervalContext& interval, contact::ContactPass& pass) const;
   void propose_motion(world::IntervalContext& interval);
+  void press_gaps(world::IntervalContext& interval);
   bool propose_end(world::IntervalContext& interval, std::size_t i) const;
   void end_interval(world::IntervalContext& interval, const ParticleMotion& motion);
   void verify(world::IntervalContext& interval, const ParticleMotion& motion) const;

@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 4, "saved state"};
+constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 5, "saved state"};
 
 /// A scene in use, and the state of another one that was built the same way.
 struct Pair {
@@ -54,7 +54,7 @@ TEST(RefusedState, damaged_bytes) {
   };
   EXPECT_EQ(pair.refusal({}), "the bytes are not a saved state");
   EXPECT_EQ(changed(0, 'o'), "the bytes are not a saved state");
-  EXPECT_EQ(changed(12, 9), "the saved state has version 9; this library reads version 4");
+  EXPECT_EQ(changed(12, 9), "the saved state has version 9; this library reads version 5");
   EXPECT_TRUE(has(changed(pair.saved.size() / 2, 77), "check sum"));
   for (std::size_t size = 0; size < pair.saved.size(); size += 1 + size / 15)
     EXPECT_NE(pair.refusal(Span<const std::uint8_t>(pair.saved).first(size)), "");

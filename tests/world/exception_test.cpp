@@ -377,5 +377,23 @@ TEST(ContactSolver, can_be_used_after_an_allocation_failed) {
   EXPECT_EQ(failing.contacts().size(), plain.contacts().size());
 }
 
+TEST(StepTogether, of_which_an_allocation_failed_leaves_no_link_between_the_worlds) {
+  for (std::uint64_t n = 1; n < 40; ++n) {
+    test::StaticMesh level;
+    level.add_rectangle(Vec3::Zero(), Vec3(0, 0, 0.1), Vec3(0.1, 0, 0));
+    World world(test::busy_world(1));
+    ASSERT_TRUE(world.attach(level, test::sheet_settings(), nullptr).ok());
+    {
+      World first(test::busy_world(1));
+      ASSERT_TRUE(first.attach(level, test::sheet_settings(), nullptr).ok());
+      World* both[] = {&first, &world};
+      allocations_left = n;
+      EXPECT_THROW(World::step_together(both, 1e-3), std::exception) << n;
+      allocations_left = 0;
+    }
+    EXPECT_EQ(world.step(1e-3).flags & flag_surface_refused, 0u) << n;
+  }
+}
+
 }  // namespace
 }  // namespace oilskin

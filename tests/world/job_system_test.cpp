@@ -150,5 +150,18 @@ TEST(JobSystem, worlds_that_are_stepped_within_tasks_have_the_same_bits) {
   EXPECT_GT(jobs.most_at_once, 1);
 }
 
+TEST(JobSystem, a_world_that_is_restored_keeps_its_own) {
+  const auto scene = make_scene(1);
+  run(*scene, 3);
+  const auto saved = save(scene->world);
+  MockJobs jobs(test::in_reverse());
+  {
+    const JobsInUse use(jobs);
+    ASSERT_TRUE(scene->world.restore(saved).ok());
+  }
+  run(*scene, 3);
+  EXPECT_EQ(jobs.loops, 0);
+}
+
 }  // namespace
 }  // namespace oilskin

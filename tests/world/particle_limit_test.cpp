@@ -79,5 +79,25 @@ TEST(ParticleLimit, is_saved) {
   EXPECT_EQ(w.particle_count(), 100u);
 }
 
+TEST(AddParticles, takes_what_the_world_gives) {
+  World world;
+  const std::vector<Vec3> x = {Vec3(0, 0, 0), Vec3(0.1, 0, 0), Vec3(0.2, 0, 0)},
+                          v = {Vec3(1, 2, 3), Vec3(4, 5, 6), Vec3(7, 8, 9)};
+  ASSERT_TRUE(world.add_particles(x, v).ok());
+  std::vector<Vec3> all = v;
+  for (int k = 0; k < 6; ++k) {  // the arrays grow
+    std::vector<Vec3> beside;
+    for (const Vec3& at : world.positions()) beside.push_back(at + Vec3(0, 0.1 * (k + 1), 0));
+    ASSERT_TRUE(world.add_particles(beside, world.velocities()).ok());
+    const std::vector<Vec3> before = all;
+    all.insert(all.end(), before.begin(), before.end());
+  }
+  ASSERT_EQ(world.particle_count(), all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(world.velocities()[i], all[i]);
+  ASSERT_TRUE(world.add_velocities(world.velocities()).ok());
+  EXPECT_EQ(world.velocities()[0], Vec3(2, 4, 6));
+  EXPECT_EQ(world.motions()[0], Vec3(2, 4, 6));
+}
+
 }  // namespace
 }  // namespace oilskin::test

@@ -22,6 +22,7 @@ void Boundary::clear() {
   geometry_.clear();
   nodes_.clear();
   wall_impulses_.clear();
+  body_impulses_.clear();
 }
 
 void Boundary::find(const BoundaryInput& input, const Workers& workers) {
@@ -77,6 +78,7 @@ void Boundary::apply_load(const std::vector<WallLoad<double>>& load, Span<const 
     surfaces_[nodes_[n].surface]->touched.push_back(nodes_[n].node);
   push_bodies(of_body);
   record_wall_impulses(load, mass_ratio);
+  record_body_impulses(load, mass_ratio);
 }
 
 /// `impulse` per node; empty = there is no body.
@@ -89,22 +91,35 @@ void Boundary::push_bodies(const std::vector<Vec3>& impulse) {
   for (SurfaceMotion* s : surfaces_) set_node_velocities(*s);
 }
 
+WallImpulse Boundary::wall_impulse(const Wall& wall, const std::vector<WallLoad<double>>& load,
+                                   Span<const float> mass_ratio) const {
+  const double theta = load[wall.point].on(wall.depth);
+  WallImpulse w;
+  w.particle = points()[wall.point].particle;
+  w.surface = wall.surface;
+  w.triangle = wall.triangle;
+  w.weights = {wall.share(0), wall.share(1), wall.share(2)};
+  w.normal = wall.gamma.cast<double>();
+  w.impulse = mass_of(mass_ratio, w.particle, mass_) * std::max(theta, 0.0) * w.normal.norm();
+  return w;
+}
+
 /// Dry friction is bounded by them, or needs to know the first layer (docs/theory/boundary.md 10).
 void Boundary::record_wall_impulses(const std::vector<WallLoad<double>>& load, Span<const float> mass_ratio) {
   wall_impulses_.clear();
   if (std::none_of(surfaces_.begin(), surfaces_.end(), [](auto* s) { return s->has_dry_friction(); })) return;
-  for (const Wall& wall : geometry_.walls()) {
-    const double theta = load[wall.point].on(wall.depth);
-    if (!surfaces_[wall.surface]->has_dry_friction()) continue;
-    WallImpulse w;
-    w.particle = points()[wall.point].particle;
-    w.surface = wall.surface;
-    w.triangle = wall.triangle;
-    w.weights = {wall.share(0), wall.share(1), wall.share(2)};
-    w.normal = wall.gamma.cast<double>();
-    w.impulse = mass_of(mass_ratio, w.particle, mass_) * std::max(theta, 0.0) * w.normal.norm();
-    wall_impulses_.push_back(w);
-  }
+  for (const Wall& wall : geometry_.walls())
+    if (surfaces_[wall.surface]->has_dry_friction())
+      wall_impulses_.push_back(wall_impulse(wall, load, mass_ratio));
+}
+
+/// Gaps have what they leave (B.46).
+void Boundary::record_body_impulses(const std::vector<WallLoad<double>>& load, Span<const float> mass_ratio) {
+  body_impulses_.clear();
+  if (compliance_.bodies().empty()) return;
+  for (const Wall& wall : geometry_.walls())
+    if (const SurfaceMotion& s = *surfaces_[wall.surface]; s.body && s.solid)
+      body_impulses_.push_back(wall_impulse(wall, load, mass_ratio));
 }
 
 }  // namespace oilskin::fluid

@@ -44,6 +44,8 @@ class Boundary {
 
   /// What the last apply_load() gave to particles at walls with friction, ordered by particle.
   const std::vector<WallImpulse>& wall_impulses() const { return wall_impulses_; }
+  /// The same of those at solid bodies.
+  const std::vector<WallImpulse>& body_impulses() const { return body_impulses_; }
 
   /// What is kept from step to step.
   LoadMemory& memory() { return memory_; }
@@ -52,7 +54,10 @@ class Boundary {
  private:
   std::vector<WallNodeMotion> node_motion(double dt, const Workers& workers) const;
   void push_bodies(const std::vector<Vec3>& impulse);
+  WallImpulse wall_impulse(const Wall& wall, const std::vector<WallLoad<double>>& load,
+                           Span<const float> mass_ratio) const;
   void record_wall_impulses(const std::vector<WallLoad<double>>& load, Span<const float> mass_ratio);
+  void record_body_impulses(const std::vector<WallLoad<double>>& load, Span<const float> mass_ratio);
 
   WallGeometry geometry_;
   WallNodes nodes_;
@@ -60,7 +65,7 @@ class Boundary {
   LoadMemory memory_;
   double mass_ = 0;  // of a new particle [kg]
   std::vector<SurfaceMotion*> surfaces_;
-  std::vector<WallImpulse> wall_impulses_;
+  std::vector<WallImpulse> wall_impulses_, body_impulses_;
 };
 
 }  // namespace oilskin::fluid
