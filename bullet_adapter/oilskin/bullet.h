@@ -220,10 +220,9 @@ class btFluidCoupling : public btActionInterface {
 
   /// Moves everything by `offset` [m], for games far from the origin: the fluids with kill boxes, sinks and
   /// emitters (World::translate()), and all attached objects, with their motion states. Nothing is swept, and
-  /// velocities, loads, touches and sums go on; positions are rounded to btScalar. The
-  /// regions of forces of btFluid::addForce() move, too. The other objects of Bullet's world are the
-  /// caller's to move. Refuses what
-  /// World::translate() and saveState() refuse, and changes nothing then. Call it between steps.
+  /// velocities, loads, touches and sums go on; positions are rounded to btScalar. The regions of forces of
+  /// btFluid::addForce() move, too. The other objects of Bullet's world are the caller's to move. Refuses
+  /// what World::translate() and saveState() refuse, and changes nothing then. Call it between steps.
   Status translate(const btVector3& offset);
 
   /// Does nothing: actions run before Bullet solves the cloth.

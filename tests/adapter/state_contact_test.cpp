@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 4, "saved state"};
+constexpr FrameKind saved_state = {{'O', 'I', 'L', 'S', 'T', 'A', 'T', 'E'}, 5, "saved state"};
 
 /// Boxes, balls and compounds that fall on a floor of triangles and a cloth, with some water.
 struct Pile {
