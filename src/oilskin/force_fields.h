@@ -46,8 +46,9 @@ struct VortexForce {
 
 /// Wind: drag of air on the free surface, ½ ρ_a |u| u (C_d A_⊥ + C_f A) with the velocity u of the air
 /// relative to the particle (G.2). A_⊥ is the area that faces the wind, A the whole area of the free surface
-/// that the particle stands for. Water within, or behind surfaces, has no such area. The step is exact for
-/// the drag alone: no wind, step or spacing gives a particle more than the velocity of the wind.
+/// that the particle stands for. Water within has no such area, nor has water with a surface less than a
+/// spacing before it. Farther away surfaces shelter nothing: a region keeps the wind out of a house. The step
+/// is exact for the drag alone: no wind, step or spacing gives a particle more than the velocity of the wind.
 struct WindForce {
   /// Where it blows.
   Region region;

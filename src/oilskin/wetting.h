@@ -79,7 +79,8 @@ class Wetting : public Effect {
   Status set_fabric(SurfaceId id, const Fabric& fabric);
   /// A surface that absorbs nothing more, such as waterproof cloth. What it holds stays.
   void set_waterproof(SurfaceId id);
-  /// C A_i of each node of a surface [kg]; empty before its first step, and where nothing is absorbed.
+  /// C A_i of each node of a surface in the last step [kg]; empty before its first one, and where nothing is
+  /// absorbed.
   Span<const double> capacity(SurfaceId id) const;
 
   std::string name() const override { return "wetting"; }

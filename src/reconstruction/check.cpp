@@ -7,7 +7,9 @@
 #include "core/disjoint_sets.h"
 #include "oilskin/reconstruction.h"
 #include "reconstruction/blobs.h"
-#include "reconstruction/obstacle_field.h"
+#include "reconstruction/line_crossings.h"
+#include "reconstruction/obstacles.h"
+#include "reconstruction/triangle_distance.h"
 #include "reconstruction/triangle_pairs.h"
 #include "reconstruction/turned_parts.h"
 
@@ -28,6 +30,9 @@ Box bounds(const WaterMesh& mesh) {
 void count_pairs(const WaterMesh& mesh, const Obstacles& obstacles, double gap, const Workers& workers,
                  MeshCheck& check) {
   const Box box = bounds(mesh);
+  // Along another axis than where the mesh is made.
+  LineCrossings crossings(mesh.positions, mesh.triangles, 0);
+  crossings.add_all();
   const double extent = (box.max - box.min).maxCoeff();
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const double reach = gap + 1e-3 * extent, above_gap = std::nextafter(gap, infinity);
@@ -212,12 +217,14 @@ MeshCheck check_mesh(const WaterMesh& mesh, Span<const ObstacleMesh> obstacle_me
   obstacles.prepare_queries(workers);
   count_pairs(mesh, obstacles, gap, workers, check);
   const Box box = bounds(mesh);
+  // Along another axis than where the mesh is made.
+  LineCrossings crossings(mesh.positions, mesh.triangles, 0);
+  crossings.add_all();
   for (const auto& piece : obstacles.pieces()) {
     const bool leaves_box = std::any_of(piece.begin(), piece.end(),
                                         [&](std::uint32_t v) { return !box.contains(obstacles.vertex(v)); });
     if (leaves_box) continue;  // it has a point outside the mesh
-    check.submerged_components +=
-        std::abs(winding_number(mesh.positions, mesh.triangles, obstacles.vertex(piece[0]), workers)) > 0.5;
+    check.submerged_components += crossings.beyond(obstacles.vertex(piece[0])) != 0;
   }
   return check;
 }

@@ -1,7 +1,6 @@
 #include "reconstruction/obstacle_field.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/assert.h"
 #include "reconstruction/film.h"
@@ -101,33 +100,15 @@ float value_at_contact(const ContactParameters& p, float visible, float all, flo
   return visible;
 }
 
-double winding_number(const std::vector<std::array<float, 3>>& positions,
-                      const std::vector<Triangle>& triangles, const Vec3& x, const Workers& workers) {
-  const auto corner = [&](std::uint32_t v) {
-    const auto& p = positions[v];
-    return Vec3(Vec3(p[0], p[1], p[2]) - x);
-  };
-  const double sum = workers.ordered_sum(triangles.size(), 4096, 0.0, [&](std::size_t from, std::size_t to) {
-    double part = 0;
-    for (std::size_t t = from; t < to; ++t) {
-      const Vec3 a = corner(triangles[t][0]), b = corner(triangles[t][1]), c = corner(triangles[t][2]);
-      const double la = a.norm(), lb = b.norm(), lc = c.norm();
-      part += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-    }
-    return part;
-  });
-  return sum / (2 * pi);
-}
-
 bool is_submerged(const Obstacles& obstacles, const std::vector<std::uint32_t>& piece, const Grid& grid,
-                  const RawMesh& mesh, const Workers& workers) {
+                  InsideTest& inside) {
   OILSKIN_ASSERT(!piece.empty());
   for (std::uint32_t v : piece) {
     const CellAt c = cell_at(grid, obstacles.vertex(v));
     // A cell without inside corners has no surface and is outside.
     if (c.block == none || inside_corners(grid, c) == 0) return false;
   }
-  return std::abs(winding_number(mesh.positions, mesh.triangles, obstacles.vertex(piece[0]), workers)) > 0.5;
+  return inside.has(obstacles.vertex(piece[0]));
 }
 
 namespace {
@@ -167,10 +148,10 @@ std::size_t put_back_in(const Box& box, const std::vector<std::array<float, 3>>&
 
 std::size_t put_back_around_enclosed(const Obstacles& obstacles, const Grid& grid,
                                      const std::vector<std::array<float, 3>>& start,
-                                     const std::vector<std::uint32_t>& moved, RawMesh& mesh,
-                                     const Workers& workers) {
+                                     const std::vector<std::uint32_t>& moved, RawMesh& mesh) {
   const std::vector<Box> swept = boxes_of_long_moves(start, moved, mesh, grid.cell);
   std::size_t vertices = 0;
+  InsideTest inside(mesh.positions, mesh.triangles);
   for (const std::vector<std::uint32_t>& piece : obstacles.pieces()) {
     Box box;
     for (const std::uint32_t v : piece) box.add(obstacles.vertex(v));
@@ -179,13 +160,12 @@ std::size_t put_back_around_enclosed(const Obstacles& obstacles, const Grid& gri
                     [&](std::uint32_t v) { return is_near_water(grid, obstacles.vertex(v) / grid.cell); }) ||
         std::any_of(swept.begin(), swept.end(), [&](const Box& b) { return b.overlaps(box); });
     if (!is_near) continue;
-    const auto is_inside = [&] {
-      const Vec3& x = obstacles.vertex(piece[0]);
-      return std::abs(winding_number(mesh.positions, mesh.triangles, x, workers)) > 0.5;
-    };
     // With all vertices at their start it is outside; no grid is wider than the last margin.
-    for (double margin = 4 * grid.cell; margin < 0x1p24 * grid.cell && is_inside(); margin *= 2)
+    for (double margin = 4 * grid.cell; margin < 0x1p24 * grid.cell && inside.has(obstacles.vertex(piece[0]));
+         margin *= 2) {
       vertices += put_back_in(box.inflated(margin), start, mesh);
+      inside.reset();
+    }
   }
   return vertices;
 }

@@ -1,6 +1,9 @@
 /// Changes of the field near obstacles, by ObstacleMode, and obstacles inside the water.
 #pragma once
 
+#include <optional>
+
+#include "reconstruction/line_crossings.h"
 #include "reconstruction/obstacle_distance.h"
 #include "reconstruction/repair.h"
 
@@ -31,22 +34,36 @@ ContactParameters contact_parameters(const ReconstructionOptions& options);
 /// `wetness`: 0 … 1, for wet.
 float value_at_contact(const ContactParameters& p, float visible, float all, float distance, float wetness);
 
+/// Is a point inside a closed mesh? Prepares itself at the first question, of which most meshes have none.
+class InsideTest {
+ public:
+  InsideTest(const std::vector<std::array<float, 3>>& positions, const std::vector<Triangle>& triangles)
+      : positions_(positions), triangles_(triangles) {}
+
+  bool has(const Vec3& x) {
+    if (!crossings_) crossings_.emplace(positions_, triangles_).add_all();
+    return crossings_->beyond(x) != 0;
+  }
+  /// The mesh has changed.
+  void reset() { crossings_.reset(); }
+
+ private:
+  const std::vector<std::array<float, 3>>& positions_;
+  const std::vector<Triangle>& triangles_;
+  std::optional<LineCrossings> crossings_;
+};
+
 /// Is a piece of an obstacle inside the water? No triangle of the mesh intersects it, so one of its points
 /// decides.
 bool is_submerged(const Obstacles& obstacles, const std::vector<std::uint32_t>& piece, const Grid& grid,
-                  const RawMesh& mesh, const Workers& workers);
+                  InsideTest& inside);
 
 /// Vertices moved from `start`, where the promise holds; `moved` are the triangles that may have passed an
 /// obstacle. Puts vertices around pieces of obstacles that are now inside the water back. Returns their
 /// number: 0 if none is inside.
 std::size_t put_back_around_enclosed(const Obstacles& obstacles, const Grid& grid,
                                      const std::vector<std::array<float, 3>>& start,
-                                     const std::vector<std::uint32_t>& moved, RawMesh& mesh,
-                                     const Workers& workers);
-
-/// Winding number of a closed mesh around a point (R.20): Σ Ω/4π [Oosterom1983].
-double winding_number(const std::vector<std::array<float, 3>>& positions,
-                      const std::vector<Triangle>& triangles, const Vec3& x, const Workers& workers);
+                                     const std::vector<std::uint32_t>& moved, RawMesh& mesh);
 
 /// The inside corners of the cell that contains x.
 std::vector<NodeRef> nodes_around(const Vec3& x, const Grid& grid);

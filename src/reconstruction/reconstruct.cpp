@@ -66,8 +66,9 @@ void Reconstruction::mesh_at_obstacles(RawMesh& mesh) {
     report.seconds.contact += watch.lap();
     polygonise(grid, with_nodes, workers, mesh);
     std::vector<std::vector<NodeRef>> around;
+    InsideTest inside(mesh.positions, mesh.triangles);
     for (const auto& piece : pieces) {
-      if (!is_submerged(obstacles, piece, grid, mesh, workers)) continue;
+      if (!is_submerged(obstacles, piece, grid, inside)) continue;
       ++report.components_freed;
       around.push_back(nodes_around(obstacles.vertex(piece[0]), grid));
       OILSKIN_ASSERT(!around.back().empty());
@@ -141,7 +142,7 @@ void Reconstruction::put_back_what_fails(const std::vector<std::array<float, 3>>
   const std::vector<std::uint32_t> moved = moved_near_obstacles(start, raw);
   for (;;) {
     report.vertices_held += put_back(obstacles, options.gap, options.clip, &moved, start, raw, workers);
-    const std::size_t freed = put_back_around_enclosed(obstacles, grid, start, moved, raw, workers);
+    const std::size_t freed = put_back_around_enclosed(obstacles, grid, start, moved, raw);
     if (freed == 0) return;
     report.vertices_held += freed;
   }

@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "oilskin/types.h"
+#include "reconstruction/line_crossings.h"
 
 namespace oilskin::reconstruction {
 
@@ -35,8 +36,7 @@ class TurnedParts {
   bool is_in_water(const Vec3& x) const;
 
  private:
-  class Crossings;
-  std::unique_ptr<Crossings> positive_;
+  std::unique_ptr<LineCrossings> positive_;
   std::vector<std::uint32_t> numbers_;
 };
 

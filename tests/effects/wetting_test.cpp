@@ -322,6 +322,23 @@ TEST(Wetting, a_restored_world_continues_bit_for_bit) {
   EXPECT_EQ(sum(first->world.absorbed(first->id)), sum(second->world.absorbed(second->id)));
 }
 
+TEST(Wetting, a_new_fabric_counts_from_the_next_step_on) {
+  WetScene s(thirsty());
+  s.step(1e-3);
+  const double before = sum(s.wetting.capacity(s.id));
+  ASSERT_GT(before, 0);
+  Fabric fabric = thirsty().fabric;
+  fabric.capacity *= 0.5;
+  ASSERT_TRUE(s.wetting.set_fabric(s.id, fabric).ok());
+  EXPECT_EQ(sum(s.wetting.capacity(s.id)), before);
+  s.step(1e-3);
+  EXPECT_NEAR(sum(s.wetting.capacity(s.id)), 0.5 * before, 1e-12);
+  s.wetting.set_waterproof(s.id);
+  EXPECT_FALSE(s.wetting.capacity(s.id).empty());
+  s.step(1e-3);
+  EXPECT_TRUE(s.wetting.capacity(s.id).empty());
+}
+
 TEST(Wetting, settings_out_of_range_are_refused) {
   for (double WettingSettings::*field : {&WettingSettings::absorption, &WettingSettings::dripping,
                                          &WettingSettings::drying, &WettingSettings::transport_interval})

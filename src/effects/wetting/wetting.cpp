@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "core/archive.h"
 #include "core/assert.h"
@@ -83,7 +84,8 @@ struct Wetting::Impl {
   double pending_at_step = 0;  // by checkpoint()
 
   // Derived from the surfaces of the last interval
-  std::map<std::uint64_t, std::unique_ptr<WettedCloth>> cloths;
+  std::map<std::uint64_t, std::shared_ptr<WettedCloth>> cloths;
+  std::set<std::uint64_t> with_new_fabric;  // since then
   std::vector<Touching> touching_particles;
 
   const Fabric* fabric_of(SurfaceId id, const SurfaceMotion& motion) const;
@@ -105,19 +107,22 @@ const Fabric* Wetting::Impl::fabric_of(SurfaceId id, const SurfaceMotion& motion
   return has_free_node(motion) ? &settings.fabric : nullptr;
 }
 
+/// If this throws, the cloths are those of the interval before.
 void Wetting::Impl::find_cloths(EffectExchange& e) {
-  std::map<std::uint64_t, std::unique_ptr<WettedCloth>> found;
+  std::map<std::uint64_t, std::shared_ptr<WettedCloth>> found;
   for (std::size_t s = 0; s < e.surfaces.size(); ++s) {
     const std::uint64_t id = e.surface_id[s].value;
     const Fabric* fabric = fabric_of(e.surface_id[s], *e.surfaces[s]);
     if (fabric == nullptr) continue;
     std::vector<Vec3> rest = rest_shape(e, s);
-    std::unique_ptr<WettedCloth>& cloth = found[id];
-    if (const auto known = cloths.find(id); known != cloths.end()) cloth = std::move(known->second);
+    std::shared_ptr<WettedCloth>& cloth = found[id];
+    const auto known = cloths.find(id);
+    if (known != cloths.end() && with_new_fabric.count(id) == 0) cloth = known->second;
     if (!cloth || !cloth->is_for(*e.surfaces[s], rest))
-      cloth = std::make_unique<WettedCloth>(*e.surfaces[s], std::move(rest), *fabric);
+      cloth = std::make_shared<WettedCloth>(*e.surfaces[s], std::move(rest), *fabric);
   }
   cloths.swap(found);
+  with_new_fabric.clear();
 }
 
 WettedCloth* Wetting::Impl::cloth_of(const EffectExchange& e, std::size_t surface) const {
@@ -205,14 +210,14 @@ const WettingSettings& Wetting::settings() const {
 
 Status Wetting::set_fabric(SurfaceId id, const Fabric& fabric) {
   if (Status s = fabric.validate(); !s.ok()) return s;
+  impl_->with_new_fabric.insert(id.value);
   impl_->fabrics[id.value] = fabric;
-  impl_->cloths.erase(id.value);
   return {};
 }
 
 void Wetting::set_waterproof(SurfaceId id) {
+  impl_->with_new_fabric.insert(id.value);
   impl_->fabrics[id.value].reset();
-  impl_->cloths.erase(id.value);
 }
 
 Span<const double> Wetting::capacity(SurfaceId id) const {
@@ -274,6 +279,7 @@ Status Wetting::restore(Span<const std::uint8_t> saved) {
   impl_->pending = read.pending;
   impl_->gathering = 0;
   impl_->cloths.clear();
+  impl_->with_new_fabric.clear();
   return {};
 }
 
