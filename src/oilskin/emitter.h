@@ -170,7 +170,7 @@ struct RainEmitter {
   Vec3 edge_v = Vec3(0, 0, 1);
   /// The rate over the whole parallelogram [1/s], > 0.
   double drops_per_second = 1000;
-  /// The radius of a drop [m]; below one spacing a drop is one particle.
+  /// The radius of a drop [m], 0 … 200 spacings of the fluid; below one spacing a drop is one particle.
   double drop_radius = 0;
   /// The velocity of all drops [m/s].
   Vec3 velocity = Vec3(0, -1, 0);

@@ -260,6 +260,7 @@ TEST(Emission, refuses_invalid_settings_with_a_message) {
   refused([&](RainEmitter& e) { e.drops_per_second = 0; }, RainEmitter{}, "drops_per_second");
   refused([&](RainEmitter& e) { e.edge_u.z() = nan; }, RainEmitter{}, "edge_u");
   refused([&](RainEmitter& e) { e.drop_radius = -1; }, RainEmitter{}, "drop_radius");
+  refused([&](RainEmitter& e) { e.drop_radius = 201 * dx; }, RainEmitter{}, "200 spacings");
   MeshEmitter mesh;
   refused([&](MeshEmitter&) {}, mesh, "no triangles");
   mesh.vertices = {Vec3::Zero(), Vec3(1, 0, 0), Vec3(0, 1, 0)};

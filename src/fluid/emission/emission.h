@@ -91,8 +91,11 @@ class Emission {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Largest number of particles of a volume: a run of as many needs about 60 GB.
+constexpr double most_points = 5e7;
+
 /// Points of the cubic lattice inside a closed mesh, by winding number. The lattice is centred in the
-/// bounding box. Refuses indices out of range and non-finite vertices.
+/// bounding box. Refuses indices out of range, non-finite vertices and more than most_points.
 Status lattice_inside(const MeshEmitter& mesh, double spacing, std::vector<Vec3>* points);
 
 }  // namespace oilskin::fluid

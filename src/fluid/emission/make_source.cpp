@@ -34,8 +34,8 @@ Status first_of(std::initializer_list<Status> all) {
   return {};
 }
 
-/// Largest number of particles of a volume: a run of as many needs about 60 GB.
-constexpr double max_points = 5e7;
+/// Largest radius of a drop of rain [spacings]: 33 million particles.
+constexpr double max_drop = 200;
 
 /// Largest radius of a nozzle [spacings]: 3 million particles in a layer.
 constexpr double max_nozzle = 1e3;
@@ -145,7 +145,7 @@ Status make_source(const BoxEmitter& e, const SourceMaterial& material, Source& 
     return refuse_value("box emitter: size", (e.box.max - e.box.min).transpose(),
                         "at least one spacing of the fluid on every axis; no particle fits in");
   }
-  if (cells.prod() > max_points)
+  if (cells.prod() > most_points)
     return refuse_value("box emitter: number of particles", cells.prod(), "at most 5e7");
   source.center = 0.5 * (e.box.min + e.box.max);
   source.sites = box_sites(e.box, cells, material.spacing);
@@ -176,8 +176,8 @@ Status make_source(const RainEmitter& e, const SourceMaterial& material, Source&
        check_drop_rate("rain emitter: drops_per_second", e.drops_per_second),
        check_times("rain emitter: start", e.start, "rain emitter: stop", e.stop)});
   if (!s.ok()) return s;
-  if (!(std::isfinite(e.drop_radius) && e.drop_radius >= 0 && e.drop_radius <= 500 * material.spacing))
-    return refuse_value("rain emitter: drop_radius", e.drop_radius, "0 … 500 spacings of the fluid");
+  if (!(std::isfinite(e.drop_radius) && e.drop_radius >= 0 && e.drop_radius <= max_drop * material.spacing))
+    return refuse_value("rain emitter: drop_radius", e.drop_radius, "0 … 200 spacings of the fluid");
   source.kind = Source::Kind::rain;
   source.sites = ball_sites(e.drop_radius, material.spacing);
   source.set_velocity(e.velocity);

@@ -138,9 +138,13 @@ Status lattice_inside(const MeshEmitter& mesh, double spacing, std::vector<Vec3>
   }
   RowCrossings crossings(mesh, lattice);
   for (std::int64_t k = 0; k < lattice.n[2]; ++k)
-    for (std::int64_t j = 0; j < lattice.n[1]; ++j)
+    for (std::int64_t j = 0; j < lattice.n[1]; ++j) {
       fill_row(mesh, lattice, crossings.row(static_cast<std::size_t>(j + lattice.n[1] * k)), lattice.at(1, j),
                lattice.at(2, k), *points);
+      if (static_cast<double>(points->size()) <= most_points) continue;
+      *points = {};
+      return refuse("mesh emitter: more than 5e7 particles; use a smaller mesh or a larger spacing");
+    }
   return {};
 }
 
